@@ -1,0 +1,51 @@
+#pragma once
+// One compiled tape per list of outputs: topologically sorted, common subexpressions once, registers reused.
+// The same tape runs over columns (blocks of rows, SIMD) and on one point (the right-hand side of an ODE).
+//
+// Switches. Every distinct switching node (sign(x), abs(x), min, max, and each comparison) has a switching function
+// g: x for sign and abs, a - b for min, max and a > b (b - a for a < b). Nodes that share the same g up to the node
+// itself (sign(v) and abs(v)) share one switch. In a *frozen* run the branch of each switch is given by
+// mode[i] = +1 or -1 in place of the sign of g, so that the right-hand side is smooth within a mode; the values of g
+// are written so that the integrator can find where a mode ends. mode[i] = 0 means: take the branch by the sign of g.
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "expr/expr.hpp"
+
+namespace lunid {
+
+class Tape {
+ public:
+  Tape() = default;
+  /// `inputs` are symbols, in the order of the values given to run. Throws InputError when an output depends on a
+  /// symbol that is not among them, naming the symbol.
+  Tape(std::span<const Expr> outputs, std::span<const Expr> inputs);
+
+  int inputs() const;
+  int outputs() const;
+  int switches() const;
+  int registers() const;  ///< size of the scratch space that run_point needs
+  int instructions() const;
+  /// The switching function g of each switch, in order.
+  const std::vector<Expr>& switching_functions() const;
+
+  /// Point run; branches by the sign of g. `scratch` has registers() doubles. No allocation, no throw.
+  void run_point(const double* in, double* out, double* scratch) const noexcept;
+  /// Point run in a frozen mode; `mode` and `g` have switches() entries. `g` may be null.
+  void run_frozen(const double* in, const std::int8_t* mode, double* out, double* g, double* scratch) const noexcept;
+  /// Switching functions only (g has switches() entries).
+  void run_switches(const double* in, double* g, double* scratch) const noexcept;
+
+  /// Column run, in blocks: in[i] points to `rows` values of input i (or to one value when stride[i] == 0);
+  /// out[j] receives `rows` values. Same bits as run_point on each row. Allocates only its scratch.
+  void run_columns(std::span<const double* const> in, std::span<const int> stride, std::size_t rows,
+                   std::span<double* const> out) const;
+
+ private:
+  struct Program;
+  std::shared_ptr<const Program> program_;
+};
+
+}  // namespace lunid

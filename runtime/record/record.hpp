@@ -1,0 +1,111 @@
+#pragma once
+// A measured record: channels over one even time base, in SI, with the noise of each channel.
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "expr/error.hpp"
+
+namespace lunid {
+
+/// One channel of a record. Names are the language's: F y v a (y_reference and other extra columns keep their header).
+struct Channel {
+  std::string name;
+  std::string unit;         ///< SI unit after conversion ("m"), "" when none was given
+  std::string source;       ///< header as found in the file
+  std::string source_unit;  ///< unit as found ("mm")
+  Eigen::VectorXd values;
+  double noise = 0;      ///< standard deviation of the channel's own noise, estimated (noise_level)
+  bool derived = false;  ///< true for v, a computed from other channels
+};
+
+/// Value type; copies and windows share the columns.
+class Record {
+ public:
+  Record() = default;
+  /// Throws InputError (Fault::data) when channels differ in length, names repeat, or there are no rows.
+  Record(std::string name, double t0, double dt, std::vector<Channel> channels);
+
+  const std::string& name() const { return name_; }  ///< the file's path, as given
+  Eigen::Index rows() const { return count_; }
+  double dt() const { return dt_; }      ///< [s]
+  double start() const { return t0_ + dt_ * static_cast<double>(first_); }   ///< [s] of the first row of the window
+  double duration() const { return dt_ * static_cast<double>(count_ - 1); }  ///< [s]
+  double time(Eigen::Index row) const { return start() + dt_ * static_cast<double>(row); }
+  bool has(std::string_view channel) const;
+  /// Values of a channel within the window. Throws InputError naming the channels that there are.
+  std::span<const double> operator[](std::string_view channel) const;
+  const Channel& channel(std::string_view channel) const;
+  const std::vector<Channel>& channels() const { return *channels_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }  ///< what reading found (rounded time, ...)
+  void warn(std::string text) { warnings_.push_back(std::move(text)); }
+
+  /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the record has.
+  Record window(double from, double to) const;
+  /// Rows [first, first + count) of this window.
+  Record slice(Eigen::Index first, Eigen::Index count) const;
+  /// This record with a channel added or replaced (length of the whole window).
+  Record with(Channel channel) const;
+
+ private:
+  std::string name_;
+  double t0_ = 0, dt_ = 1;
+  Eigen::Index first_ = 0, count_ = 0;
+  std::shared_ptr<const std::vector<Channel>> channels_;
+  std::vector<std::string> warnings_;
+};
+
+/// "t=time" or "y=disp [mm]" or "F=load (kN)": channel, header in the file, unit (optional).
+struct ColumnMap {
+  std::string channel;
+  std::string header;
+  std::string unit;  ///< "" : take the header's, else SI
+};
+/// Reads `--columns "t=time,y=disp [mm],F=load [kN]"`. Throws InputError (Fault::usage).
+std::vector<ColumnMap> parse_columns(std::string_view text);
+
+struct ReadOptions {
+  std::vector<ColumnMap> columns;  ///< empty: t F y v a by name, units from the headers
+  bool resample = false;           ///< a really uneven time base is resampled to its median step
+};
+
+/// Reads a CSV file: separator , ; or tab (found), comments with #, header with names and units ("y [mm]", "F (kN)").
+/// Derives v and a when absent (derive_motion) and estimates each channel's noise.
+/// Throws InputError (Fault::data) with file and line: missing or empty file, decimal comma, text or NaN in a number
+/// column, a row of another length, two columns of one name, time that runs backwards or is uneven, fewer than 6 rows.
+Record read_csv(const std::string& path, const ReadOptions& options = {});
+/// Writes t and the channels in SI with units in the header; atomically; reads back to the same doubles.
+void write_csv(const Record& record, const std::string& path);
+
+/// Factor to SI and the SI unit of "mm", "kN", "in", "lbf", "deg", "g", "ms", "V", "mm/s", "m/s^2" ...;
+/// nullopt when unknown.
+struct SiUnit {
+  double factor;
+  std::string unit;
+};
+std::optional<SiUnit> si_unit(std::string_view unit);
+
+// ---- derivatives.cpp ----
+/// Savitzky-Golay smoothing (derivative = 0) or derivative of an evenly sampled signal: polynomial `order` over
+/// `2 * half_width + 1` samples, one-sided fits at the ends. (Savitzky & Golay 1964, Anal. Chem. 36, 1627.)
+struct SavitzkyGolay {
+  int half_width = 5;
+  int order = 3;
+};
+Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative, const SavitzkyGolay& options);
+/// The window that a signal of this noise calls for: the widest whose smoothing bias stays below the noise that it
+/// leaves (order 3 or 5; at least order + 2 samples).
+SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative);
+/// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad bands,
+/// taken over the whole bandwidth. 0 for a constant signal.
+double noise_level(std::span<const double> x);
+/// This record with smoothed `v` and `a` added where absent (marked derived). Needs `y`, or `v`, or `a`.
+Record derive_motion(const Record& record);
+/// The dominant angular frequency [rad/s] of a signal: the power-weighted centre of its spectrum's largest peak.
+double dominant_frequency(std::span<const double> x, double dt);
+
+}  // namespace lunid

@@ -1,0 +1,106 @@
+#pragma once
+// Free runs. Two ways to integrate, one answer (docs/methods.md): the record-locked fixed-step path for fits and free
+// runs on sampled forces; SUNDIALS for events to tolerance, stiff models and as the check of the fast path.
+#include <Eigen/Core>
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "record/record.hpp"
+#include "simulate/model.hpp"
+
+namespace lunid {
+
+/// What the force does between its samples: part of the model (docs/methods.md).
+enum class Interpolation { hold, linear, cubic, band_limited };
+std::string to_string(Interpolation);
+
+/// A force on an even time base, ready for integration: values on a refined grid of the samples.
+class Excitation {
+ public:
+  Excitation() = default;
+  /// F at t0 + i*dt. Throws InputError when fewer than 2 samples or a value is not finite.
+  Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation = Interpolation::linear);
+  /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples).
+  Excitation(double t0, double dt, Eigen::Index rows, std::function<double(double)> force);
+
+  Eigen::Index rows() const { return rows_; }
+  double t0() const { return t0_; }
+  double dt() const { return dt_; }
+  Interpolation interpolation() const { return interpolation_; }
+  double at(double t) const;  ///< F(t); constant beyond the ends
+  /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
+  /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1.
+  Eigen::VectorXd refined(int substeps) const;
+
+ private:
+  double t0_ = 0, dt_ = 1;
+  Eigen::Index rows_ = 0;
+  Interpolation interpolation_ = Interpolation::linear;
+  Eigen::VectorXd samples_;
+  std::function<double(double)> function_;
+};
+
+enum class Solver { automatic, fixed, bdf, adams, explicit_rk };
+std::string to_string(Solver);
+/// "auto" "fixed" "bdf" "adams" "explicit". Throws InputError with the choices.
+Solver solver_from(std::string_view name);
+
+struct SimulateOptions {
+  Solver solver = Solver::automatic;  ///< automatic: fixed; BDF where the explicit path is limited by stability
+  double rtol = 1e-8;                 ///< SUNDIALS, > 0
+  double atol = 0;                    ///< SUNDIALS, >= 0; 0: rtol times the scale of each state
+  int substeps = 0;                   ///< fixed path, per sample; 0: chosen by halving
+  double bound = 0;                   ///< |y| beyond which a run counts as exploded; 0: 1e6 times the motion's scale
+  int max_events = 1000000;           ///< switches in a run; beyond it the run stops with a message
+  const std::atomic<bool>* cancelled = nullptr;  ///< set by Ctrl-C; throws InputError(Fault::interrupted)
+};
+
+/// What a run did.
+struct RunSummary {
+  std::string solver;      ///< "fixed RK4, 2 substeps" | "CVODE BDF" | ...
+  bool completed = true;   ///< false: stopped early (exploded, too many events, solver failure)
+  double stopped_at = 0;   ///< [s], when not completed
+  std::string cause;       ///< in words, when not completed
+  long steps = 0, evaluations = 0, events = 0;
+  double stuck = 0;        ///< [s] spent sticking (sliding on a switch)
+  double error = 0;        ///< largest difference to the run with half the step, over std(y); fixed path, when checked
+  double seconds = 0;
+};
+
+/// A run on the samples of its excitation. Rows after stopped_at are NaN.
+struct Run {
+  double t0 = 0, dt = 1;
+  Eigen::MatrixXd x;      ///< rows x states: y v z...
+  Eigen::VectorXd a;      ///< acceleration [m/s^2]
+  RunSummary summary;
+};
+
+/// Integrates from x0 (size states()) over the excitation. theta has parameters() values.
+/// Throws InputError for wrong sizes or non-finite values; a failed run is a result.
+Run simulate(const System& system, std::span<const double> theta, const Excitation& excitation,
+             const Eigen::VectorXd& x0, const SimulateOptions& options = {});
+
+/// A run with exact sensitivities of y (and of v) to theta and x0, jumps at switches included (saltation).
+struct SensitivityRun {
+  Run run;
+  Eigen::MatrixXd dy;  ///< rows x (p + n): dy/dtheta, dy/dx0
+  Eigen::MatrixXd dv;  ///< the same for v
+};
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
+                                      const Excitation& excitation, const Eigen::VectorXd& x0,
+                                      const SimulateOptions& options = {});
+
+/// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows), internal states included;
+/// with exact derivatives to theta (rows x p) when `dforce` is given.
+Eigen::VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
+                              Eigen::MatrixXd* dforce = nullptr);
+
+/// Substeps per sample at which halving the step changes y by less than `tolerance` * std(y).
+int choose_substeps(const System& system, std::span<const double> theta, const Excitation& excitation,
+                    const Eigen::VectorXd& x0, double tolerance = 1e-5);
+
+}  // namespace lunid
