@@ -1,0 +1,92 @@
+#include "expr/derivative.hpp"
+
+#include <unordered_map>
+
+#include "expr/op.hpp"
+#include "expr/walk.hpp"
+
+namespace lunid {
+namespace slope {
+namespace {
+
+/// Splits the constant in front off a product: 3*k*y is 3 and k*y. Looks at a few factors only, so that a product
+/// of 10^5 factors does not cost its length at every use.
+double take_coefficient(Expr& a) {
+  constexpr int few = 16;
+  Expr spine[few];
+  int depth = 0;
+  Expr first = a;
+  while (depth < few && first.op() == Op::mul) {
+    spine[depth++] = first;
+    first = first.arguments()[0];
+  }
+  if (first.op() == Op::neg && depth > 0) {
+    Expr rest = first.arguments()[0];
+    while (depth > 0) rest = rest * spine[--depth].arguments()[1];
+    a = rest;
+    return -1;
+  }
+  if (!first.is_constant() || depth == 0) return 1;
+  Expr rest = spine[--depth].arguments()[1];
+  while (depth > 0) rest = rest * spine[--depth].arguments()[1];
+  a = rest;
+  return first.value();
+}
+
+}  // namespace
+
+bool zero(Expr a) { return a.is_constant(0); }
+
+Expr plus(Expr a, Expr b) {
+  if (zero(a)) return b;
+  if (zero(b)) return a;
+  return a == b ? times(a.pool().constant(2), a) : a + b;
+}
+
+Expr minus(Expr a, Expr b) {
+  if (zero(b)) return a;
+  return zero(a) ? negative(b) : a - b;
+}
+
+Expr times(Expr a, Expr b) {
+  if (zero(a) || zero(b)) return a.pool().constant(0);
+  if (a.is_constant(1)) return b;
+  if (b.is_constant(1)) return a;
+  double coefficient = 1;
+  if (a.is_constant()) {
+    coefficient = a.value() * take_coefficient(b);
+    return coefficient * b;
+  }
+  if (b.is_constant()) return times(b, a);
+  coefficient = take_coefficient(a) * take_coefficient(b);
+  return (coefficient * a) * b;
+}
+
+Expr over(Expr a, Expr b) { return zero(a) ? a : a / b; }
+Expr negative(Expr a) { return zero(a) ? a : -a; }
+
+Expr choose(Expr condition, Expr a, Expr b) {
+  if (a.is_constant() && a == b) return a;
+  return a.pool().apply(Op::where, {condition, a, b});
+}
+
+}  // namespace slope
+
+Expr derivative(Expr f, Expr symbol) {
+  if (!symbol.is_symbol()) throw InputError("derivative: expected a symbol, got '" + to_text(symbol) + "'");
+  std::unordered_map<std::uint32_t, Expr> slopes;
+  const Expr none = f.pool().constant(0), one = f.pool().constant(1);
+  for (const Expr& node : post_order(f)) {
+    const auto arguments = node.arguments();
+    Expr d[3];
+    bool moves = false;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      d[i] = slopes.at(arguments[i].id());
+      moves |= !slope::zero(d[i]);
+    }
+    slopes.emplace(node.id(), node == symbol ? one : moves ? row_of(node.op()).derivative(node, d) : none);
+  }
+  return slopes.at(f.id());
+}
+
+}  // namespace lunid

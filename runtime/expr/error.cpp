@@ -1,0 +1,66 @@
+#include "expr/error.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace lunid {
+namespace {
+
+std::string located(const std::string& message, const SourceSpan& where) {
+  if (where.file.empty()) return message;
+  std::string text = where.file + ":";
+  if (where.line > 0) text += std::to_string(where.line) + ":";
+  if (where.line > 0 && where.column > 0) text += std::to_string(where.column) + ":";
+  return text + " " + message;
+}
+
+std::string lower_case(const std::string& word) {
+  std::string text = word;
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Optimal string alignment distance: insertions, deletions, replacements and swaps of two neighbours.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+InputError::InputError(std::string message, SourceSpan where, Fault fault)
+    : std::runtime_error(located(message, where)),
+      message_(std::move(message)),
+      where_(std::move(where)),
+      fault_(fault) {}
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string typed = lower_case(word);
+  const std::size_t limit = std::max<std::size_t>(2, word.size() / 3);
+  std::string best;
+  std::size_t best_score = 0;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(typed, lower_case(candidate));
+    // A word that shares no letter with the candidate is not near it, however short both are.
+    if (distance > limit || distance >= std::max(word.size(), candidate.size())) continue;
+    // Among equals the one with the same first letter: people mistype the middle of a word.
+    const bool same_start = !typed.empty() && !candidate.empty() && typed[0] == lower_case(candidate)[0];
+    const std::size_t score = 2 * distance + (same_start ? 0 : 1);
+    if (best.empty() || score < best_score) best = candidate, best_score = score;
+  }
+  return best;
+}
+
+}  // namespace lunid
