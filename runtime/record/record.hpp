@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "expr/error.hpp"
@@ -67,6 +68,8 @@ struct ColumnMap {
 };
 /// Reads `--columns "t=time,y=disp [mm],F=load [kN]"`. Throws InputError (Fault::usage).
 std::vector<ColumnMap> parse_columns(std::string_view text);
+/// One of these: channel "y" or "displacement", text "disp [mm]".
+ColumnMap parse_column(std::string_view channel, std::string_view text);
 
 struct ReadOptions {
   std::vector<ColumnMap> columns;  ///< empty: t F y v a by name, units from the headers

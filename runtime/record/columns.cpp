@@ -1,0 +1,227 @@
+#include "record/columns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
+namespace lunid {
+namespace {
+
+/// A channel of the language, the words that a header may use for it (lower case), and its SI units.
+struct Meaning {
+  std::string_view channel;
+  std::array<std::string_view, 4> words;
+  std::array<std::string_view, 5> units;
+};
+constexpr std::array meanings{
+    Meaning{"t", {"time"}, {"s"}},
+    Meaning{"F", {"force", "load"}, {"N", "N m", "V", "A"}},
+    Meaning{"y", {"displacement", "disp", "position"}, {"m", "rad", "V"}},
+    Meaning{"v", {"velocity", "vel", "speed"}, {"m/s", "rad/s", "V"}},
+    Meaning{"a", {"acceleration", "acc", "accel"}, {"m/s^2", "rad/s^2", "V"}},
+};
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+/// 2: the channel's own name or word for word a synonym; 1: a weaker likeness (other case, x for y); 0: none.
+int likeness(const Meaning& meaning, std::string_view name) {
+  if (name == meaning.channel) return 2;
+  const std::string word = lower(name);
+  for (std::string_view synonym : meaning.words)
+    if (!synonym.empty() && word == synonym) return 2;
+  if (word == lower(meaning.channel) || (meaning.channel == "y" && word == "x")) return 1;
+  return 0;
+}
+
+bool fits(const Meaning& meaning, std::string_view si) {
+  return si.empty() || std::find(meaning.units.begin(), meaning.units.end(), si) != meaning.units.end();
+}
+
+const Meaning* meaning_of(std::string_view channel) {
+  for (const Meaning& meaning : meanings)
+    if (meaning.channel == channel) return &meaning;
+  return nullptr;
+}
+
+std::string list_headers(const std::vector<HeaderCell>& header) {
+  std::string text;
+  for (const HeaderCell& cell : header) text += (text.empty() ? "'" : ", '") + cell.text + "'";
+  return text;
+}
+
+/// The column that `map` asks for.
+std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map, const SourceSpan& where) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    if (header[i].text == map.header || header[i].name == map.header) return i;
+    names.push_back(header[i].name);
+  }
+  const std::string near = nearest_word(map.header, names);
+  throw InputError("no column '" + map.header + "' for channel '" + map.channel + "'; the file has " +
+                       list_headers(header) + (near.empty() ? "" : "; did you mean '" + near + "'?"),
+                   where, Fault::data);
+}
+
+/// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
+std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
+                                        const Meaning& meaning, const SourceSpan& where) {
+  for (int strength : {2, 1}) {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < header.size(); ++i) {
+      if (plans[i].required || likeness(meaning, header[i].name) != strength) continue;
+      const auto si = si_unit(header[i].unit);
+      if (strength == 1 && si && !fits(meaning, si->unit)) continue;  // V [V] is a voltage
+      if (found)
+        throw InputError("both '" + header[*found].text + "' and '" + header[i].text + "' may be channel '" +
+                             std::string(meaning.channel) + "': choose with columns, such as \"" +
+                             std::string(meaning.channel) + "=" + header[i].text + "\"",
+                         where, Fault::data);
+      found = i;
+    }
+    if (found) return found;
+  }
+  return std::nullopt;
+}
+
+void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where,
+              std::vector<std::string>& warnings) {
+  if (unit.empty()) {
+    if (const Meaning* meaning = meaning_of(plan.channel)) plan.unit = meaning->units[0];
+    return;
+  }
+  const auto si = si_unit(unit);
+  if (!si && plan.required)
+    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(),
+                     where, Fault::data);
+  if (!si) {
+    plan.unit = unit;
+    warnings.push_back("column '" + plan.header.text + "': unknown unit '" + unit + "', taken as it is");
+    return;
+  }
+  plan.factor = si->factor;
+  plan.unit = si->unit;
+  const Meaning* meaning = meaning_of(plan.channel);
+  if (!meaning || fits(*meaning, si->unit)) return;
+  const std::string text = "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
+  if (plan.channel == "t") throw InputError(text + ", expected s, ms, us or min", where, Fault::data);
+  warnings.push_back(text);
+}
+
+void check_repeats(const std::vector<HeaderCell>& header, const SourceSpan& where) {
+  for (std::size_t i = 0; i < header.size(); ++i)
+    for (std::size_t j = i + 1; j < header.size(); ++j)
+      if (header[i].name == header[j].name)
+        throw InputError("two columns of one name: columns " + std::to_string(i + 1) + " and " +
+                             std::to_string(j + 1) + " are both '" + header[i].name + "'",
+                         where, Fault::data);
+}
+
+/// Columns without a meaning become extra channels under their own names.
+void plan_extra(ColumnPlan& plan, const std::vector<ColumnPlan>& plans, const SourceSpan& where,
+                std::vector<std::string>& warnings) {
+  std::string name = plan.header.name;
+  for (const ColumnPlan& other : plans)
+    if (other.required && other.channel == name) name = "column " + plan.header.name;
+  plan.channel = name;
+  set_unit(plan, plan.header.unit, where, warnings);
+}
+
+}  // namespace
+
+std::string_view trim(std::string_view text) {
+  const auto space = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; };
+  while (!text.empty() && space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+HeaderCell split_header(std::string_view text) {
+  text = trim(text);
+  HeaderCell cell{std::string(text), std::string(text), ""};
+  for (const char* pair : {"[]", "()"}) {
+    const std::size_t open = text.rfind(pair[0]);
+    if (text.empty() || text.back() != pair[1] || open == std::string_view::npos || open == 0) continue;
+    cell.name = trim(text.substr(0, open));
+    cell.unit = trim(text.substr(open + 1, text.size() - open - 2));
+    return cell;
+  }
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos || slash == 0) return cell;
+  const std::string name(trim(text.substr(0, slash))), unit(trim(text.substr(slash + 1)));
+  const bool channel =
+      std::any_of(meanings.begin(), meanings.end(), [&](const Meaning& m) { return likeness(m, name) == 2; });
+  if (channel || si_unit(unit)) {
+    cell.name = name;
+    cell.unit = unit;
+  }
+  return cell;
+}
+
+std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
+                                     const SourceSpan& where, std::vector<std::string>& warnings) {
+  check_repeats(header, where);
+  std::vector<ColumnPlan> plans(header.size());
+  const auto assign = [&](std::size_t i, std::string channel, const std::string& unit) {
+    plans[i].channel = std::move(channel);
+    plans[i].required = true;
+    set_unit(plans[i], unit.empty() ? header[i].unit : unit, where, warnings);
+  };
+  for (std::size_t i = 0; i < header.size(); ++i) plans[i].header = header[i];
+  for (const ColumnMap& map : options.columns) {
+    const std::size_t i = find_header(header, map, where);
+    if (plans[i].required)
+      throw InputError("column '" + header[i].text + "' is asked for twice, as '" + plans[i].channel + "' and '" +
+                           map.channel + "'",
+                       where, Fault::data);
+    assign(i, map.channel, map.unit);
+  }
+  for (const Meaning& meaning : meanings) {
+    const bool mapped = std::any_of(plans.begin(), plans.end(),
+                                    [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
+    if (mapped) continue;
+    if (const auto i = find_meaning(header, plans, meaning, where)) assign(*i, std::string(meaning.channel), "");
+  }
+  if (std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
+    throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
+                         "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
+                     where, Fault::data);
+  for (ColumnPlan& plan : plans)
+    if (!plan.required) plan_extra(plan, plans, where, warnings);
+  return plans;
+}
+
+ColumnMap parse_column(std::string_view channel, std::string_view text) {
+  const HeaderCell cell = split_header(text);
+  std::string name(trim(channel));
+  for (const Meaning& meaning : meanings)
+    if (likeness(meaning, name) == 2) name = meaning.channel;
+  return {name, cell.name, cell.unit};
+}
+
+std::vector<ColumnMap> parse_columns(std::string_view text) {
+  std::vector<ColumnMap> maps;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    std::size_t end = begin;
+    for (int depth = 0; end < text.size() && (depth > 0 || text[end] != ','); ++end)
+      depth += text[end] == '[' || text[end] == '(' ? 1 : text[end] == ']' || text[end] == ')' ? -1 : 0;
+    const std::string_view item = trim(text.substr(begin, end - begin));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos || equals == 0 || trim(item.substr(equals + 1)).empty())
+      throw InputError("columns: expected channel=header, such as \"t=time,y=disp [mm]\", got '" + std::string(item) +
+                           "'",
+                       {}, Fault::usage);
+    maps.push_back(parse_column(item.substr(0, equals), item.substr(equals + 1)));
+    for (std::size_t i = 0; i + 1 < maps.size(); ++i)
+      if (maps[i].channel == maps.back().channel)
+        throw InputError("columns: channel '" + maps.back().channel + "' is given twice", {}, Fault::usage);
+    begin = end + 1;
+  }
+  return maps;
+}
+
+}  // namespace lunid

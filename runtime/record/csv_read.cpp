@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include "record/csv_table.hpp"
+#include "record/time_base.hpp"
+
+namespace lunid {
+namespace {
+
+/// The time base of a table whose column `time` holds the stamps, which become seconds.
+TimeBase time_base(CsvTable& table, std::size_t time, const std::string& path, bool resample,
+                   std::vector<std::string>& warnings) {
+  const double factor = table.plans[time].factor;
+  std::vector<double>& t = table.columns[time];
+  std::vector<double> resolution(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    resolution[i] = factor * table.time_digits.resolution(t[i]);
+    t[i] *= factor;
+  }
+  return fit_time_base(t, resolution, table.lines, path, resample, warnings);
+}
+
+Channel make_channel(const ColumnPlan& plan, std::span<const double> values, std::span<const double> t,
+                     const TimeBase& base) {
+  Channel channel;
+  channel.name = plan.channel;
+  channel.unit = plan.unit;
+  channel.source = plan.header.text;
+  channel.source_unit = plan.header.unit;
+  channel.values = base.resampled ? resample(t, values, base)
+                                  : Eigen::Map<const Eigen::VectorXd>(values.data(), base.rows).eval();
+  if (plan.factor != 1) channel.values *= plan.factor;
+  channel.noise = noise_level({channel.values.data(), static_cast<std::size_t>(channel.values.size())});
+  return channel;
+}
+
+}  // namespace
+
+Record read_csv(const std::string& path, const ReadOptions& options) {
+  std::vector<std::string> warnings;
+  CsvTable table = parse_table(path, read_text(path), options, warnings);
+  const auto is_time = [](const ColumnPlan& plan) { return plan.channel == "t"; };
+  const auto time = static_cast<std::size_t>(
+      std::find_if(table.plans.begin(), table.plans.end(), is_time) - table.plans.begin());
+  if (table.plans.size() < 2)
+    throw InputError("expected a column of numbers beside the time", {path, table.header_line}, Fault::data);
+  const TimeBase base = time_base(table, time, path, options.resample, warnings);
+
+  std::vector<Channel> channels;
+  for (std::size_t i = 0; i < table.plans.size(); ++i) {
+    if (i == time) continue;
+    channels.push_back(make_channel(table.plans[i], table.columns[i], table.columns[time], base));
+    std::vector<double>().swap(table.columns[i]);
+  }
+  Record record(path, base.t0, base.dt, std::move(channels));
+  for (std::string& warning : warnings) record.warn(std::move(warning));
+  return record.has("y") || record.has("v") || record.has("a") ? derive_motion(record) : record;
+}
+
+}  // namespace lunid

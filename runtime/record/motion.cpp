@@ -1,0 +1,74 @@
+// Velocity and acceleration where they were not measured, and displacement where only its derivatives were.
+#include <cmath>
+
+#include "record/record.hpp"
+#include "record/savitzky_golay.hpp"
+#include "record/spectrum.hpp"
+
+namespace lunid {
+namespace {
+
+std::string unit_of(const std::string& from, int derivative) {
+  const std::string base = from.substr(0, from.find('/'));
+  if (base != "m" && base != "rad") return "";
+  return derivative == 0 ? base : derivative == 1 ? base + "/s" : base + "/s^2";
+}
+
+/// The smoothed derivative of a channel, with the noise that the filter lets through.
+Channel differentiate(const Record& record, const std::string& from, const std::string& name, int derivative, int rank) {
+  const Channel& source = record.channel(from);
+  const std::span<const double> x = record[from];
+  const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
+  Channel channel;
+  channel.name = name;
+  channel.unit = unit_of(source.unit, rank);
+  channel.values = savitzky_golay(x, record.dt(), derivative, filter);
+  channel.noise = source.noise * savitzky_golay_noise(record.dt(), derivative, filter);
+  channel.derived = true;
+  return channel;
+}
+
+/// Integral by cubics through four samples (error of order dt^4), rid of its least-squares polynomial.
+Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
+  const std::size_t n = x.size();
+  Eigen::VectorXd sum(static_cast<Eigen::Index>(n));
+  sum[0] = 0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const bool inside = i > 0 && i + 2 < n;
+    const double mean = inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
+    sum[static_cast<Eigen::Index>(i) + 1] = sum[static_cast<Eigen::Index>(i)] + dt * mean;
+  }
+  return detrend({sum.data(), n}, degree);
+}
+
+/// The integral of a channel. Integrated white noise is a random walk; rid of its line it has the mean variance
+/// noise^2 dt^2 n / 15 (of a Brownian motion on [0, 1]: 1/6 about its mean, less 1/10 in its slope).
+Channel integral(const Record& record, const std::string& from, const std::string& name, int degree, int rank) {
+  const Channel& source = record.channel(from);
+  Channel channel;
+  channel.name = name;
+  channel.unit = unit_of(source.unit, rank);
+  channel.values = integrate(record[from], record.dt(), degree);
+  channel.noise = source.noise * record.dt() * std::sqrt(static_cast<double>(record.rows()) / 15);
+  channel.derived = true;
+  return channel;
+}
+
+}  // namespace
+
+Record derive_motion(const Record& record) {
+  const bool y = record.has("y"), v = record.has("v"), a = record.has("a");
+  if (!y && !v && !a)
+    throw InputError("expected a displacement y, a velocity v or an acceleration a to derive the motion from",
+                     {record.name()}, Fault::data);
+  if (record.rows() < 6)
+    throw InputError("expected at least 6 rows, got " + std::to_string(record.rows()), {record.name()}, Fault::data);
+  Record result = record;
+  if (!v) result = result.with(y ? differentiate(result, "y", "v", 1, 1) : integral(result, "a", "v", 1, 1));
+  // Twice integrated, an offset of the accelerometer is a parabola.
+  if (!y) result = result.with(integral(result, "v", "y", v ? 1 : 2, 0));
+  if (!a) result = result.with(v ? differentiate(result, "v", "a", 1, 2) : differentiate(result, "y", "a", 2, 2));
+  return result;
+}
+
+}  // namespace lunid

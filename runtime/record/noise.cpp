@@ -1,0 +1,117 @@
+// The level of white noise under a signal, and the signal's dominant frequency: both read off the spectrum.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "record/record.hpp"
+#include "record/spectrum.hpp"
+
+namespace lunid {
+namespace {
+
+double median(std::vector<double> x) {
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  if (x.size() % 2) return *middle;
+  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
+}
+
+/// Median over mean of a chi-square variable of `dof` degrees of freedom (Wilson & Hilferty 1931).
+double median_over_mean(double dof) { return std::pow(1 - 2 / (9 * dof), 3); }
+
+/// Least distance of two different values: the step of a quantised signal, next to nothing for any other.
+double value_step(std::span<const double> x) {
+  std::vector<double> sorted(x.begin(), x.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double same = 1e-9 * (sorted.back() - sorted.front());  // the same value but for rounding
+  double step = sorted.back() - sorted.front();
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double d = sorted[i] - sorted[i - 1];
+    if (d > same) step = std::min(step, d);
+  }
+  return step;
+}
+
+/// For records too short for a spectrum: differences of order m leave of a smooth signal little, of white noise of
+/// variance s^2 the variance s^2 binomial(2m, m). The lowest over the orders.
+double noise_by_differences(std::span<const double> x) {
+  std::vector<double> d(x.begin(), x.end());
+  double lowest = std::numeric_limits<double>::infinity(), binomial = 1;
+  for (int m = 1; m <= 6 && d.size() > 3; ++m) {
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
+    d.pop_back();
+    for (double value : d) sum += value * value;
+    binomial *= 2.0 * (2 * m - 1) / m;
+    lowest = std::min(lowest, std::sqrt(sum / static_cast<double>(d.size()) / binomial));
+  }
+  return std::isfinite(lowest) ? lowest : 0;
+}
+
+/// The lowest level over broad bands of the spectrum; bands that differ from the lowest by no more than chance are
+/// pooled with it, because the lowest of several equals would be too low.
+double floor_of(const Spectrum& spectrum, double samples) {
+  const Eigen::Index bins = spectrum.density.size();
+  const Eigen::Index bands = std::clamp<Eigen::Index>(bins / 8, 2, 8);
+  // Degrees of freedom of a bin: 2 for each independent segment (half-overlapping Hann segments: 36/19 of the
+  // number of disjoint ones, Welch 1967).
+  const double dof = std::max(2.0, 2 * 36.0 / 19 * samples / static_cast<double>(spectrum.length) - 1);
+  std::vector<double> levels;
+  for (Eigen::Index b = 0; b < bands; ++b) {
+    const Eigen::Index first = 1 + b * (bins - 2) / bands, last = 1 + (b + 1) * (bins - 2) / bands;
+    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) / median_over_mean(dof));
+  }
+  const double lowest = *std::min_element(levels.begin(), levels.end());
+  // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's efficiency 2/pi.
+  const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(bands) / samples);
+  double sum = 0, count = 0;
+  for (double level : levels) {
+    if (level > lowest * (1 + 4 * scatter)) continue;
+    sum += level;
+    ++count;
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+double noise_level(std::span<const double> x) {
+  if (x.size() < 2) return 0;
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  if (!(*high > *low)) return 0;
+  const double least = 0.5 * value_step(x) / std::sqrt(12.0);
+  const auto n = static_cast<Eigen::Index>(x.size());
+  if (n < 64) return std::max(least, noise_by_differences(x));
+  const Eigen::Index length = std::clamp<Eigen::Index>(power_of_two_below(n / 6), 32, 1024);
+  return std::max(least, std::sqrt(floor_of(welch(x, length), static_cast<double>(n))));
+}
+
+double dominant_frequency(std::span<const double> x, double dt) {
+  const auto n = static_cast<Eigen::Index>(x.size());
+  if (n < 4) return 0;
+  Eigen::VectorXd part = detrend(x, 1);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n));
+    part[i] *= s * s;
+  }
+  const Eigen::Index length = 2 * power_of_two_above(n);
+  const Eigen::VectorXd power = half_spectrum({part.data(), x.size()}, length).cwiseAbs2();
+  // Less than three quarters of a cycle in the whole record is drift.
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(0.75 * static_cast<double>(length) / static_cast<double>(n)));
+  Eigen::Index peak = lowest;
+  power.segment(lowest, power.size() - lowest).maxCoeff(&peak);
+  peak += lowest;
+  if (!(power[peak] > 0)) return 0;
+  double weight = 0, moment = 0;
+  const auto add = [&](Eigen::Index k) {
+    weight += power[k];
+    moment += power[k] * static_cast<double>(k);
+  };
+  add(peak);
+  for (Eigen::Index k = peak + 1; k < power.size() && power[k] > 0.1 * power[peak]; ++k) add(k);
+  for (Eigen::Index k = peak - 1; k >= lowest && power[k] > 0.1 * power[peak]; --k) add(k);
+  return 2 * std::numbers::pi * moment / weight / (static_cast<double>(length) * dt);
+}
+
+}  // namespace lunid

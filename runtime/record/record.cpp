@@ -1,0 +1,103 @@
+#include "record/record.hpp"
+
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace lunid {
+namespace {
+
+constexpr Eigen::Index least_rows = 6;
+
+std::string names_of(const std::vector<Channel>& channels) {
+  std::string text;
+  for (const Channel& channel : channels) text += (text.empty() ? "" : ", ") + channel.name;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+Record::Record(std::string name, double t0, double dt, std::vector<Channel> channels)
+    : name_(std::move(name)), t0_(t0), dt_(dt) {
+  if (!std::isfinite(t0) || !std::isfinite(dt) || dt <= 0)
+    throw InputError("record: expected a finite start and a time step > 0", {name_}, Fault::data);
+  if (channels.empty() || channels.front().values.size() == 0)
+    throw InputError("record: expected at least one row", {name_}, Fault::data);
+  count_ = channels.front().values.size();
+  std::set<std::string> seen;
+  for (const Channel& channel : channels) {
+    if (channel.values.size() != count_)
+      throw InputError("record: channel '" + channel.name + "' has " + std::to_string(channel.values.size()) +
+                           " rows, channel '" + channels.front().name + "' has " + std::to_string(count_),
+                       {name_}, Fault::data);
+    if (!seen.insert(channel.name).second)
+      throw InputError("record: two channels are named '" + channel.name + "'", {name_}, Fault::data);
+  }
+  channels_ = std::make_shared<const std::vector<Channel>>(std::move(channels));
+}
+
+bool Record::has(std::string_view channel) const {
+  if (!channels_) return false;
+  for (const Channel& candidate : *channels_)
+    if (candidate.name == channel) return true;
+  return false;
+}
+
+const Channel& Record::channel(std::string_view channel) const {
+  static const std::vector<Channel> none;
+  const std::vector<Channel>& channels = channels_ ? *channels_ : none;
+  for (const Channel& candidate : channels)
+    if (candidate.name == channel) return candidate;
+  throw InputError("no channel '" + std::string(channel) + "': the record has " + names_of(channels), {name_},
+                   Fault::data);
+}
+
+std::span<const double> Record::operator[](std::string_view channel) const {
+  return {this->channel(channel).values.data() + first_, static_cast<std::size_t>(count_)};
+}
+
+Record Record::slice(Eigen::Index first, Eigen::Index count) const {
+  if (first < 0 || count < 1 || first + count > count_)
+    throw InputError("slice: rows " + std::to_string(first + 1) + " to " + std::to_string(first + count) +
+                         " are outside the record, which has " + std::to_string(count_) + " rows",
+                     {name_}, Fault::data);
+  Record part = *this;
+  part.first_ = first_ + first;
+  part.count_ = count;
+  return part;
+}
+
+Record Record::window(double from, double to) const {
+  // A time that is meant as a row's must find it in spite of rounding: a part in a million of a step is forgiven.
+  const double slack = 1e-6;
+  const double low = std::ceil((from - start()) / dt_ - slack), high = std::floor((to - start()) / dt_ + slack);
+  const double first = std::max(low, 0.0), last = std::min(high, static_cast<double>(count_ - 1));
+  if (!(last - first + 1 >= static_cast<double>(least_rows))) {
+    std::ostringstream text;
+    text << "window " << from << " to " << to << " s: expected at least " << least_rows
+         << " rows, the record has t = " << start() << " to " << start() + duration() << " s in steps of " << dt_
+         << " s";
+    throw InputError(text.str(), {name_}, Fault::data);
+  }
+  return slice(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first) + 1);
+}
+
+Record Record::with(Channel channel) const {
+  std::vector<Channel> channels;
+  bool replaced = false;
+  for (const Channel& old : *channels_) {
+    if (old.name == channel.name) {
+      channels.push_back(channel);
+      replaced = true;
+    } else {
+      channels.push_back(old);
+      channels.back().values = old.values.segment(first_, count_).eval();
+    }
+  }
+  if (!replaced) channels.push_back(std::move(channel));
+  Record result(name_, start(), dt_, std::move(channels));
+  result.warnings_ = warnings_;
+  return result;
+}
+
+}  // namespace lunid

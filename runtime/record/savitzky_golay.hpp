@@ -1,0 +1,14 @@
+#pragma once
+// What a Savitzky-Golay filter does, beside its use in record.hpp.
+#include <Eigen/Core>
+
+#include "record/record.hpp"
+
+namespace lunid {
+
+/// Weights of the middle of the window, 2*half_width + 1 of them, for samples one apart.
+Eigen::VectorXd savitzky_golay_weights(int derivative, const SavitzkyGolay& options);
+/// Standard deviation of the filter's output when its input is white noise of standard deviation 1.
+double savitzky_golay_noise(double dt, int derivative, const SavitzkyGolay& options);
+
+}  // namespace lunid

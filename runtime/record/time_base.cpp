@@ -1,0 +1,182 @@
+#include "record/time_base.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace lunid {
+namespace {
+
+std::string number(double value) {
+  std::ostringstream text;
+  text.precision(6);
+  text << value;
+  return text.str();
+}
+
+double median(std::vector<double> x) {
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
+/// Least-squares line t = t0 + i*dt.
+TimeBase fit_line(std::span<const double> t) {
+  const double n = static_cast<double>(t.size()), centre = (n - 1) / 2;
+  double mean = 0, slope = 0;
+  for (double value : t) mean += (value - t[0]) / n;
+  for (std::size_t i = 0; i < t.size(); ++i) slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
+  slope /= n * (n * n - 1) / 12;
+  return {t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(t.size()), false};
+}
+
+struct Deviation {
+  double largest = 0, rms = 0;
+  bool within_rounding = true;
+};
+
+Deviation deviation(std::span<const double> t, std::span<const double> resolution, const TimeBase& base) {
+  Deviation result;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double d = std::abs(t[i] - base.t0 - base.dt * static_cast<double>(i));
+    // Half a unit of the last digit, and what the fit of the line itself may be off.
+    if (d > 0.55 * resolution[i] + 1e-7 * base.dt) result.within_rounding = false;
+    result.largest = std::max(result.largest, d);
+    result.rms += d * d / static_cast<double>(t.size());
+  }
+  result.rms = std::sqrt(result.rms);
+  return result;
+}
+
+double rounded(double value, int digits) {
+  std::ostringstream text;
+  text.precision(digits);
+  text << value;
+  return std::stod(text.str());
+}
+
+/// The roundest step (in its own digits, or as a rate) that explains the stamps as well: 0.00125, 1/300.
+TimeBase tidy(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
+  const double span = static_cast<double>(t.size() - 1);
+  const double slack = std::max(resolution[0] / std::sqrt(span), 1e-9 * line.dt);
+  for (int digits = 1; digits <= 15; ++digits) {
+    for (double dt : {rounded(line.dt, digits), 1 / rounded(1 / line.dt, digits)}) {
+      if (std::abs(dt - line.dt) * span > slack) continue;
+      TimeBase base = line;
+      base.dt = dt;
+      base.t0 = t[0];
+      if (deviation(t, resolution, base).within_rounding) return base;
+      base.t0 = line.t0 + (line.dt - dt) * span / 2;
+      if (deviation(t, resolution, base).within_rounding) return base;
+    }
+  }
+  return line;
+}
+
+std::string list_lines(const std::vector<std::size_t>& rows, std::span<const int> lines) {
+  constexpr std::size_t shown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(rows.size(), shown); ++i)
+    text += (i ? ", " : "") + std::to_string(lines[rows[i]]);
+  if (rows.size() > shown) text += ", ... (" + std::to_string(rows.size()) + " places)";
+  return text;
+}
+
+void check_increasing(std::span<const double> t, std::span<const int> lines, const std::string& path) {
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    if (t[i] > t[i - 1]) continue;
+    const std::string stamps = "t = " + number(t[i]) + " s after t = " + number(t[i - 1]) + " s";
+    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps, {path, lines[i]},
+                     Fault::data);
+  }
+}
+
+/// Rows before which whole rows are missing, where the other steps are even; else empty.
+std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const double> resolution, double step) {
+  std::vector<std::size_t> gaps;
+  std::size_t odd = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    const double d = t[i] - t[i - 1];
+    if (d > 1.5 * step) gaps.push_back(i);
+    else if (std::abs(d - step) > 0.05 * step + resolution[i]) ++odd;
+  }
+  if (odd * 20 > t.size() || gaps.size() * 5 > t.size()) gaps.clear();
+  return gaps;
+}
+
+}  // namespace
+
+TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
+                       const std::string& path, bool resample, std::vector<std::string>& warnings) {
+  if (t.size() < 6)
+    throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
+  std::vector<double> steps(t.size() - 1);
+  for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
+  const double step = median(steps);
+
+  const TimeBase line = fit_line(t);
+  const Deviation found = deviation(t, resolution, line);
+  // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row; only a steady mixture is rounding.
+  const double coarse = resolution.back() > 0.6 * step;
+  std::size_t unusual = 0;
+  for (double d : steps) unusual += std::abs(d - step) > 0.5 * step;
+  const bool rounding = line.dt > 0 && found.within_rounding && (!coarse || unusual == 0 || unusual * 20 > t.size());
+  if (rounding) {
+    if (found.largest > 1e-3 * line.dt)
+      warnings.push_back("time stamps are rounded by up to " + number(found.largest) + " s: taken as even");
+    return tidy(t, resolution, line);
+  }
+
+  check_increasing(t, lines, path);
+  const std::vector<std::size_t> gaps = find_gaps(t, resolution, step);
+  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::floor((t.back() - t[0]) / step + 1e-6)) + 1, true};
+  if (!gaps.empty()) {
+    const std::size_t row = gaps[0];
+    const auto missing = std::lround((t[row] - t[row - 1]) / step) - 1;
+    const std::string text = "gap: " + std::to_string(missing) + (missing == 1 ? " row is" : " rows are") +
+                             " missing before t = " + number(t[row]) + " s";
+    const std::string where = gaps.size() > 1 ? "; gaps before lines " + list_lines(gaps, lines) : "";
+    if (!resample)
+      throw InputError(text + where + "; cut the record there, or set resample = true to interpolate",
+                       {path, lines[row]}, Fault::data);
+    warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated");
+    return even;
+  }
+  if (found.rms < 0.02 * line.dt && found.largest < 0.5 * line.dt) {
+    warnings.push_back("time stamps jitter by " + number(found.rms) + " s rms (" +
+                       number(100 * found.rms / line.dt) + " % of the step): taken as even");
+    return line;
+  }
+  const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
+  const std::string text = "time is uneven: steps from " + number(*least) + " to " + number(*most) + " s, median " +
+                           number(step) + " s";
+  if (!resample) {
+    const auto row = static_cast<std::size_t>(most - steps.begin()) + 1;
+    throw InputError(text + "; the largest ends here; set resample = true to interpolate to the median step",
+                     {path, lines[row]}, Fault::data);
+  }
+  warnings.push_back(text + ": resampled to the median step");
+  return even;
+}
+
+Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base) {
+  Eigen::VectorXd result(base.rows);
+  const std::size_t last = t.size() - 1;
+  std::size_t k = 0;  // t[k] <= time < t[k + 1]
+  for (Eigen::Index i = 0; i < base.rows; ++i) {
+    const double time = base.t0 + base.dt * static_cast<double>(i);
+    while (k + 1 < last && t[k + 1] <= time) ++k;
+    const std::size_t first = std::min(k > 0 ? k - 1 : 0, last - 3);
+    double sum = 0;
+    for (std::size_t p = first; p < first + 4; ++p) {
+      double weight = 1;
+      for (std::size_t q = first; q < first + 4; ++q)
+        if (q != p) weight *= (time - t[q]) / (t[p] - t[q]);
+      sum += weight * x[p];
+    }
+    result[i] = sum;
+  }
+  return result;
+}
+
+}  // namespace lunid
