@@ -10,25 +10,28 @@ constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 class Assembler {
  public:
-  Assembler(const Values& values, std::size_t inputs, std::span<const std::uint32_t> results)
-      : constants_(values.constants),
-        list_(values.list),
-        inputs_(inputs),
+  Assembler(const Values& values, const Layout& layout, std::span<const Result> results)
+      : list_(values.list),
+        layout_(layout),
         results_(results),
         uses_(list_.size(), 0),
         last_use_(list_.size(), 0),
         register_(list_.size(), nowhere) {}
 
   Assembly assemble() {
+    code_.registers = layout_.temporaries;
     count_uses();
     for (std::size_t i = list_.size(); i-- > 0;)
       if (uses_[i] > 0) fuse(list_[i]);
     find_last_uses();
-    place_inputs_and_constants();
+    for (std::uint32_t i = 0; i < list_.size(); ++i) place(i);
+    for (const Result& r : results_) reserve(r);
     for (std::uint32_t i = 0; i < list_.size(); ++i)
-      if (uses_[i] > 0 && register_[i] == nowhere) emit(i);
+      if (uses_[i] > 0 && !is_given(list_[i])) emit(i);
+    for (const Result& r : results_)
+      if (list_[r.value].code != Code::constant && register_[r.value] != r.place)
+        code_.instructions.push_back({Code::copy, r.place, register_[r.value], 0, 0, 0});
     code_.instructions.push_back({Code::done, 0, 0, 0, 0, 0});
-    for (const std::uint32_t r : results_) code_.results.push_back(register_[r]);
     return std::move(code_);
   }
 
@@ -44,7 +47,7 @@ class Assembler {
 
   /// Uses of each value by what the results need; 0 for the rest. Users stand behind their operands.
   void count_uses() {
-    for (const std::uint32_t r : results_) ++uses_[r];
+    for (const Result& r : results_) ++uses_[r.value];
     for (std::size_t i = list_.size(); i-- > 0;)
       if (uses_[i] > 0) each_operand(list_[i], [this](std::uint32_t operand) { ++uses_[operand]; });
   }
@@ -60,42 +63,43 @@ class Assembler {
   /// Takes own products into their user: fewer dispatches, fewer trips through memory. Sums and products may be
   /// turned round (x + y is y + x to the last bit), never regrouped.
   void fuse(Value& v) {
+    if (v.code != Code::mul && v.code != Code::add && v.code != Code::sub) return;
     const bool left = own_product(v.a), right = own_product(v.b);
     if (!left && !right) return;
     if (v.code == Code::mul) {
       const Value p = take(left ? v.a : v.b);
       v = {Code::mul3, p.a, p.b, left ? v.b : v.a};
-    } else if (v.code == Code::add || v.code == Code::sub) {
-      const bool sum = v.code == Code::add;
-      if (left && right && v.a != v.b) {
-        const Value p = take(v.a), q = take(v.b);
-        v = {sum ? Code::mul_add_mul : Code::mul_sub_mul, p.a, p.b, q.a, q.b};
-      } else if (left) {
-        const Value p = take(v.a);
-        v = {sum ? Code::mul_add : Code::mul_sub, p.a, p.b, v.b};
-      } else {
-        const Value p = take(v.b);
-        v = {sum ? Code::mul_add : Code::sub_mul, p.a, p.b, v.a};
-      }
+      return;
+    }
+    const bool sum = v.code == Code::add;
+    if (left && right) {
+      const Value p = take(v.a), q = take(v.b);
+      v = {sum ? Code::mul_add_mul : Code::mul_sub_mul, p.a, p.b, q.a, q.b};
+    } else if (left) {
+      const Value p = take(v.a);
+      v = {sum ? Code::mul_add : Code::mul_sub, p.a, p.b, v.b};
+    } else {
+      const Value p = take(v.b);
+      v = {sum ? Code::mul_add : Code::sub_mul, p.a, p.b, v.a};
     }
   }
 
   void find_last_uses() {
     for (std::uint32_t i = 0; i < list_.size(); ++i)
       if (uses_[i] > 0) each_operand(list_[i], [this, i](std::uint32_t operand) { last_use_[operand] = i; });
-    for (const std::uint32_t r : results_) last_use_[r] = nowhere;
+    for (const Result& r : results_) last_use_[r.value] = nowhere;
   }
 
-  /// All inputs keep their places, used or not; constants only where they are used. Neither is ever overwritten.
-  void place_inputs_and_constants() {
-    for (std::uint32_t i = 0; i < inputs_; ++i) register_[i] = i;
-    code_.registers = static_cast<int>(inputs_);
-    for (std::uint32_t i = 0; i < list_.size(); ++i) {
-      if (uses_[i] == 0 || list_[i].code != Code::constant) continue;
-      register_[i] = static_cast<std::uint32_t>(code_.registers++);
-      code_.constants.push_back(constants_[list_[i].a]);
-    }
-    first_temporary_ = static_cast<std::uint32_t>(code_.registers);
+  static bool is_given(const Value& v) { return v.code == Code::input || v.code == Code::constant; }
+
+  /// Inputs and constants have their places in the layout and are never overwritten.
+  void place(std::uint32_t i) {
+    if (is_given(list_[i])) register_[i] = list_[i].a + (list_[i].code == Code::constant ? layout_.inputs : 0);
+  }
+
+  /// A computed result goes straight to its place; a second place of the same value is filled by a copy.
+  void reserve(const Result& r) {
+    if (register_[r.value] == nowhere) register_[r.value] = r.place;
   }
 
   void emit(std::uint32_t i) {
@@ -104,32 +108,62 @@ class Assembler {
     for (int k = 0; k < operand_count(v); ++k) {
       std::uint32_t& operand = operands[static_cast<std::size_t>(k)];
       const std::uint32_t place = register_[operand];
-      if (last_use_[operand] == i && place >= first_temporary_) {
+      if (last_use_[operand] == i && place >= layout_.temporaries) {
         free_.push_back(place);
         last_use_[operand] = nowhere;  // free it once, also in x*x
       }
       operand = place;
     }
-    if (free_.empty()) free_.push_back(static_cast<std::uint32_t>(code_.registers++));
-    register_[i] = free_.back();
-    free_.pop_back();
+    if (register_[i] == nowhere) register_[i] = temporary();
     code_.instructions.push_back({v.code, register_[i], operands[0], operands[1], operands[2], operands[3]});
   }
 
-  const std::vector<double>& constants_;
+  std::uint32_t temporary() {
+    if (free_.empty()) return code_.registers++;
+    const std::uint32_t place = free_.back();
+    free_.pop_back();
+    return place;
+  }
+
   std::vector<Value> list_;
-  std::size_t inputs_;
-  std::span<const std::uint32_t> results_;
+  const Layout& layout_;
+  std::span<const Result> results_;
   std::vector<std::uint32_t> uses_, last_use_, register_;
   std::vector<std::uint32_t> free_;
-  std::uint32_t first_temporary_ = 0;
   Assembly code_;
 };
 
 }  // namespace
 
-Assembly assemble(const Values& values, std::size_t inputs, std::span<const std::uint32_t> results) {
-  return Assembler(values, inputs, results).assemble();
+Layout lay_out(const Values& values, std::size_t inputs) {
+  Layout layout;
+  layout.inputs = static_cast<std::uint32_t>(inputs);
+  layout.constants = values.constants;
+  layout.outputs = static_cast<std::uint32_t>(inputs + values.constants.size());
+  layout.switches = layout.outputs + static_cast<std::uint32_t>(values.outputs.size());
+  layout.temporaries = layout.switches + static_cast<std::uint32_t>(values.switch_values.size());
+  for (const Result& r : output_results(values, layout))
+    if (const Value& v = values.list[r.value]; v.code == Code::constant)
+      layout.constant_results.emplace_back(r.place, values.constants[v.a]);
+  return layout;
+}
+
+std::vector<Result> output_results(const Values& values, const Layout& layout) {
+  std::vector<Result> results;
+  for (const std::uint32_t v : values.outputs)
+    results.push_back({v, layout.outputs + static_cast<std::uint32_t>(results.size())});
+  return results;
+}
+
+std::vector<Result> switch_results(const Values& values, const Layout& layout) {
+  std::vector<Result> results;
+  for (const std::uint32_t v : values.switch_values)
+    results.push_back({v, layout.switches + static_cast<std::uint32_t>(results.size())});
+  return results;
+}
+
+Assembly assemble(const Values& values, const Layout& layout, std::span<const Result> results) {
+  return Assembler(values, layout, results).assemble();
 }
 
 }  // namespace lunid

@@ -18,19 +18,23 @@ void rows(double* dst, F f) {
   for (std::size_t i = 0; i < block; ++i) dst[i] = f(i);
 }
 
+/// The widest vectors that the machine has; every lane rounds as a scalar does, so the bits are the same.
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+__attribute__((target_clones("avx2", "default")))
+#endif
 void step(const Instruction& at, double* const* r) {
   double* dst = r[at.dst];
   const double* a = r[at.a];
-  const bool called = at.code == Code::call;
   const bool four = at.code == Code::mul_add_mul || at.code == Code::mul_sub_mul;
   const double *b = r[at.b], *c = r[at.c], *d = four ? r[at.d] : nullptr;
-  if (called) {
+  if (at.code == Code::call) {
     const auto value = row_of(static_cast<Op>(at.d)).value;
     for (std::size_t i = 0; i < block; ++i) dst[i] = value(a[i], b[i], c[i]);
     return;
   }
   using namespace branch;
   switch (at.code) {
+    case Code::copy: return rows(dst, [=](std::size_t i) { return a[i]; });
     case Code::add: return rows(dst, [=](std::size_t i) { return a[i] + b[i]; });
     case Code::sub: return rows(dst, [=](std::size_t i) { return a[i] - b[i]; });
     case Code::mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i]; });
@@ -57,39 +61,55 @@ void step(const Instruction& at, double* const* r) {
   }
 }
 
-/// Registers of one block each. Inputs with stride 1 are read in place, all others live in one allocation.
+/// Registers of one block each. Whole blocks of inputs with stride 1 are read in place and whole blocks of outputs
+/// written in place; the rest lives in one allocation.
 class Blocks {
  public:
-  Blocks(const Assembly& code, std::span<const double* const> in, std::span<const int> stride)
-      : in_(in), stride_(stride), memory_(block * static_cast<std::size_t>(code.registers)) {
-    for (int r = 0; r < code.registers; ++r) places_.push_back(memory_.data() + block * static_cast<std::size_t>(r));
-    for (std::size_t k = 0; k < code.constants.size(); ++k)
-      std::fill_n(places_[in.size() + k], block, code.constants[k]);
+  Blocks(const Layout& layout, std::size_t registers, std::span<const double* const> in, std::span<const int> stride,
+         std::span<double* const> out)
+      : layout_(layout), in_(in), stride_(stride), out_(out), memory_(block * registers) {
+    for (std::size_t r = 0; r < registers; ++r) places_.push_back(own(r));
+    for (std::size_t k = 0; k < layout.constants.size(); ++k)
+      std::fill_n(own(layout.inputs + k), block, layout.constants[k]);
     for (std::size_t i = 0; i < in.size(); ++i)
-      if (stride[i] == 0) std::fill_n(places_[i], block, *in[i]);
+      if (stride[i] == 0) std::fill_n(own(i), block, *in[i]);
   }
 
-  /// Makes the inputs of rows first .. first + count ready.
-  void load(std::size_t first, std::size_t count) {
-    for (std::size_t i = 0; i < in_.size(); ++i) {
-      if (stride_[i] == 0) continue;
-      const double* from = in_[i] + first * static_cast<std::size_t>(stride_[i]);
-      double* own = memory_.data() + block * i;
-      if (stride_[i] == 1 && count == block) {
-        places_[i] = const_cast<double*>(from);  // inputs are never written
-        continue;
-      }
-      places_[i] = own;
-      for (std::size_t k = 0; k < count; ++k) own[k] = from[k * static_cast<std::size_t>(stride_[i])];
-      std::fill(own + count, own + block, own[0]);  // the rest of the last block: any valid row
-    }
+  /// Makes rows first .. first + count ready: their inputs, and where their outputs go.
+  void open(std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < in_.size(); ++i)
+      if (stride_[i] != 0) open_input(i, in_[i] + first * static_cast<std::size_t>(stride_[i]), count);
+    for (std::size_t j = 0; j < out_.size(); ++j)
+      places_[layout_.outputs + j] = count == block ? out_[j] + first : own(layout_.outputs + j);
+    for (const auto& [place, value] : layout_.constant_results) std::fill_n(places_[place], count, value);
+  }
+
+  /// Hands over the outputs of an unfinished block.
+  void close(std::size_t first, std::size_t count) {
+    if (count == block) return;
+    for (std::size_t j = 0; j < out_.size(); ++j) std::copy_n(own(layout_.outputs + j), count, out_[j] + first);
   }
 
   double* const* places() const { return places_.data(); }
 
  private:
+  double* own(std::size_t r) { return memory_.data() + block * r; }
+
+  void open_input(std::size_t i, const double* from, std::size_t count) {
+    const std::size_t stride = static_cast<std::size_t>(stride_[i]);
+    if (stride == 1 && count == block) {
+      places_[i] = const_cast<double*>(from);  // no instruction writes to an input
+      return;
+    }
+    places_[i] = own(i);
+    for (std::size_t k = 0; k < count; ++k) own(i)[k] = from[k * stride];
+    std::fill(own(i) + count, own(i) + block, from[0]);  // fills the block up with a valid row
+  }
+
+  const Layout& layout_;
   std::span<const double* const> in_;
   std::span<const int> stride_;
+  std::span<double* const> out_;
   std::vector<double> memory_;
   std::vector<double*> places_;
 };
@@ -98,22 +118,19 @@ class Blocks {
 
 void Tape::run_columns(std::span<const double* const> in, std::span<const int> stride, std::size_t rows,
                        std::span<double* const> out) const {
-  const Assembly& code = program_->values;
-  if (in.size() != static_cast<std::size_t>(program_->inputs) || stride.size() != in.size() ||
-      out.size() != code.results.size())
-    throw InputError("tape: expected " + std::to_string(program_->inputs) + " columns in and " +
-                     std::to_string(code.results.size()) + " out, got " + std::to_string(in.size()) + " and " +
+  const Program& program = *program_;
+  if (in.size() != program.layout.inputs || stride.size() != in.size() || out.size() != program.outputs)
+    throw InputError("tape: expected " + std::to_string(program.layout.inputs) + " columns in and " +
+                     std::to_string(program.outputs) + " out, got " + std::to_string(in.size()) + " and " +
                      std::to_string(out.size()));
-  Blocks blocks(code, in, stride);
+  if (rows == 0) return;
+  Blocks blocks(program.layout, program.values.registers, in, stride, out);
   for (std::size_t first = 0; first < rows; first += block) {
     const std::size_t count = std::min(block, rows - first);
-    blocks.load(first, count);
-    for (const Instruction& at : code.instructions) {
-      if (at.code == Code::done) break;
-      step(at, blocks.places());
-    }
-    for (std::size_t j = 0; j < out.size(); ++j)
-      std::copy_n(blocks.places()[code.results[j]], count, out[j] + first);
+    blocks.open(first, count);
+    for (const Instruction* at = program.values.instructions.data(); at->code != Code::done; ++at)
+      step(*at, blocks.places());
+    blocks.close(first, count);
   }
 }
 

@@ -9,28 +9,25 @@ namespace lunid {
 namespace slope {
 namespace {
 
-/// Splits the constant in front off a product: 3*k*y is 3 and k*y. Looks at a few factors only, so that a product
-/// of 10^5 factors does not cost its length at every use.
+/// Splits the constant in front off a product: 3*k*y is 3 and k*y, -k*y is -1 and k*y. Looks at a few factors only, so
+/// that a product of 10^5 factors does not cost its length at every use.
 double take_coefficient(Expr& a) {
   constexpr int few = 16;
-  Expr spine[few];
-  int depth = 0;
+  std::vector<Expr> others;  // the factors behind the first
   Expr first = a;
-  while (depth < few && first.op() == Op::mul) {
-    spine[depth++] = first;
-    first = first.arguments()[0];
+  for (; first.op() == Op::mul && others.size() < few; first = first.arguments()[0])
+    others.push_back(first.arguments()[1]);
+  double coefficient = -1;
+  if (first.op() == Op::neg) {
+    others.push_back(first.arguments()[0]);
+  } else if (first.is_constant() && !others.empty()) {
+    coefficient = first.value();
+  } else {
+    return 1;
   }
-  if (first.op() == Op::neg && depth > 0) {
-    Expr rest = first.arguments()[0];
-    while (depth > 0) rest = rest * spine[--depth].arguments()[1];
-    a = rest;
-    return -1;
-  }
-  if (!first.is_constant() || depth == 0) return 1;
-  Expr rest = spine[--depth].arguments()[1];
-  while (depth > 0) rest = rest * spine[--depth].arguments()[1];
-  a = rest;
-  return first.value();
+  a = others.back();
+  for (others.pop_back(); !others.empty(); others.pop_back()) a = a * others.back();
+  return coefficient;
 }
 
 }  // namespace
@@ -52,13 +49,13 @@ Expr times(Expr a, Expr b) {
   if (zero(a) || zero(b)) return a.pool().constant(0);
   if (a.is_constant(1)) return b;
   if (b.is_constant(1)) return a;
-  double coefficient = 1;
+  if (b.is_constant()) return a.is_constant() ? a * b : times(b, a);
+  if (b.op() == Op::div) return over(times(a, b.arguments()[0]), b.arguments()[1]);
   if (a.is_constant()) {
-    coefficient = a.value() * take_coefficient(b);
+    const double coefficient = a.value() * take_coefficient(b);
     return coefficient * b;
   }
-  if (b.is_constant()) return times(b, a);
-  coefficient = take_coefficient(a) * take_coefficient(b);
+  const double coefficient = take_coefficient(a) * take_coefficient(b);
   return (coefficient * a) * b;
 }
 

@@ -6,10 +6,12 @@
 //   comparison: sum (('>' | '<' | '>=' | '<=') sum)?         only as the first argument of where()
 //   sum: product (('+' | '-') product)*       product: unary (('*' | '/') unary)*
 //   unary: '-' unary | power                   power: atom ('^' unary)?      (right associative)
-//   atom: number | name | function '(' args ')' | '(' sum ')'
+//   atom: number | 'pi' | name | function '(' args ')' | '(' sum ')'
+// A comparison may stand in the first argument of where() and nowhere else; any other condition means `> 0`.
 //
-// NaN and infinity: simplification is only what is safe for them (constant folding, x+0, x*1, x/1, x^1, -(-x));
-// never x/x -> 1 nor 0*x -> 0, except in the derivative pass, which drops structural zeros.
+// NaN and infinity: simplification is only what is safe for them (constant folding, x+0, x*1, x/1, x^1, -(-x), signs
+// moved to the front: x + -k*y is x - k*y, -(k*y) is -k*y); never x/x -> 1 nor 0*x -> 0, except in the derivative
+// pass, which drops structural zeros. x^n with an integer |n| <= 16 is a product by binary powering, everywhere.
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -72,14 +74,16 @@ class Pool {
   Pool& operator=(const Pool&) = delete;
 
   Expr constant(double value);
-  /// Throws InputError when `name` exists with another kind, or is a word of the language (a function's name).
+  /// Throws InputError when `name` is no identifier, exists with another kind, is a word of the language (a
+  /// function's name, pi), or is a channel's name and `kind` is not channel.
   Expr symbol(std::string_view name, SymbolKind kind);
   Expr channel(std::string_view name) { return symbol(name, SymbolKind::channel); }
   Expr parameter(std::string_view name) { return symbol(name, SymbolKind::parameter); }
   Expr state(std::string_view name) { return symbol(name, SymbolKind::state); }
   /// The symbol of this name, or an empty Expr.
   Expr find(std::string_view name) const;
-  /// Applies an operation with safe simplification. Throws InputError on a wrong number of arguments.
+  /// Applies an operation with safe simplification. Throws InputError on a wrong number of arguments and
+  /// on a comparison anywhere but in the first argument of where.
   Expr apply(Op op, std::span<const Expr> arguments);
   Expr apply(Op op, std::initializer_list<Expr> arguments) {
     return apply(op, std::span<const Expr>(arguments.begin(), arguments.size()));
@@ -98,7 +102,11 @@ Expr operator/(Expr a, Expr b);
 Expr operator-(Expr a);
 Expr operator+(Expr a, double b);
 Expr operator-(Expr a, double b);
+Expr operator+(double a, Expr b);
+Expr operator-(double a, Expr b);
 Expr operator*(double a, Expr b);
+Expr operator*(Expr a, double b);
+Expr operator/(double a, Expr b);
 Expr operator/(Expr a, double b);
 Expr pow(Expr a, Expr b);
 Expr pow(Expr a, double b);
@@ -124,8 +132,9 @@ enum class Format { plain, latex, c, lua };
 /// functions as lunid.sin(...). Constants print in the fewest digits that read back to the same double.
 std::string to_text(Expr f, Format format = Format::plain);
 
-/// Reads the plain form. `y v a t F` (and yb vb ab, y1 v1 a1 F1 ...) are channels, a name already known to the
-/// pool keeps its kind, any other identifier becomes a parameter.
+/// Reads the plain form (nested at most 200 levels). `y v a t F` (and yb vb ab, y1 v1 a1 F1 ...) are channels (degrees of freedom count
+/// from 1: F0 is no channel), pi is the number, a name already known to the pool keeps its kind, any other identifier
+/// becomes a parameter.
 /// Throws InputError with the 1-based column in the text, e.g.
 ///   `--restoring:1:7: unknown function 'sine', did you mean 'sin'?`  (source = "--restoring").
 Expr parse(Pool& pool, std::string_view text, std::string_view source = "expression");

@@ -174,6 +174,7 @@ int operand_count(const Value& value) {
     case Code::input:
     case Code::constant:
     case Code::done: return 0;
+    case Code::copy:
     case Code::neg:
     case Code::sqrt:
     case Code::sign:

@@ -159,6 +159,10 @@ Expr operator/(Expr a, Expr b) { return a.pool().apply(Op::div, {a, b}); }
 Expr operator-(Expr a) { return a.pool().apply(Op::neg, {a}); }
 Expr operator+(Expr a, double b) { return a + a.pool().constant(b); }
 Expr operator-(Expr a, double b) { return a - a.pool().constant(b); }
+Expr operator+(double a, Expr b) { return b.pool().constant(a) + b; }
+Expr operator-(double a, Expr b) { return b.pool().constant(a) - b; }
+Expr operator*(Expr a, double b) { return a * a.pool().constant(b); }
+Expr operator/(double a, Expr b) { return b.pool().constant(a) / b; }
 Expr operator*(double a, Expr b) { return b.pool().constant(a) * b; }
 Expr operator/(Expr a, double b) { return a / a.pool().constant(b); }
 Expr pow(Expr a, Expr b) { return a.pool().apply(Op::pow, {a, b}); }

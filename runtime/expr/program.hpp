@@ -2,6 +2,7 @@
 // What a tape holds: values in static single assignment (lower.cpp), assembled into code with registers
 // (assemble.cpp), which run.cpp runs on a point and columns.cpp over blocks of rows.
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "expr/expr.hpp"
@@ -13,7 +14,7 @@ namespace lunid {
 /// operands; switching instructions hold the switch in d.
 enum class Code : std::uint32_t {
   input, constant,  // no instructions: registers that are set before the run
-  add, sub, mul, div, neg, sqrt,
+  copy, add, sub, mul, div, neg, sqrt,
   mul3,         // (a*b)*c
   mul_add,      // a*b + c
   mul_sub,      // a*b - c
@@ -61,20 +62,40 @@ struct Instruction {
   std::uint32_t dst, a, b, c, d;
 };
 
-/// Code over registers: inputs first, then constants, then temporaries.
-struct Assembly {
-  std::vector<Instruction> instructions;  // ends with Code::done
-  std::vector<double> constants;
-  std::vector<std::uint32_t> results;  // a register per result
-  int registers = 0;
+/// Where things are in the registers, the same for all code of a tape: inputs, constants, outputs, switching
+/// functions, temporaries. Only the last three are written by instructions.
+struct Layout {
+  std::uint32_t inputs = 0;
+  std::uint32_t outputs = 0, switches = 0, temporaries = 0;  // the first register of each
+  std::vector<double> constants;                             // from register `inputs` on
+  /// Results that are constants: set before the run, not by an instruction.
+  std::vector<std::pair<std::uint32_t, double>> constant_results;
 };
 
-/// Code that computes `results` (values), fused and with registers reused.
-Assembly assemble(const Values& values, std::size_t inputs, std::span<const std::uint32_t> results);
+/// A value and the register that must hold it after the run.
+struct Result {
+  std::uint32_t value;
+  std::uint32_t place;
+};
+
+/// Instructions that end with Code::done, and the registers that they need.
+struct Assembly {
+  std::vector<Instruction> instructions;
+  std::uint32_t registers = 0;
+};
+
+Layout lay_out(const Values& values, std::size_t inputs);
+/// The outputs, then the switching functions.
+std::vector<Result> output_results(const Values& values, const Layout& layout);
+std::vector<Result> switch_results(const Values& values, const Layout& layout);
+/// Code that computes `results`, fused and with temporaries reused.
+Assembly assemble(const Values& values, const Layout& layout, std::span<const Result> results);
 
 struct Tape::Program {
-  int inputs = 0;
+  Layout layout;
   std::vector<Expr> switching_functions;
+  std::uint32_t outputs = 0;
+  std::uint32_t registers = 0;
   Assembly values;    // the outputs
   Assembly complete;  // the outputs, then every g
   Assembly switches;  // every g

@@ -1,6 +1,6 @@
 // The point run: one state, one pass over the instructions.
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "expr/branch.hpp"
 #include "expr/program.hpp"
@@ -8,10 +8,18 @@
 namespace lunid {
 namespace {
 
-void load(const Assembly& code, int inputs, const double* in, double* r) {
-  for (int i = 0; i < inputs; ++i) r[i] = in[i];
-  double* constant = r + inputs;
-  for (const double value : code.constants) *constant++ = value;
+void load_constants(const Layout& layout, double* r) {
+  double* place = r + layout.inputs;
+  for (const double value : layout.constants) *place++ = value;
+}
+
+/// Element by element: the caller has just written the inputs one by one, and wider loads would wait for all of them.
+void load_inputs(const Layout& layout, const double* in, double* r) {
+  for (std::uint32_t i = 0; i < layout.inputs; ++i) r[i] = in[i];
+}
+
+void load_constant_results(const Layout& layout, double* r) {
+  for (const auto& [place, value] : layout.constant_results) r[place] = value;
 }
 
 /// The branch that a switching instruction is told to take: +1, -1, or 0 for its own.
@@ -26,7 +34,7 @@ int told(const std::int8_t* mode, std::uint32_t switch_operand) {
 template <bool frozen>
 void execute(const Instruction* at, double* r, const std::int8_t* mode) noexcept {
   static constexpr void* const labels[] = {
-      nullptr,   nullptr,  &&do_add,         &&do_sub,         &&do_mul,  &&do_div,    &&do_neg,
+      nullptr,   nullptr,  &&do_copy,        &&do_add,         &&do_sub,         &&do_mul,  &&do_div,    &&do_neg,
       &&do_sqrt, &&do_mul3, &&do_mul_add,    &&do_mul_sub,     &&do_sub_mul, &&do_mul_add_mul, &&do_mul_sub_mul,
       &&do_call, &&do_select, &&do_sign,     &&do_abs,         &&do_min,  &&do_max,    &&do_greater,
       &&do_less, &&do_greater_equal, &&do_less_equal, &&do_where, &&do_done};
@@ -38,6 +46,7 @@ void execute(const Instruction* at, double* r, const std::int8_t* mode) noexcept
 #define DST r[at->dst]
 #define MODE (frozen ? told(mode, at->d) : 0)
   goto* labels[static_cast<std::uint32_t>(at->code)];
+do_copy: DST = A; NEXT;
 do_add: DST = A + B; NEXT;
 do_sub: DST = A - B; NEXT;
 do_mul: DST = A * B; NEXT;
@@ -73,28 +82,44 @@ do_done: return;
 
 }  // namespace
 
+void Tape::prepare(double* scratch) const noexcept {
+  load_constants(program_->layout, scratch);
+  load_constant_results(program_->layout, scratch);
+}
+
+void Tape::run_prepared(double* scratch) const noexcept {
+  execute<false>(program_->values.instructions.data(), scratch, nullptr);
+}
+
+void Tape::run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept {
+  execute<true>(program_->complete.instructions.data(), scratch, mode);
+}
+
 void Tape::run_point(const double* in, double* out, double* scratch) const noexcept {
-  const Assembly& code = program_->values;
-  load(code, program_->inputs, in, scratch);
-  execute<false>(code.instructions.data(), scratch, nullptr);
-  for (const std::uint32_t r : code.results) *out++ = scratch[r];
+  const Program& program = *program_;
+  load_inputs(program.layout, in, scratch);
+  prepare(scratch);
+  execute<false>(program.values.instructions.data(), scratch, nullptr);
+  const double* result = scratch + program.layout.outputs;
+  for (std::uint32_t j = 0; j < program.outputs; ++j) out[j] = result[j];
 }
 
 void Tape::run_frozen(const double* in, const std::int8_t* mode, double* out, double* g,
                       double* scratch) const noexcept {
-  const Assembly& code = g ? program_->complete : program_->values;
-  load(code, program_->inputs, in, scratch);
-  execute<true>(code.instructions.data(), scratch, mode);
-  const std::size_t outputs = program_->values.results.size();
-  for (std::size_t j = 0; j < outputs; ++j) out[j] = scratch[code.results[j]];
-  for (std::size_t j = outputs; j < code.results.size(); ++j) g[j - outputs] = scratch[code.results[j]];
+  const Program& program = *program_;
+  load_inputs(program.layout, in, scratch);
+  prepare(scratch);
+  execute<true>((g ? program.complete : program.values).instructions.data(), scratch, mode);
+  std::copy_n(scratch + program.layout.outputs, program.outputs, out);
+  if (g) std::copy_n(scratch + program.layout.switches, program.switching_functions.size(), g);
 }
 
 void Tape::run_switches(const double* in, double* g, double* scratch) const noexcept {
-  const Assembly& code = program_->switches;
-  load(code, program_->inputs, in, scratch);
-  execute<false>(code.instructions.data(), scratch, nullptr);
-  for (const std::uint32_t r : code.results) *g++ = scratch[r];
+  const Program& program = *program_;
+  load_inputs(program.layout, in, scratch);
+  load_constants(program.layout, scratch);
+  execute<false>(program.switches.instructions.data(), scratch, nullptr);
+  std::copy_n(scratch + program.layout.switches, program.switching_functions.size(), g);
 }
 
 }  // namespace lunid

@@ -8,26 +8,30 @@ namespace lunid {
 
 Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
   const Values values = lower(outputs, inputs);
-  std::vector<std::uint32_t> all = values.outputs;
-  all.insert(all.end(), values.switch_values.begin(), values.switch_values.end());
   auto program = std::make_shared<Program>();
-  program->inputs = static_cast<int>(inputs.size());
+  program->layout = lay_out(values, inputs.size());
+  program->outputs = static_cast<std::uint32_t>(outputs.size());
   program->switching_functions = values.switching_functions;
-  program->values = assemble(values, inputs.size(), values.outputs);
-  program->complete = assemble(values, inputs.size(), all);
-  program->switches = assemble(values, inputs.size(), values.switch_values);
+
+  const std::vector<Result> results = output_results(values, program->layout);
+  const std::vector<Result> switches = switch_results(values, program->layout);
+  std::vector<Result> all = results;
+  all.insert(all.end(), switches.begin(), switches.end());
+  program->values = assemble(values, program->layout, results);
+  program->complete = assemble(values, program->layout, all);
+  program->switches = assemble(values, program->layout, switches);
+  program->registers =
+      std::max({program->values.registers, program->complete.registers, program->switches.registers});
   program_ = std::move(program);
 }
 
-int Tape::inputs() const { return program_ ? program_->inputs : 0; }
-int Tape::outputs() const { return program_ ? static_cast<int>(program_->values.results.size()) : 0; }
+int Tape::inputs() const { return program_ ? static_cast<int>(program_->layout.inputs) : 0; }
+int Tape::outputs() const { return program_ ? static_cast<int>(program_->outputs) : 0; }
 int Tape::switches() const { return program_ ? static_cast<int>(program_->switching_functions.size()) : 0; }
+int Tape::registers() const { return program_ ? static_cast<int>(program_->registers) : 0; }
 int Tape::instructions() const { return program_ ? static_cast<int>(program_->values.instructions.size()) - 1 : 0; }
-
-int Tape::registers() const {
-  if (!program_) return 0;
-  return std::max({program_->values.registers, program_->complete.registers, program_->switches.registers});
-}
+int Tape::output_place() const { return program_ ? static_cast<int>(program_->layout.outputs) : 0; }
+int Tape::switch_place() const { return program_ ? static_cast<int>(program_->layout.switches) : 0; }
 
 const std::vector<Expr>& Tape::switching_functions() const {
   static const std::vector<Expr> none;

@@ -7,6 +7,10 @@
 // itself (sign(v) and abs(v)) share one switch. In a *frozen* run the branch of each switch is given by
 // mode[i] = +1 or -1 in place of the sign of g, so that the right-hand side is smooth within a mode; the values of g
 // are written so that the integrator can find where a mode ends. mode[i] = 0 means: take the branch by the sign of g.
+// +1 is: sign = 1, abs = x, max = a, min = b, the comparison holds, where takes its first value. A g and its negative
+// (a > b and a < b) are one switch. Switches are in order of first appearance over the outputs, so that a tape with
+// more outputs behind starts with the same switches. A g that is constant makes no switch.
+// NaN: an unfrozen run gives NaN for sign, min, max, comparisons and where of a NaN; a frozen sign gives its mode.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -38,8 +42,19 @@ class Tape {
   /// Switching functions only (g has switches() entries).
   void run_switches(const double* in, double* g, double* scratch) const noexcept;
 
+  /// In-place runs, for inner loops that cannot spare the copies. prepare() fills a scratch space once; from then on
+  /// the caller keeps the inputs at scratch[0 .. inputs()) (runs leave them as they are) and reads outputs() values at
+  /// scratch + output_place() and, after a frozen run, switches() values of g at scratch + switch_place(). A
+  /// prepared scratch space belongs to one tape.
+  void prepare(double* scratch) const noexcept;
+  void run_prepared(double* scratch) const noexcept;
+  void run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept;
+  int output_place() const;
+  int switch_place() const;
+
   /// Column run, in blocks: in[i] points to `rows` values of input i (or to one value when stride[i] == 0);
   /// out[j] receives `rows` values. Same bits as run_point on each row. Allocates only its scratch.
+  /// Output columns must not overlap input columns. Throws InputError on a wrong number of columns.
   void run_columns(std::span<const double* const> in, std::span<const int> stride, std::size_t rows,
                    std::span<double* const> out) const;
 
