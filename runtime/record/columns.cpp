@@ -38,6 +38,12 @@ int likeness(const Meaning& meaning, std::string_view name) {
   return 0;
 }
 
+/// A header such as V [mV] is a voltage, A [A] a current: the letter is its own unit.
+bool names_its_unit(const HeaderCell& cell) {
+  const auto si = si_unit(cell.unit);
+  return si && si->unit == cell.name;
+}
+
 bool fits(const Meaning& meaning, std::string_view si) {
   return si.empty() || std::find(meaning.units.begin(), meaning.units.end(), si) != meaning.units.end();
 }
@@ -74,8 +80,7 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (plans[i].required || likeness(meaning, header[i].name) != strength) continue;
-      const auto si = si_unit(header[i].unit);
-      if (strength == 1 && si && !fits(meaning, si->unit)) continue;  // V [V] is a voltage
+      if (strength == 1 && names_its_unit(header[i])) continue;
       if (found)
         throw InputError("both '" + header[*found].text + "' and '" + header[i].text + "' may be channel '" +
                              std::string(meaning.channel) + "': choose with columns, such as \"" +

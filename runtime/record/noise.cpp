@@ -1,6 +1,7 @@
 // The level of white noise under a signal, and the signal's dominant frequency: both read off the spectrum.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -20,17 +21,23 @@ double median(std::vector<double> x) {
 /// Median over mean of a chi-square variable of `dof` degrees of freedom (Wilson & Hilferty 1931).
 double median_over_mean(double dof) { return std::pow(1 - 2 / (9 * dof), 3); }
 
-/// Least distance of two different values: the step of a quantised signal, next to nothing for any other.
+/// The step of a quantised signal: the least distance of two different values, where nearly all distances are
+/// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no coarse
+/// measurement.
 double value_step(std::span<const double> x) {
-  std::vector<double> sorted(x.begin(), x.end());
+  constexpr std::size_t enough = 16384, few = 16;
+  std::vector<double> sorted;
+  for (std::size_t i = 0; i < x.size(); i += 1 + x.size() / enough) sorted.push_back(x[i]);
   std::sort(sorted.begin(), sorted.end());
   const double same = 1e-9 * (sorted.back() - sorted.front());  // the same value but for rounding
-  double step = sorted.back() - sorted.front();
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    const double d = sorted[i] - sorted[i - 1];
-    if (d > same) step = std::min(step, d);
-  }
-  return step;
+  std::vector<double> distances;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i] - sorted[i - 1] > same) distances.push_back(sorted[i] - sorted[i - 1]);
+  if (distances.size() < few) return 0;
+  const double step = *std::min_element(distances.begin(), distances.end());
+  std::size_t off = 0;
+  for (double d : distances) off += std::abs(d / step - std::round(d / step)) > 0.1;
+  return off * 20 < distances.size() ? step : 0;
 }
 
 /// For records too short for a spectrum: differences of order m leave of a smooth signal little, of white noise of
@@ -90,11 +97,7 @@ double noise_level(std::span<const double> x) {
 double dominant_frequency(std::span<const double> x, double dt) {
   const auto n = static_cast<Eigen::Index>(x.size());
   if (n < 4) return 0;
-  Eigen::VectorXd part = detrend(x, 1);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n));
-    part[i] *= s * s;
-  }
+  const Eigen::VectorXd part = detrend(x, 1);  // and no window: it would hide the start of a decay
   const Eigen::Index length = 2 * power_of_two_above(n);
   const Eigen::VectorXd power = half_spectrum({part.data(), x.size()}, length).cwiseAbs2();
   // Less than three quarters of a cycle in the whole record is drift.

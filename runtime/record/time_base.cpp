@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <sstream>
 
 namespace lunid {
@@ -32,15 +34,12 @@ TimeBase fit_line(std::span<const double> t) {
 
 struct Deviation {
   double largest = 0, rms = 0;
-  bool within_rounding = true;
 };
 
-Deviation deviation(std::span<const double> t, std::span<const double> resolution, const TimeBase& base) {
+Deviation deviation(std::span<const double> t, const TimeBase& base) {
   Deviation result;
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double d = std::abs(t[i] - base.t0 - base.dt * static_cast<double>(i));
-    // Half a unit of the last digit, and what the fit of the line itself may be off.
-    if (d > 0.55 * resolution[i] + 1e-7 * base.dt) result.within_rounding = false;
     result.largest = std::max(result.largest, d);
     result.rms += d * d / static_cast<double>(t.size());
   }
@@ -55,22 +54,35 @@ double rounded(double value, int digits) {
   return std::stod(text.str());
 }
 
-/// The roundest step (in its own digits, or as a rate) that explains the stamps as well: 0.00125, 1/300.
-TimeBase tidy(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
-  const double span = static_cast<double>(t.size() - 1);
-  const double slack = std::max(resolution[0] / std::sqrt(span), 1e-9 * line.dt);
-  for (int digits = 1; digits <= 15; ++digits) {
-    for (double dt : {rounded(line.dt, digits), 1 / rounded(1 / line.dt, digits)}) {
-      if (std::abs(dt - line.dt) * span > slack) continue;
-      TimeBase base = line;
-      base.dt = dt;
-      base.t0 = t[0];
-      if (deviation(t, resolution, base).within_rounding) return base;
-      base.t0 = line.t0 + (line.dt - dt) * span / 2;
-      if (deviation(t, resolution, base).within_rounding) return base;
-    }
+/// The start for which every stamp is t0 + i*dt, rounded as printed; nullopt when there is none. Of the possible ones
+/// the first stamp itself, else the one of the fewest digits.
+std::optional<double> start_of(std::span<const double> t, std::span<const double> resolution, double dt) {
+  double low = -std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double start = t[i] - dt * static_cast<double>(i);
+    const double half = 0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
+    low = std::max(low, start - half);
+    high = std::min(high, start + half);
+    if (low > high) return std::nullopt;
   }
-  return line;
+  if (low <= t[0] && t[0] <= high) return t[0];
+  for (int digits = 1; digits < 17; ++digits) {
+    const double start = rounded((low + high) / 2, digits);
+    if (low <= start && start <= high) return start;
+  }
+  return (low + high) / 2;
+}
+
+/// The even base of the roundest step (in its own digits, or as a rate: 0.00125, 1/300) of which the stamps are
+/// roundings; nullopt when they are not. `line` is the least-squares line.
+std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
+  if (!(line.dt > 0)) return std::nullopt;
+  const double slack = std::max(resolution.back(), 1e-9 * line.dt) / static_cast<double>(t.size() - 1);
+  for (int digits = 1; digits <= 17; ++digits)
+    for (double dt : {rounded(line.dt, digits), 1 / rounded(1 / line.dt, digits)})
+      if (std::abs(dt - line.dt) <= slack)
+        if (const auto start = start_of(t, resolution, dt)) return TimeBase{*start, dt, line.rows, false};
+  return std::nullopt;
 }
 
 std::string list_lines(const std::vector<std::size_t>& rows, std::span<const int> lines) {
@@ -92,12 +104,13 @@ void check_increasing(std::span<const double> t, std::span<const int> lines, con
 }
 
 /// Rows before which whole rows are missing, where the other steps are even; else empty.
-std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const double> resolution, double step) {
+std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const double> resolution, double step,
+                                   bool rounded) {
   std::vector<std::size_t> gaps;
   std::size_t odd = 0;
   for (std::size_t i = 1; i < t.size(); ++i) {
     const double d = t[i] - t[i - 1];
-    if (d > 1.5 * step) gaps.push_back(i);
+    if (d > 1.5 * step + (rounded ? resolution[i] : 0)) gaps.push_back(i);
     else if (std::abs(d - step) > 0.05 * step + resolution[i]) ++odd;
   }
   if (odd * 20 > t.size() || gaps.size() * 5 > t.size()) gaps.clear();
@@ -115,20 +128,22 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
   const double step = median(steps);
 
   const TimeBase line = fit_line(t);
-  const Deviation found = deviation(t, resolution, line);
-  // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row; only a steady mixture is rounding.
-  const double coarse = resolution.back() > 0.6 * step;
+  const Deviation found = deviation(t, line);
+  // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row. Four or more that all lie on one line
+  // are rounding: lost rows would have to be evenly spaced.
+  const bool coarse = resolution.back() > 0.6 * step;
   std::size_t unusual = 0;
   for (double d : steps) unusual += std::abs(d - step) > 0.5 * step;
-  const bool rounding = line.dt > 0 && found.within_rounding && (!coarse || unusual == 0 || unusual * 20 > t.size());
-  if (rounding) {
-    if (found.largest > 1e-3 * line.dt)
-      warnings.push_back("time stamps are rounded by up to " + number(found.largest) + " s: taken as even");
-    return tidy(t, resolution, line);
+  if (!coarse || unusual == 0 || unusual >= 4) {
+    if (const auto base = even_base(t, resolution, line)) {
+      if (found.largest > 1e-3 * line.dt)
+        warnings.push_back("time stamps are rounded by up to " + number(found.largest) + " s: taken as even");
+      return *base;
+    }
   }
 
   check_increasing(t, lines, path);
-  const std::vector<std::size_t> gaps = find_gaps(t, resolution, step);
+  const std::vector<std::size_t> gaps = find_gaps(t, resolution, step, unusual * 20 > t.size());
   const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::floor((t.back() - t[0]) / step + 1e-6)) + 1, true};
   if (!gaps.empty()) {
     const std::size_t row = gaps[0];

@@ -1,0 +1,177 @@
+// What a CSV file may look like, and what becomes of it.
+#include <gtest/gtest.h>
+
+#include "record_file.hpp"
+
+namespace lunid {
+namespace {
+
+using test::rows;
+using test::TextFile;
+
+Record read(const std::string& text, const ReadOptions& options = {}) {
+  const TextFile file(text);
+  return read_csv(file.path(), options);
+}
+
+TEST(Csv, ReadsDefaultColumnsAndDerivesTheMotion) {
+  const Record record = read("t,F,y\n" + rows(20));
+  EXPECT_EQ(record.rows(), 20);
+  EXPECT_EQ(record.dt(), 0.01);
+  EXPECT_EQ(record.start(), 0);
+  EXPECT_EQ(record["F"][5], 2);
+  EXPECT_EQ(record["y"][3], 0.001);
+  EXPECT_TRUE(record.channel("v").derived);
+  EXPECT_TRUE(record.channel("a").derived);
+  EXPECT_EQ(record.channel("v").unit, "m/s");
+  EXPECT_TRUE(record.warnings().empty());
+}
+
+TEST(Csv, ConvertsUnitsOfEveryHeaderForm) {
+  const Record record = read(
+      "time/ms,\"Load (kN)\",disp [mm],A (g),y_reference [in],temperature\n"
+      "0,1,2,3,4,20\n1,1,2,3,4,21\n2,1,2,3,4,22\n3,1,2,3,4,20\n4,1,2,3,4,20\n5,-1,-2,-3,-4,20\n");
+  EXPECT_DOUBLE_EQ(record.dt(), 1e-3);
+  EXPECT_DOUBLE_EQ(record["F"][0], 1000);
+  EXPECT_DOUBLE_EQ(record["y"][5], -2e-3);
+  EXPECT_DOUBLE_EQ(record["a"][0], 3 * 9.80665);
+  EXPECT_DOUBLE_EQ(record["y_reference"][0], 4 * 0.0254);
+  EXPECT_EQ(record["temperature"][1], 21);
+  EXPECT_EQ(record.channel("F").source, "Load (kN)");
+  EXPECT_EQ(record.channel("F").source_unit, "kN");
+  EXPECT_EQ(record.channel("F").unit, "N");
+  EXPECT_EQ(record.channel("a").unit, "m/s^2");
+  EXPECT_FALSE(record.channel("a").derived);
+}
+
+TEST(Csv, UnderscoreIsPartOfTheName) {
+  const Record record = read("t,F,y,disp_mm\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n");
+  EXPECT_EQ(record["disp_mm"][0], 3);
+}
+
+TEST(Csv, AcceptsSeparatorsMarksCommentsAndLineEndings) {
+  for (const char separator : {',', ';', '\t'}) {
+    for (const std::string ending : {"\n", "\r\n", "\r"}) {
+      std::string text = "\xef\xbb\xbf# a comment, with; separators" + ending + ending + "t,F,y" + ending;
+      for (int i = 0; i < 8; ++i) {
+        text += std::to_string(i) + ", +1.5 ,\"-2e-1\"" + ending;
+        if (i == 3) text += "# half-way" + ending;
+      }
+      text += ending + "  " + ending;
+      for (std::size_t at = text.find("t,"); at < text.size(); ++at)
+        if (text[at] == ',') text[at] = separator;
+      const Record record = read(text);
+      ASSERT_EQ(record.rows(), 8) << separator;
+      EXPECT_EQ(record["F"][7], 1.5);
+      EXPECT_EQ(record["y"][0], -0.2);
+    }
+  }
+}
+
+TEST(Csv, AcceptsASeparatorAtTheEndOfEachLine) {
+  const Record record = read("t,F,y,\n0,1,2,\n1,1,2,\n2,1,2,\n3,1,2,\n4,1,2,\n5,1,2,\n");
+  EXPECT_EQ(record.rows(), 6);
+  EXPECT_EQ(record["y"][5], 2);
+}
+
+TEST(Csv, MapsColumnsByName) {
+  ReadOptions options;
+  options.columns = parse_columns("t=clock,y=laser [mm], F=cell 2 (kN)");
+  std::string text = "clock,laser,cell 2,y\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",5,7,9\n";
+  const Record record = read(text, options);
+  EXPECT_DOUBLE_EQ(record["y"][0], 5e-3);
+  EXPECT_DOUBLE_EQ(record["F"][0], 7e3);
+  EXPECT_DOUBLE_EQ(record["column y"][0], 9);  // the file's own y must not pass for the channel
+}
+
+TEST(Csv, HeaderOfAMapMayBeTheWholeCell) {
+  ReadOptions options;
+  options.columns = {{"y", "laser [mm]", ""}};
+  std::string text = "t,laser [mm]\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",5\n";
+  EXPECT_DOUBLE_EQ(read(text, options)["y"][0], 5e-3);
+}
+
+TEST(Csv, TheOwnNameIsStrongerThanALikeness) {
+  std::string text = "t,v,V [V],x,y\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",1,2,3,4\n";
+  const Record record = read(text);
+  EXPECT_EQ(record["v"][0], 1);
+  EXPECT_EQ(record["V"][0], 2);
+  EXPECT_EQ(record["x"][0], 3);
+  EXPECT_EQ(record["y"][0], 4);
+}
+
+TEST(Csv, AVoltageIsNoVelocity) {
+  std::string text = "t,V [mV],X\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",2,3\n";
+  const Record record = read(text);
+  EXPECT_DOUBLE_EQ(record["V"][0], 2e-3);
+  EXPECT_TRUE(record.channel("v").derived);
+  EXPECT_EQ(record["y"][0], 3);
+}
+
+TEST(Csv, AnExtraColumnThatIsNoNumberIsLeftOut) {
+  std::string text = "t,y,status\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",1,ok\n";
+  const Record record = read(text);
+  EXPECT_FALSE(record.has("status"));
+  ASSERT_EQ(record.warnings().size(), 1u);
+  EXPECT_EQ(record.warnings()[0],
+            "left out: line 2: column 'status': expected a number, got 'ok'; 8 such cells, the first in lines 2, 3, 4, 5");
+}
+
+TEST(Csv, AnUnknownUnitOfAnExtraColumnIsKept) {
+  std::string text = "t,y,temperature [degC]\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",1,21\n";
+  const Record record = read(text);
+  EXPECT_EQ(record["temperature"][0], 21);
+  EXPECT_EQ(record.channel("temperature").unit, "degC");
+  ASSERT_EQ(record.warnings().size(), 1u);
+}
+
+TEST(Columns, AreReadFromText) {
+  const auto maps = parse_columns("t=time,y=disp [mm],F=load (kN), y_reference=ref");
+  ASSERT_EQ(maps.size(), 4u);
+  EXPECT_EQ(maps[0].channel, "t");
+  EXPECT_EQ(maps[0].unit, "");
+  EXPECT_EQ(maps[1].header, "disp");
+  EXPECT_EQ(maps[1].unit, "mm");
+  EXPECT_EQ(maps[2].channel, "F");
+  EXPECT_EQ(maps[2].unit, "kN");
+  EXPECT_EQ(maps[3].channel, "y_reference");
+  EXPECT_EQ(parse_column("displacement", "y [mm]").channel, "y");
+}
+
+TEST(Columns, FaultsAreFaultsOfUsage) {
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"t=time,disp", "columns: expected channel=header, such as \"t=time,y=disp [mm]\", got 'disp'"},
+           {"", "columns: expected channel=header, such as \"t=time,y=disp [mm]\", got ''"},
+           {"y=a,y=b", "columns: channel 'y' is given twice"}}) {
+    try {
+      parse_columns(text);
+      FAIL() << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.fault(), Fault::usage);
+      EXPECT_EQ(std::string(error.what()), message);
+    }
+  }
+}
+
+TEST(Units, AreConvertedToSi) {
+  EXPECT_EQ(si_unit("mm")->factor, 1e-3);
+  EXPECT_EQ(si_unit("\u00b5m")->factor, 1e-6);
+  EXPECT_EQ(si_unit("\u03bcm")->unit, "m");
+  EXPECT_EQ(si_unit("in")->factor, 0.0254);           // exact by definition (1959)
+  EXPECT_EQ(si_unit("lbf")->factor, 4.4482216152605); // exact: 0.45359237 kg times 9.80665 m/s^2
+  EXPECT_EQ(si_unit("g")->factor, 9.80665);
+  EXPECT_EQ(si_unit("g")->unit, "m/s^2");
+  EXPECT_EQ(si_unit("N*m")->unit, "N m");
+  EXPECT_EQ(si_unit("min")->factor, 60);
+  EXPECT_FALSE(si_unit("furlong"));
+  EXPECT_FALSE(si_unit(""));
+}
+
+}  // namespace
+}  // namespace lunid

@@ -1,0 +1,109 @@
+// The noise estimate against noise of known level under known signals.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "record/record.hpp"
+
+namespace lunid {
+namespace {
+
+using Signal = std::function<double(double)>;  // of the time in samples
+
+std::vector<double> noisy(const Signal& signal, int rows, double noise, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<double> x(static_cast<std::size_t>(rows));
+  for (int i = 0; i < rows; ++i) x[static_cast<std::size_t>(i)] = signal(i) + (noise > 0 ? normal(random) : 0.0);
+  return x;
+}
+
+/// Checks the estimate for 40, 30 and 20 dB (noise over the standard deviation of a unit sine), several seeds each.
+void expect_level(const Signal& signal, int rows, double tolerance, const std::string& what) {
+  for (int decibel : {40, 30, 20}) {
+    const double noise = std::sqrt(0.5) * std::pow(10.0, -decibel / 20.0);
+    for (unsigned seed = 1; seed <= 5; ++seed)
+      EXPECT_NEAR(noise_level(noisy(signal, rows, noise, seed)) / noise, 1, tolerance)
+          << what << ", " << decibel << " dB, seed " << seed;
+  }
+}
+
+TEST(NoiseLevel, UnderASine) {
+  // 6400 samples in 8 bands: a band's level scatters by 4 % in power, so 10 % in the standard deviation is wide.
+  for (double ratio : {8.0, 13.7, 50.0, 160.0, 400.0})
+    expect_level([=](double i) { return std::sin(2 * M_PI * i / ratio); }, 6400, 0.10, "fs/f = " + std::to_string(ratio));
+}
+
+TEST(NoiseLevel, UnderThreeTones) {
+  const Signal tones = [](double i) {
+    return 0.6 * std::sin(2 * M_PI * i / 9.3) + 0.6 * std::sin(2 * M_PI * i / 31 + 1) + 0.6 * std::sin(2 * M_PI * i / 120 + 2);
+  };
+  expect_level(tones, 6400, 0.10, "three tones");
+}
+
+TEST(NoiseLevel, UnderADecay) {
+  expect_level([](double i) { return 3 * std::exp(-i / 900) * std::cos(2 * M_PI * i / 40); }, 6400, 0.10, "decay");
+}
+
+TEST(NoiseLevel, UnderAnOffsetAndADrift) {
+  expect_level([](double i) { return 50 + 1e-3 * i + std::sin(2 * M_PI * i / 40); }, 6400, 0.10, "drift");
+}
+
+TEST(NoiseLevel, OfAShortRecord) {
+  // 400 samples: a quarter of the band holds 100 degrees of freedom, 14 % in power, less the median's loss.
+  expect_level([](double i) { return std::sin(2 * M_PI * i / 40); }, 400, 0.25, "400 rows");
+}
+
+TEST(NoiseLevel, OfAVeryShortRecordIsOfTheRightSize) {
+  const auto estimate = noise_level(noisy([](double i) { return std::sin(2 * M_PI * i / 20); }, 40, 0.02, 1));
+  EXPECT_GT(estimate, 0.01);
+  EXPECT_LT(estimate, 0.03);
+}
+
+TEST(NoiseLevel, OfLongWhiteNoiseIsExact) {
+  // 2e5 samples: 0.7 % in the level of an eighth of the band; pooled, 1 % is more than three deviations.
+  EXPECT_NEAR(noise_level(noisy([](double) { return 0.0; }, 200000, 2.5, 3)), 2.5, 0.025);
+}
+
+TEST(NoiseLevel, OfAQuantisedSignalIsThatOfItsSteps) {
+  const double step = 1e-3;
+  for (double ratio : {41.37, 413.7, 40000.0}) {
+    std::vector<double> x = noisy([=](double i) { return std::sin(2 * M_PI * i / ratio); }, 6400, 0, 1);
+    for (double& value : x) value = step * std::round(value / step);
+    EXPECT_GE(noise_level(x), 0.499 * step / std::sqrt(12.0)) << ratio;
+    EXPECT_LE(noise_level(x), 1.5 * step / std::sqrt(12.0)) << ratio;
+  }
+}
+
+TEST(NoiseLevel, OfAConstantOrASwitchedSignalIsSmall) {
+  EXPECT_EQ(noise_level(std::vector<double>(500, 3.25)), 0);
+  EXPECT_EQ(noise_level(std::vector<double>{}), 0);
+  EXPECT_EQ(noise_level(std::vector<double>{1}), 0);
+  // On and off every 50 rows: no more than what the edges leave at the highest frequencies.
+  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)), 0.05);
+}
+
+TEST(NoiseLevel, OfSmoothDataIsNextToNothing) {
+  EXPECT_LT(noise_level(noisy([](double i) { return std::sin(2 * M_PI * i / 40); }, 6400, 0, 1)), 1e-7);
+}
+
+TEST(DominantFrequency, OfTonesAndDecays) {
+  for (double ratio : {5.0, 33.3, 700.0}) {
+    const double dt = 0.002, w = 2 * M_PI / (ratio * dt);
+    const auto sine = noisy([=](double i) { return 7 + std::sin(2 * M_PI * i / ratio); }, 5000, 0.05, 1);
+    EXPECT_NEAR(dominant_frequency(sine, dt), w, 0.002 * w + 0.02 * 2 * M_PI / (5000 * dt)) << ratio;  // a fiftieth of a bin
+    const auto decay = noisy([=](double i) { return std::exp(-i / (4 * ratio)) * std::cos(2 * M_PI * i / ratio); }, 5000, 0.01, 1);
+    EXPECT_NEAR(dominant_frequency(decay, dt), w, 0.05 * w) << ratio;
+  }
+}
+
+TEST(DominantFrequency, LeavesOutOffsetsAndDrifts) {
+  const auto x = noisy([](double i) { return 1e3 + 2 * i + std::sin(2 * M_PI * i / 25); }, 3000, 0.1, 1);
+  EXPECT_NEAR(dominant_frequency(x, 1), 2 * M_PI / 25, 1e-3);
+  EXPECT_EQ(dominant_frequency(std::vector<double>(50, 2.0), 1), 0);
+}
+
+}  // namespace
+}  // namespace lunid

@@ -1,0 +1,128 @@
+// Even, rounded, jittering, gappy and uneven time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "record_file.hpp"
+
+namespace lunid {
+namespace {
+
+using test::complaint;
+using test::TextFile;
+
+/// A file with these stamps and y = sin(2 pi t).
+std::string with_stamps(const std::vector<double>& t, const char* format) {
+  std::string text = "t,y\n";
+  for (double value : t) {
+    char line[64];
+    std::snprintf(line, sizeof line, format, value);
+    text += line;
+    std::snprintf(line, sizeof line, ",%.9f\n", std::sin(2 * M_PI * value));
+    text += line;
+  }
+  return text;
+}
+
+std::vector<double> even(int count, double dt, double start = 0) {
+  std::vector<double> t(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) t[static_cast<std::size_t>(i)] = start + dt * i;
+  return t;
+}
+
+struct Rounded {
+  double dt;
+  const char* format;
+  double start;
+};
+
+class RoundedTime : public testing::TestWithParam<Rounded> {};
+
+TEST_P(RoundedTime, IsEvenTime) {
+  const auto [dt, format, start] = GetParam();
+  const TextFile file(with_stamps(even(4000, dt, start), format));
+  const Record record = read_csv(file.path());
+  EXPECT_EQ(record.rows(), 4000);
+  // The step is one of few digits (or the inverse of one), so it is found to the last bit or two.
+  EXPECT_NEAR(record.dt(), dt, 1e-15 * dt) << format;
+  EXPECT_LE(record.warnings().size(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Record, RoundedTime,
+                         testing::Values(Rounded{0.00125, "%.3f", 0}, Rounded{0.00125, "%.4f", 2},
+                                         Rounded{0.00125, "%.5f", 0}, Rounded{0.00125, "%.6g", 0},
+                                         Rounded{0.00125, "%.6g", 97}, Rounded{1.0 / 256, "%.6f", 0.500977},
+                                         Rounded{1.0 / 300, "%.4f", 0}, Rounded{0.0004, "%.3f", 0},
+                                         Rounded{0.00101, "%.3f", 0}, Rounded{0.001, "%.3f", 0},
+                                         Rounded{0.0016384, "%.8f", 0}, Rounded{2e-5, "%.9e", 0}));
+
+TEST(Time, StepsOfManyDigitsAreKept) {
+  const double dt = 1e-3 * M_PI;
+  const TextFile file(with_stamps(even(500, dt, 0.25), "%.17g"));
+  const Record record = read_csv(file.path());
+  // A step is rounded to fewer digits only as far as no stamp moves by more than 1e-9 of it.
+  EXPECT_NEAR(record.dt(), dt, 1e-11 * dt);
+  EXPECT_NEAR(record.time(499), 0.25 + 499 * dt, 2e-9 * dt);
+  EXPECT_TRUE(record.warnings().empty());
+}
+
+TEST(Time, AMissingRowIsAGapWithItsLine) {
+  for (const auto& [dt, format] : {std::pair{0.001, "%.3f"}, {0.00125, "%.5f"}, {0.0033, "%.17g"}}) {
+    std::vector<double> t = even(400, dt);
+    t.erase(t.begin() + 200);
+    EXPECT_EQ(complaint(with_stamps(t, format)).substr(0, 41), "run3.csv:202: gap: 1 row is missing befor") << format;
+    t.erase(t.begin() + 300, t.begin() + 303);
+    const std::string text = complaint(with_stamps(t, format));
+    EXPECT_NE(text.find("gaps before lines 202, 302; cut the record there, or set resample = true"), text.npos) << text;
+  }
+}
+
+TEST(Time, AGapAmongRoundedStampsIsFound) {
+  std::vector<double> t = even(400, 0.00125);
+  t.erase(t.begin() + 200, t.begin() + 205);
+  EXPECT_EQ(complaint(with_stamps(t, "%.3f")).substr(0, 18), "run3.csv:202: gap:");
+}
+
+TEST(Time, AGapIsFilledWhenAsked) {
+  std::vector<double> t = even(400, 0.01);
+  t.erase(t.begin() + 200, t.begin() + 202);
+  const TextFile file(with_stamps(t, "%.2f"));
+  const Record record = read_csv(file.path(), {{}, true});
+  ASSERT_EQ(record.rows(), 400);
+  // Cubic through 4 points, the middle ones 3 steps apart: error below (2 pi)^4/4! * 4.0e-8 * (1.5*1.5*2.5*2.5).
+  for (Eigen::Index i = 0; i < 400; ++i)
+    EXPECT_NEAR(record["y"][static_cast<std::size_t>(i)], std::sin(2 * M_PI * record.time(i)), 1.5e-5);
+  ASSERT_EQ(record.warnings().size(), 1u);
+  EXPECT_EQ(record.warnings()[0], "line 202: gap: 2 rows are missing before t = 2.02 s: interpolated");
+}
+
+TEST(Time, SmallJitterIsEvenTimeWithAWarning) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0, 0.01);  // 1 % of the step, below the 2 % that are let pass
+  std::vector<double> t = even(1000, 0.01);
+  for (double& value : t) value += 0.01 * normal(random);
+  const TextFile file(with_stamps(t, "%.9f"));
+  const Record record = read_csv(file.path());
+  EXPECT_NEAR(record.dt(), 0.01, 1e-6);
+  ASSERT_EQ(record.warnings().size(), 1u);
+  EXPECT_NE(record.warnings()[0].find("jitter"), std::string::npos);
+}
+
+TEST(Time, UnevenTimeIsAnErrorUnlessResampled) {
+  std::vector<double> t;
+  for (int i = 0; i < 500; ++i) t.push_back(0.01 * i + 0.004 * std::sin(0.05 * i));
+  const std::string text = with_stamps(t, "%.9f");
+  const std::string message = complaint(text);
+  EXPECT_NE(message.find("time is uneven: steps from 0.0098"), message.npos) << message;
+  EXPECT_NE(message.find("set resample = true"), message.npos);
+  const TextFile file(text);
+  const Record record = read_csv(file.path(), {{}, true});
+  // Cubic on a grid of 0.01 s: (2 pi * 0.0102)^4 * 9/16/24 = 4e-7.
+  for (Eigen::Index i = 0; i < record.rows(); ++i)
+    EXPECT_NEAR(record["y"][static_cast<std::size_t>(i)], std::sin(2 * M_PI * record.time(i)), 5e-7);
+  EXPECT_EQ(record.warnings().size(), 1u);
+}
+
+}  // namespace
+}  // namespace lunid
