@@ -1,0 +1,325 @@
+// The tape against a direct walk over the nodes, columns against points, frozen modes, and very large expressions.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "expr/tape.hpp"
+#include "expr_random.hpp"
+
+namespace lunid {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The same double, or both NaN (whose payload is of no account).
+::testing::AssertionResult same_bits(double a, double b) {
+  if (std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b)))
+    return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << a << " is not " << b;
+}
+
+std::vector<double> run(const Tape& tape, const std::vector<double>& in) {
+  std::vector<double> out(static_cast<std::size_t>(tape.outputs())), scratch(static_cast<std::size_t>(tape.registers()));
+  tape.run_point(in.data(), out.data(), scratch.data());
+  return out;
+}
+
+struct Frozen {
+  std::vector<double> out, g;
+};
+Frozen run_frozen(const Tape& tape, const std::vector<double>& in, const std::vector<std::int8_t>& mode) {
+  Frozen result{std::vector<double>(static_cast<std::size_t>(tape.outputs())),
+                std::vector<double>(static_cast<std::size_t>(tape.switches()))};
+  std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+  tape.run_frozen(in.data(), mode.data(), result.out.data(), result.g.data(), scratch.data());
+  return result;
+}
+
+std::vector<double> run_switches(const Tape& tape, const std::vector<double>& in) {
+  std::vector<double> g(static_cast<std::size_t>(tape.switches())), scratch(static_cast<std::size_t>(tape.registers()));
+  tape.run_switches(in.data(), g.data(), scratch.data());
+  return g;
+}
+
+class TapeTest : public ::testing::Test {
+ protected:
+  Tape tape(const std::vector<std::string>& texts) {
+    std::vector<Expr> outputs;
+    for (const std::string& text : texts) outputs.push_back(parse(pool, text));
+    return Tape(outputs, inputs);
+  }
+  std::vector<std::string> switches(const Tape& tape) {
+    std::vector<std::string> texts;
+    for (const Expr& g : tape.switching_functions()) texts.push_back(to_text(g));
+    return texts;
+  }
+  Pool pool;
+  std::vector<Expr> inputs{pool.channel("y"), pool.channel("v"), pool.parameter("k"), pool.parameter("c")};
+};
+
+const std::vector<std::vector<double>> points = {
+    {0.7, -0.3, 2, 0.5}, {-1.5, 2.5, 0.25, 3}, {0, 0, 0, 0}, {1, 1, 1, 1}, {-0.0, 1e-310, 1e200, -1e200},
+    {infinity, 1, -infinity, 0}, {std::nan(""), 1, 2, 3}, {1, std::nan(""), -2, 0.5}};
+
+TEST_F(TapeTest, agrees_with_the_direct_walk_to_the_last_bit) {
+  testing::RandomExpressions random(pool, 1);
+  for (int i = 0; i < 3000; ++i) {
+    const std::vector<Expr> outputs{random.next(3), random.next(5), random.next(1 + i % 6)};
+    const Tape tape(outputs, inputs);
+    for (const std::vector<double>& point : points) {
+      const std::vector<double> out = run(tape, point);
+      for (std::size_t j = 0; j < outputs.size(); ++j)
+        ASSERT_TRUE(same_bits(out[j], testing::direct_value(outputs[j], inputs, point))) << to_text(outputs[j]);
+    }
+  }
+}
+
+TEST_F(TapeTest, columns_have_the_bits_of_points) {
+  testing::RandomExpressions random(pool, 2);
+  std::mt19937 noise(3);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<Expr> outputs{random.next(4), random.next(5), inputs[0], pool.constant(3)};
+    const Tape tape(outputs, inputs);
+    const std::size_t rows = std::vector<std::size_t>{1, 255, 256, 257, 700}[static_cast<std::size_t>(i) % 5];
+    std::vector<double> y(rows), v(3 * rows), k{uniform(noise)}, c(rows);
+    for (auto* column : {&y, &v, &c})
+      for (double& x : *column) x = uniform(noise);
+    y[rows / 2] = std::nan("");
+    c[rows - 1] = 0;
+    const double* in[] = {y.data(), v.data(), k.data(), c.data()};
+    const int stride[] = {1, 3, 0, 1};
+    std::vector<std::vector<double>> out(outputs.size(), std::vector<double>(rows + 1, 17));
+    std::vector<double*> to;
+    for (auto& column : out) to.push_back(column.data());
+    tape.run_columns(in, stride, rows, to);
+    for (std::size_t r = 0; r < rows; ++r) {
+      const std::vector<double> point = run(tape, {y[r], v[3 * r], k[0], c[r]});
+      for (std::size_t j = 0; j < outputs.size(); ++j)
+        ASSERT_TRUE(same_bits(out[j][r], point[j])) << to_text(outputs[j]) << " in row " << r;
+    }
+    for (const auto& column : out) ASSERT_EQ(column[rows], 17) << "wrote behind the end";
+  }
+}
+
+TEST_F(TapeTest, in_place_runs_agree_and_leave_the_inputs) {
+  testing::RandomExpressions random(pool, 4);
+  for (int i = 0; i < 500; ++i) {
+    const std::vector<Expr> outputs{random.next(5), inputs[1], pool.constant(2), random.next(4), random.next(0)};
+    const Tape tape(outputs, inputs);
+    std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+    tape.prepare(scratch.data());
+    const std::vector<std::int8_t> mode(static_cast<std::size_t>(tape.switches()), 0);
+    for (const std::vector<double>& point : points) {
+      std::copy(point.begin(), point.end(), scratch.begin());
+      const std::vector<double> expected = run(tape, point), g = run_switches(tape, point);
+      const auto check = [&] {
+        for (std::size_t j = 0; j < expected.size(); ++j)
+          ASSERT_TRUE(same_bits(scratch[static_cast<std::size_t>(tape.output_place()) + j], expected[j]));
+        for (std::size_t j = 0; j < point.size(); ++j) ASSERT_TRUE(same_bits(scratch[j], point[j]));
+      };
+      tape.run_prepared(scratch.data());
+      check();
+      tape.run_prepared_frozen(mode.data(), scratch.data());
+      check();
+      for (std::size_t j = 0; j < g.size(); ++j)
+        ASSERT_TRUE(same_bits(scratch[static_cast<std::size_t>(tape.switch_place()) + j], g[j]));
+    }
+  }
+}
+
+TEST_F(TapeTest, frozen_by_the_signs_of_g_is_the_unfrozen_run) {
+  testing::RandomExpressions random(pool, 5);
+  std::mt19937 noise(6);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  int compared = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Expr> outputs{random.next(5)};
+    const Tape tape(outputs, inputs);
+    const std::vector<double> point{uniform(noise), uniform(noise), uniform(noise), uniform(noise)};
+    const std::vector<double> g = run_switches(tape, point);
+    std::vector<std::int8_t> mode;
+    for (const double x : g) mode.push_back(x > 0 ? 1 : x < 0 ? -1 : 0);
+    const Frozen frozen = run_frozen(tape, point, mode);
+    const double unfrozen = run(tape, point)[0];
+    // A frozen sign does not pass on NaN, and an overflowing a - b has no sign: compare where all is finite.
+    bool finite = std::isfinite(unfrozen);
+    for (const double x : g) finite &= std::isfinite(x);
+    if (!finite) continue;
+    ++compared;
+    ASSERT_TRUE(same_bits(frozen.out[0], unfrozen)) << to_text(outputs[0]);
+    for (std::size_t s = 0; s < g.size(); ++s) ASSERT_TRUE(same_bits(frozen.g[s], g[s]));
+  }
+  EXPECT_GT(compared, 500);
+}
+
+TEST_F(TapeTest, switches_and_their_branches) {
+  struct Row {
+    const char *text, *g;
+    double in_plus, in_minus;  // at y = 0.75, v = 0.5, frozen in +1 and in -1
+  };
+  const Row table[] = {
+      {"sign(y)", "y", 1, -1},
+      {"abs(y)", "y", 0.75, -0.75},
+      {"max(y, v)", "y - v", 0.75, 0.5},
+      {"min(y, v)", "y - v", 0.5, 0.75},
+      {"where(y > v, 10, 20)", "y - v", 10, 20},
+      {"where(y >= v, 10, 20)", "y - v", 10, 20},
+      {"where(y < v, 10, 20)", "v - y", 10, 20},
+      {"where(y <= v, 10, 20)", "v - y", 10, 20},
+      {"where(y*v, 10, 20)", "y*v", 10, 20},
+      {"max(y - 1, 0)", "y - 1", -0.25, 0},
+  };
+  for (const Row& row : table) {
+    const Tape t = tape({row.text});
+    ASSERT_EQ(switches(t), std::vector<std::string>{row.g}) << row.text;
+    const std::vector<double> in{0.75, 0.5, 0, 0};
+    EXPECT_EQ(run_frozen(t, in, {1}).out[0], row.in_plus) << row.text;
+    EXPECT_EQ(run_frozen(t, in, {-1}).out[0], row.in_minus) << row.text;
+    EXPECT_EQ(run_frozen(t, in, {0}).out[0], run(t, in)[0]) << row.text;
+    EXPECT_EQ(run_frozen(t, in, {1}).g[0], run_switches(t, in)[0]) << row.text;
+  }
+}
+
+TEST_F(TapeTest, nodes_with_the_same_g_share_one_switch) {
+  EXPECT_EQ(switches(tape({"sign(v)*abs(v)"})), std::vector<std::string>{"v"});
+  EXPECT_EQ(switches(tape({"max(y, v) + where(y > v, 1, 2)"})), std::vector<std::string>{"y - v"});
+  EXPECT_EQ(switches(tape({"sign(v) + max(y, v)", "abs(v)*min(y, v)"})), (std::vector<std::string>{"v", "y - v"}));
+}
+
+TEST_F(TapeTest, a_g_and_its_negative_are_one_switch) {
+  const Tape t = tape({"where(y > v, 1, 2)", "where(y < v, 10, 20)", "sign(-y + v)", "sign(-y)", "abs(y)"});
+  EXPECT_EQ(switches(t), (std::vector<std::string>{"y - v", "-y + v", "-y"}));
+  const Frozen frozen = run_frozen(t, {5, 3, 0, 0}, {-1, 1, 1});
+  EXPECT_EQ(frozen.out[0], 2) << "y > v fails";
+  EXPECT_EQ(frozen.out[1], 10) << "y < v holds";
+  EXPECT_EQ(frozen.out[3], 1);
+  EXPECT_EQ(frozen.out[4], -5) << "-y > 0, so abs(y) = -y";
+}
+
+TEST_F(TapeTest, more_outputs_keep_the_first_switches) {
+  const Expr f = parse(pool, "k*y + c*sign(v) + max(y - k, 0)");
+  const std::vector<Expr> few{f}, many{f, derivative(f, inputs[0]), derivative(f, inputs[1]), parse(pool, "abs(y)")};
+  const Tape small(few, inputs), large(many, inputs);
+  ASSERT_GT(large.switching_functions().size(), small.switching_functions().size());
+  for (std::size_t i = 0; i < small.switching_functions().size(); ++i)
+    EXPECT_EQ(small.switching_functions()[i], large.switching_functions()[i]);
+}
+
+TEST_F(TapeTest, a_constant_g_is_no_switch) {
+  EXPECT_EQ(tape({"abs(-3)*y", "max(2, 1)", "where(1 > 0, y, v)"}).switches(), 0);
+}
+
+TEST_F(TapeTest, values_on_the_switch) {
+  const Tape t = tape({"sign(y)", "abs(y)", "max(y, v)", "where(y > v, 1, 2)", "where(y >= v, 1, 2)",
+                       "where(y < v, 1, 2)", "where(y <= v, 1, 2)", "where(y, 1, 2)"});
+  EXPECT_EQ(run(t, {0, 0, 0, 0}), (std::vector<double>{0, 0, 0, 2, 1, 2, 1, 2}));
+}
+
+TEST_F(TapeTest, nan_goes_through_the_switches) {
+  for (const char* text : {"sign(y)", "abs(y)", "max(y, v)", "max(v, y)", "min(y, v)", "min(v, y)",
+                           "where(y > v, 1, 2)", "where(v <= y, 1, 2)", "where(y, 1, 2)"})
+    EXPECT_TRUE(std::isnan(run(tape({text}), {std::nan(""), 1, 0, 0})[0])) << text;
+}
+
+TEST_F(TapeTest, a_branch_that_is_not_taken_does_not_count) {
+  EXPECT_EQ(run(tape({"where(y > 0, sqrt(y), 0)"}), {-1, 0, 0, 0})[0], 0);
+}
+
+TEST_F(TapeTest, common_subexpressions_and_powers_are_computed_once) {
+  EXPECT_EQ(tape({"y*v", "y*v + 1", "y*v - k"}).instructions(), 3);
+  EXPECT_EQ(tape({"y", "y^2", "y^3", "y^4", "y^5"}).instructions(), 5) << "a copy and one product each";
+  EXPECT_EQ(tape({"k*y + c*v + 3*y^3"}).instructions(), 3) << "two products and their sum, a cube, a product added";
+  EXPECT_EQ(tape({"y^16"}).instructions(), 4);
+}
+
+TEST_F(TapeTest, registers_are_used_again) {
+  Expr f = inputs[0];
+  for (int i = 0; i < 1000; ++i) f = pool.apply(Op::sin, {f}) + inputs[1];
+  const std::vector<Expr> outputs{f};
+  EXPECT_LT(Tape(outputs, inputs).registers(), 10);
+}
+
+TEST_F(TapeTest, an_unknown_symbol_is_named) {
+  try {
+    tape({"k*y + Fc*sign(v)"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "tape: 'Fc' is not among the inputs (y, v, k, c)");
+  }
+}
+
+TEST_F(TapeTest, wrong_inputs_and_outputs) {
+  const std::vector<Expr> outputs{inputs[0]};
+  const auto message = [&](std::vector<Expr> out, std::vector<Expr> in) -> std::string {
+    try {
+      Tape tape(out, in);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message(outputs, {inputs[0], inputs[0]}), "tape: the input 'y' is given twice");
+  EXPECT_EQ(message(outputs, {inputs[0], 2.0 * inputs[0]}), "tape: an input is not a symbol");
+  EXPECT_EQ(message({Expr()}, inputs), "tape: an output is empty");
+  const double* in[] = {nullptr};
+  const int stride[] = {1};
+  try {
+    Tape(outputs, inputs).run_columns(in, stride, 5, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "tape: expected 4 columns in and 1 out, got 1 and 0");
+  }
+}
+
+TEST_F(TapeTest, empty_tapes) {
+  EXPECT_EQ(Tape().outputs(), 0);
+  EXPECT_TRUE(Tape().switching_functions().empty());
+  const Tape nothing({}, {});
+  nothing.run_point(nullptr, nullptr, nullptr);
+  nothing.run_columns({}, {}, 300, {});
+  const std::vector<Expr> outputs{pool.constant(2)};
+  const Tape constant(outputs, {});
+  EXPECT_EQ(run(constant, {})[0], 2);
+  std::vector<double> column(300);
+  double* out[] = {column.data()};
+  constant.run_columns({}, {}, 300, out);
+  EXPECT_EQ(column[0] + column[299], 4);
+  double x = 0;
+  out[0] = &x;
+  constant.run_columns({}, {}, 0, out);
+  EXPECT_EQ(x, 0);
+}
+
+/// 10^5 nodes deep: everything but the nesting of a typed text must cope.
+TEST_F(TapeTest, very_deep_expressions) {
+  constexpr int depth = 100000;
+  const Expr y = inputs[0], v = inputs[1];
+  Expr f = y;
+  for (int i = 0; i < depth; ++i) f = i % 2 ? f + v : pool.apply(Op::tanh, {f});
+  EXPECT_EQ(symbols(f).size(), 2u);
+  const std::vector<Expr> outputs{f, derivative(f, y)};
+  const Tape tape(outputs, inputs);
+  EXPECT_TRUE(std::isfinite(run(tape, {0.1, 0.2, 0, 0})[0]));
+  const std::pair<Expr, Expr> swap[] = {{y, v}};
+  EXPECT_FALSE(depends_on(substitute(f, swap), y));
+  EXPECT_GT(to_text(f).size(), 5u * depth);
+}
+
+TEST_F(TapeTest, very_long_typed_sums_and_products) {
+  std::string sum = "y", product = "y";
+  for (int i = 0; i < 50000; ++i) sum += i % 2 ? " + y" : " - v", product += "*v";
+  for (const std::string& text : {sum, product}) {
+    const Expr f = parse(pool, text);
+    EXPECT_EQ(to_text(f), text);
+    const std::vector<Expr> outputs{f, -f};
+    const std::vector<double> out = run(Tape(outputs, inputs), {1, 1, 0, 0});
+    EXPECT_EQ(out[0], 1);
+    EXPECT_EQ(out[1], -1);
+  }
+}
+
+}  // namespace
+}  // namespace lunid
