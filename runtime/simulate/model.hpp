@@ -7,6 +7,7 @@
 
 #include "expr/expr.hpp"
 #include "expr/tape.hpp"
+#include "simulate/dynamics.hpp"
 
 namespace lunid {
 
@@ -51,29 +52,47 @@ struct Model {
 /// expression uses, bounds that cross, a first guess outside its bounds, a state without rate.
 Model complete(Model model);
 
-/// The compiled first-order form. State x = (y, v, z...). Tape inputs: (t, F, x..., theta...); with imposed motion
-/// (t, y, v, z..., theta...), whose output is the force F and the rates of z.
+/// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...). Tape inputs: (t, F, x..., theta...); with imposed motion
+/// (t, y, v, a, z..., theta...), where the integrated states are z alone.
 class System {
  public:
+  /// Completes the model first (complete()), with its errors. Changes the model's pool.
   explicit System(const Model& model);
 
   int states() const { return n_; }        ///< 2 + internal states
   int parameters() const { return p_; }
   const Model& model() const { return *model_; }
 
-  /// outputs: dx/dt (n)
-  const Tape& rate() const { return rate_; }
-  /// outputs: dx/dt (n), d(dx/dt)/dx (n*n, row-major), d(dx/dt)/dtheta (n*p, row-major)
-  const Tape& rate_with_derivatives() const { return derivatives_; }
-  /// outputs, for each switching function of rate(): dg/dx (n), dg/dtheta (p)
-  const Tape& switch_gradients() const { return switch_gradients_; }
+  /// x' = f(t, u, x; theta) as the integrators see it: the free motion, or with imposed motion the states z.
+  const Dynamics& dynamics() const { return free_ ? *free_ : *imposed_; }
+  /// The states z driven by measured (y, v, a); nullptr when a rate holds F.
+  const Dynamics* imposed() const { return imposed_.get(); }
+
+  /// outputs: x' (n integrated states), then what state bounds need (Dynamics)
+  const Tape& rate() const { return dynamics().rate; }
+  /// outputs: x' (n), dx'/dx (n*n, row-major), dx'/dtheta (n*p, row-major), then what state bounds need
+  const Tape& rate_with_derivatives() const { return dynamics().derivatives; }
+  /// outputs, for each switching surface: the derivative of g by every input of rate(), in their order
+  const Tape& switch_gradients() const { return dynamics().gradients; }
   /// outputs: force m*a + restoring at inputs (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }
+  /// outputs: that force, its derivatives by each z and by each theta; inputs as force()
+  const Tape& force_with_derivatives() const { return force_with_derivatives_; }
+  /// output: the mass that multiplies a, terms of the restoring force included; inputs as force()
+  const Tape& inertia() const { return inertia_; }
+  /// The restoring force as a list of summands, and one output for each; inputs as force()
+  const std::vector<Expr>& terms() const { return terms_; }
+  const Tape& term_values() const { return term_values_; }
+  /// True when the force of an imposed motion depends on the acceleration.
+  bool needs_acceleration() const { return needs_acceleration_; }
 
  private:
   std::shared_ptr<const Model> model_;
   int n_ = 2, p_ = 0;
-  Tape rate_, derivatives_, switch_gradients_, force_;
+  std::shared_ptr<const Dynamics> free_, imposed_;
+  Tape force_, force_with_derivatives_, inertia_, term_values_;
+  std::vector<Expr> terms_;
+  bool needs_acceleration_ = true;
 };
 
 }  // namespace lunid

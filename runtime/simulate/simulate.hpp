@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,11 +19,12 @@ namespace lunid {
 enum class Interpolation { hold, linear, cubic, band_limited };
 std::string to_string(Interpolation);
 
-/// A force on an even time base, ready for integration: values on a refined grid of the samples.
+/// A force on an even time base, ready for integration: values on a refined grid of the samples. A value type; copies
+/// share their samples and the refined grids made so far (thread-safe).
 class Excitation {
  public:
   Excitation() = default;
-  /// F at t0 + i*dt. Throws InputError when fewer than 2 samples or a value is not finite.
+  /// F at t0 + i*dt. Throws InputError when fewer than 2 samples or a value is not finite, or dt <= 0.
   Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation = Interpolation::linear);
   /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples).
   Excitation(double t0, double dt, Eigen::Index rows, std::function<double(double)> force);
@@ -30,18 +32,25 @@ class Excitation {
   Eigen::Index rows() const { return rows_; }
   double t0() const { return t0_; }
   double dt() const { return dt_; }
+  /// What happens between samples; of an analytic force: cubic (it is smooth there).
   Interpolation interpolation() const { return interpolation_; }
+  bool analytic() const;
   double at(double t) const;  ///< F(t); constant beyond the ends
   /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
-  /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1.
+  /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1. With `hold`, an entry on a sample is
+  /// the value from there on. Throws InputError when substeps < 1.
   Eigen::VectorXd refined(int substeps) const;
+  /// refined() without the copy: made once, valid as long as this excitation or a copy or part of it lives.
+  std::span<const double> grid(int substeps) const;
+  /// Rows [first, first + count); the force between them is that of the whole. Throws InputError outside the rows.
+  Excitation part(Eigen::Index first, Eigen::Index count) const;
 
  private:
+  struct Source;
   double t0_ = 0, dt_ = 1;
-  Eigen::Index rows_ = 0;
+  Eigen::Index first_ = 0, rows_ = 0;  ///< of the source
   Interpolation interpolation_ = Interpolation::linear;
-  Eigen::VectorXd samples_;
-  std::function<double(double)> function_;
+  std::shared_ptr<Source> source_;
 };
 
 enum class Solver { automatic, fixed, bdf, adams, explicit_rk };
@@ -66,6 +75,7 @@ struct RunSummary {
   double stopped_at = 0;   ///< [s], when not completed
   std::string cause;       ///< in words, when not completed
   long steps = 0, evaluations = 0, events = 0;
+  long grazing = 0;        ///< switches met so flatly that the sensitivities after them are not to be trusted
   double stuck = 0;        ///< [s] spent sticking (sliding on a switch)
   double error = 0;        ///< largest difference to the run with half the step, over std(y); fixed path, when checked
   double seconds = 0;

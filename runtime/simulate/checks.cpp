@@ -1,0 +1,112 @@
+#include <cmath>
+
+#include "simulate/run.hpp"
+
+namespace lunid {
+namespace {
+
+std::string names_of(const System& system) {
+  std::string text;
+  for (const std::string& name : system.dynamics().names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string parameter_names(const System& system) {
+  std::string text;
+  for (const Parameter& p : system.model().parameters) text += (text.empty() ? "" : ", ") + p.name;
+  return text.empty() ? "none" : text;
+}
+
+void check_options(const std::string& caller, const SimulateOptions& o) {
+  const auto refuse = [&](const std::string& what) { throw InputError(caller + ": " + what); };
+  if (!(o.rtol > 0) || !(o.rtol < 1)) refuse("rtol: expected > 0 and < 1, got " + number(o.rtol));
+  if (!(o.atol >= 0)) refuse("atol: expected >= 0, got " + number(o.atol));
+  if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
+  if (!(o.bound >= 0)) refuse("bound: expected >= 0, got " + number(o.bound));
+  if (o.max_events < 1) refuse("max_events: expected >= 1, got " + std::to_string(o.max_events));
+}
+
+}  // namespace
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+std::string to_string(Solver solver) {
+  switch (solver) {
+    case Solver::automatic: return "auto";
+    case Solver::fixed: return "fixed";
+    case Solver::bdf: return "bdf";
+    case Solver::adams: return "adams";
+    case Solver::explicit_rk: return "explicit";
+  }
+  return "";
+}
+
+Solver solver_from(std::string_view name) {
+  std::vector<std::string> choices;
+  for (const Solver s : {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+    if (to_string(s) == name) return s;
+    choices.push_back(to_string(s));
+  }
+  const std::string near = nearest_word(std::string(name), choices);
+  throw InputError("solver: expected auto, fixed, bdf, adams or explicit, got '" + std::string(name) + "'" +
+                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+}
+
+void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitation& excitation,
+               const Eigen::VectorXd& x0, const SimulateOptions& options) {
+  const std::string name = caller;
+  if (system.model().imposed_motion)
+    throw InputError(name + ": the motion of this model is imposed: there is no free run, only its force");
+  if (static_cast<int>(theta.size()) != system.parameters())
+    throw InputError(name + ": theta: expected " + std::to_string(system.parameters()) + " values (" +
+                     parameter_names(system) + "), got " + std::to_string(theta.size()));
+  for (std::size_t i = 0; i < theta.size(); ++i)
+    if (!std::isfinite(theta[i]))
+      throw InputError(name + ": parameter '" + system.model().parameters[i].name +
+                       "': expected a finite value, got " + number(theta[i]));
+  if (x0.size() != system.states())
+    throw InputError(name + ": x0: expected " + std::to_string(system.states()) + " values (" + names_of(system) +
+                     "), got " + std::to_string(x0.size()));
+  for (Eigen::Index i = 0; i < x0.size(); ++i)
+    if (!std::isfinite(x0[i]))
+      throw InputError(name + ": x0: " + system.dynamics().names[i] + ": expected a finite value, got " +
+                       number(x0[i]));
+  if (excitation.rows() < 2) throw InputError(name + ": the excitation is empty");
+  check_options(name, options);
+}
+
+Run empty_run(const System& system, const Excitation& excitation) {
+  Run run;
+  run.t0 = excitation.t0();
+  run.dt = excitation.dt();
+  run.x.setConstant(excitation.rows(), system.states(), std::numeric_limits<double>::quiet_NaN());
+  run.a.setConstant(excitation.rows(), std::numeric_limits<double>::quiet_NaN());
+  return run;
+}
+
+double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
+                     const Eigen::VectorXd& x0) {
+  const Dynamics& d = system.dynamics();
+  std::vector<double> in(d.inputs(), 0.0), out(d.rate.outputs()), scratch(d.rate.registers() + 1);
+  std::copy(theta.begin(), theta.end(), in.end() - d.p);
+  const auto acceleration = [&](double force, bool rest) {
+    in[0] = excitation.t0();
+    in[1] = force;
+    for (int i = 0; i < d.n; ++i) in[2 + i] = rest ? 0 : x0[i];
+    d.rate.run_point(in.data(), out.data(), scratch.data());
+    return out[1];
+  };
+  double largest = 0;
+  for (const double f : excitation.grid(1)) largest = std::max(largest, std::abs(f));
+  const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
+  double reach = std::abs(acceleration(excitation.at(excitation.t0()), false));
+  reach = std::max(reach, std::abs(acceleration(largest, true) - acceleration(0, true)));
+  const double scale = std::abs(x0[0]) + std::abs(x0[1]) * time + 0.5 * reach * time * time;
+  return std::isfinite(scale) && scale > 0 ? 1e6 * scale : 0;
+}
+
+}  // namespace lunid

@@ -1,0 +1,156 @@
+#include "simulate/dynamics.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace lunid {
+namespace {
+
+/// A switching function without its sign and constant factors, so that v, -v and 2*v are one surface.
+struct Canonical {
+  Expr base;
+  int sign = 1;
+};
+
+Canonical canonical(Expr g) {
+  Canonical c{g, 1};
+  for (;;) {
+    const auto arguments = c.base.arguments();
+    const auto strip = [&](int constant, int other) {
+      if (!arguments[constant].is_constant() || !(arguments[constant].value() != 0)) return false;
+      if (arguments[constant].value() < 0) c.sign = -c.sign;
+      c.base = arguments[other];
+      return true;
+    };
+    if (c.base.op() == Op::neg) {
+      c.base = arguments[0];
+      c.sign = -c.sign;
+    } else if (c.base.op() == Op::mul) {
+      if (!strip(0, 1) && !strip(1, 0)) return c;
+    } else if (c.base.op() == Op::div) {
+      if (!strip(1, 0)) return c;
+    } else if (c.base.op() == Op::sub && arguments[0].is_constant(0)) {
+      c.base = arguments[1];
+      c.sign = -c.sign;
+    } else if (c.base.op() == Op::sub && arguments[1].id() < arguments[0].id()) {
+      c.base = arguments[1] - arguments[0];
+      c.sign = -c.sign;
+      if (c.base.op() != Op::sub) continue;
+      return c;
+    } else {
+      return c;
+    }
+  }
+}
+
+/// The surfaces found so far, by their canonical form.
+struct SurfaceTable {
+  std::vector<Canonical> forms;
+
+  int find(const Canonical& form) const {
+    for (std::size_t i = 0; i < forms.size(); ++i)
+      if (forms[i].base == form.base) return static_cast<int>(i);
+    return -1;
+  }
+};
+
+void map_rate_switches(Dynamics& d, SurfaceTable& table, const DynamicsSource& source) {
+  const auto& functions = d.rate.switching_functions();
+  for (std::size_t i = 0; i < functions.size(); ++i) {
+    const Canonical form = canonical(functions[i]);
+    int surface = table.find(form);
+    if (surface < 0) {
+      surface = static_cast<int>(table.forms.size());
+      table.forms.push_back(form);
+      const auto state = std::find(source.states.begin(), source.states.end(), form.base);
+      d.surfaces.push_back({functions[i], static_cast<int>(i),
+                            state == source.states.end() ? -1 : static_cast<int>(state - source.states.begin())});
+    }
+    d.rate_switches.surface.push_back(surface);
+    d.rate_switches.orientation.push_back(form.sign == table.forms[surface].sign ? 1 : -1);
+  }
+}
+
+void map_derivative_switches(Dynamics& d, const SurfaceTable& table) {
+  for (const Expr& g : d.derivatives.switching_functions()) {
+    const Canonical form = canonical(g);
+    const int surface = table.find(form);
+    d.derivative_switches.surface.push_back(surface);
+    d.derivative_switches.orientation.push_back(surface < 0 || form.sign == table.forms[surface].sign ? 1 : -1);
+  }
+}
+
+Expr total(std::optional<Expr> sum, Expr term) { return sum ? *sum + term : term; }
+
+/// d f / dt along the motion.
+Expr time_derivative(Expr f, const DynamicsSource& s) {
+  std::optional<Expr> sum;
+  const auto add = [&](Expr symbol, Expr rate) {
+    if (!depends_on(f, symbol)) return;
+    const Expr slope = derivative(f, symbol);
+    if (!slope.is_constant(0)) sum = total(sum, slope.is_constant(1) ? rate : slope * rate);
+  };
+  for (std::size_t i = 0; i < s.states.size(); ++i) add(s.states[i], s.rates[i]);
+  for (std::size_t i = 0; i < s.exogenous.size(); ++i)
+    if (s.exogenous_rates[i].valid()) add(s.exogenous[i], s.exogenous_rates[i]);
+  if (depends_on(f, s.t)) sum = total(sum, derivative(f, s.t));
+  return sum ? *sum : f.pool().constant(0);
+}
+
+std::vector<Expr> all_inputs(const DynamicsSource& s) {
+  std::vector<Expr> inputs{s.t};
+  inputs.insert(inputs.end(), s.exogenous.begin(), s.exogenous.end());
+  inputs.insert(inputs.end(), s.states.begin(), s.states.end());
+  inputs.insert(inputs.end(), s.parameters.begin(), s.parameters.end());
+  return inputs;
+}
+
+void append_gradient(std::vector<Expr>& outputs, Expr f, std::span<const Expr> symbols) {
+  for (const Expr& symbol : symbols) outputs.push_back(derivative(f, symbol));
+}
+
+}  // namespace
+
+Dynamics compile(const DynamicsSource& s) {
+  Dynamics d;
+  d.exogenous = static_cast<int>(s.exogenous.size());
+  d.n = static_cast<int>(s.states.size());
+  d.p = static_cast<int>(s.parameters.size());
+  for (const Expr& x : s.states) d.names.push_back(x.name());
+  const std::vector<Expr> inputs = all_inputs(s);
+
+  std::vector<Expr> gaps, gap_rates;
+  for (const auto& b : s.bounds) {
+    const Expr z = s.states[b.state];
+    gaps.push_back(b.side > 0 ? b.bound - z : z - b.bound);
+    gap_rates.push_back(time_derivative(gaps.back(), s));
+    d.bounds.push_back({b.state, b.side});
+  }
+  std::vector<Expr> outputs = s.rates;
+  outputs.insert(outputs.end(), gaps.begin(), gaps.end());
+  outputs.insert(outputs.end(), gap_rates.begin(), gap_rates.end());
+  d.rate = Tape(outputs, inputs);
+
+  outputs = s.rates;
+  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.states);
+  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.parameters);
+  for (const Expr& rate : gap_rates) {
+    append_gradient(outputs, rate, s.states);
+    append_gradient(outputs, rate, s.parameters);
+  }
+  d.derivatives = Tape(outputs, inputs);
+
+  SurfaceTable table;
+  map_rate_switches(d, table, s);
+  map_derivative_switches(d, table);
+
+  outputs.clear();
+  for (const Surface& surface : d.surfaces) append_gradient(outputs, surface.g, inputs);
+  for (const Expr& gap : gaps) append_gradient(outputs, gap, inputs);
+  for (const Expr& f : outputs)
+    for (const Expr& symbol : symbols(f)) d.constant_gradients &= symbol.kind() == SymbolKind::parameter;
+  d.gradients = Tape(outputs, inputs);
+  return d;
+}
+
+}  // namespace lunid

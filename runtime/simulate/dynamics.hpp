@@ -1,0 +1,65 @@
+#pragma once
+// A compiled first-order system x' = f(t, u, x; theta) with exogenous inputs u: what the integrators work on.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "expr/expr.hpp"
+#include "expr/tape.hpp"
+
+namespace lunid {
+
+/// A surface g(t, u, x; theta) = 0 on which the right-hand side changes its branch.
+struct Surface {
+  Expr g;
+  int switch_index = 0;     ///< the switch of rate() whose value is g
+  int component = -1;       ///< g is this state, up to a constant factor; -1: it is not a single state
+};
+
+/// A bound of a state: gap = side * (bound - state) >= 0. side +1: max, -1: min.
+struct StateBound {
+  int state = 0;
+  int side = 1;
+};
+
+/// What the integrators need, all on the inputs (t, u..., x..., theta...).
+struct Dynamics {
+  int exogenous = 0;  ///< inputs u: (F), or (y, v, a) with imposed motion
+  int n = 0;          ///< states x
+  int p = 0;          ///< parameters theta
+  Tape rate;          ///< x' (n), gap of each bound, rate of each gap (bounds not held)
+  /// x' (n), dx'/dx (n*n), dx'/dtheta (n*p), then per bound d(gap rate)/dx (n) and /dtheta (p); matrices row-major
+  Tape derivatives;
+  Tape gradients;     ///< per surface, then per bound gap: the derivative by every input, in their order
+  bool constant_gradients = true;  ///< gradients depend on theta alone
+  std::vector<Surface> surfaces;
+  std::vector<StateBound> bounds;
+  std::vector<std::string> names;  ///< of the states
+
+  /// One entry per switch of a tape: mode = orientation * mode of its surface; surface -1: branch by the sign of g.
+  struct SwitchMap {
+    std::vector<int> surface;
+    std::vector<std::int8_t> orientation;
+  };
+  SwitchMap rate_switches, derivative_switches;
+
+  int inputs() const { return 1 + exogenous + n + p; }
+  bool smooth() const { return surfaces.empty() && bounds.empty(); }
+};
+
+/// States with their rates and bounds, and the symbols that drive them.
+struct DynamicsSource {
+  Expr t;
+  std::vector<Expr> exogenous, exogenous_rates;  ///< rates: the symbol's time derivative where it is known, or empty
+  std::vector<Expr> states, rates;
+  struct Bound {
+    int state;
+    int side;
+    Expr bound;
+  };
+  std::vector<Bound> bounds;
+  std::vector<Expr> parameters;
+};
+Dynamics compile(const DynamicsSource& source);
+
+}  // namespace lunid

@@ -1,0 +1,405 @@
+// The fixed path of systems with switches or bounds. A substep runs in one frozen mode. Where an event function falls
+// below zero within it, the place is found by stepping to a part of the substep (a bracketed secant), the mode is
+// decided there and the rest of the substep follows.
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "simulate/fixed.hpp"
+#include "simulate/modes.hpp"
+
+namespace lunid {
+namespace {
+
+using Eigen::Index;
+
+/// A place in the substep is known to this part of it.
+constexpr double location_tolerance = 1e-13;
+constexpr int location_iterations = 100;
+/// A crossing whose speed is below this part of the fastest one met is a graze: its jump is not to be trusted.
+constexpr double grazing_speed = 1e-6;
+
+/// One substep: time, length, and its inputs at the start, the middle and the end.
+struct Segment {
+  double t = 0, h = 0;
+  int exogenous = 0;
+  double start[3], middle[3], end[3];
+
+  /// The parabola through the three at the part s of the substep.
+  Drive drive(double s) const noexcept {
+    Drive d;
+    d.t = t + s * h;
+    for (int i = 0; i < exogenous; ++i) {
+      d.u[i] = start[i] * (1 - s) * (1 - 2 * s) + middle[i] * 4 * s * (1 - s) + end[i] * s * (2 * s - 1);
+      d.rate[i] = (start[i] * (4 * s - 3) + middle[i] * (4 - 8 * s) + end[i] * (4 * s - 1)) / h;
+    }
+    return d;
+  }
+};
+
+class EventRun {
+ public:
+  EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0);
+  FixedOutcome run(RowSink& sink);
+
+ private:
+  Segment segment(Index row, int substep) const noexcept;
+  void begin();
+  bool advance(const Segment& segment);
+  void step(const Segment& segment, double from, double to) noexcept;
+  void step_sensitivities(const Segment& segment, double from, double to) noexcept;
+  double probe(const Segment& segment, double from, double to, int event) noexcept;
+  int first_event(const Segment& segment, double from, double& to) noexcept;
+  int estimate_first(double width) const noexcept;
+  int find_dip(const Segment& segment, double from, double& to) noexcept;
+  double locate(const Segment& segment, double from, double to, int event) noexcept;
+  double inside(const Segment& segment, double from, double to, int event) noexcept;
+  void accept(const Segment& segment, double from, double to);
+  void happen(const Segment& segment, double at, int event);
+  void jump(const double* gradient, const std::vector<double>& before);
+  void project_sensitivities(const Drive& drive);
+  void project_row(const double* gradient, int state, int side);
+  bool failed(const Segment& segment, double at, Stop stop);
+
+  const FixedProblem& problem_;
+  const Dynamics& d_;
+  const int n_, p_, columns_;
+  ModeMachine modes_;
+  bool frozen_ = true;
+  std::vector<double> x_, trial_, stage_, k2_, k3_, k4_;
+  Observation now_, then_;
+  std::vector<double> s_, ks_[4], s_stage_, jx_, jtheta_, f_, gradient_;
+  FixedOutcome outcome_;
+};
+
+EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
+    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n), modes_(d_, problem.theta),
+      x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_), k2_(n_), k3_(n_), k4_(n_), now_(modes_.observation()),
+      then_(modes_.observation()), f_(n_), gradient_(d_.inputs()) {
+  if (!problem.sensitivities) return;
+  s_.assign(n_ * columns_, 0.0);
+  for (int i = 0; i < n_; ++i) s_[i * columns_ + p_ + i] = 1;
+  s_stage_ = s_;
+  for (auto& k : ks_) k = s_;
+  jx_.resize(n_ * n_);
+  jtheta_.resize(n_ * p_);
+}
+
+Segment EventRun::segment(Index row, int substep) const noexcept {
+  Segment g;
+  g.h = problem_.dt / problem_.substeps;
+  const Index index = row * problem_.substeps + substep;
+  g.t = problem_.t0 + static_cast<double>(index) * g.h;
+  g.exogenous = d_.exogenous;
+  const bool last = row + 1 == problem_.rows;  // the last row has no interval after it
+  for (int i = 0; i < d_.exogenous; ++i) {
+    const double* u = problem_.drive[i] + 2 * index;
+    g.start[i] = u[0];
+    g.middle[i] = last ? u[0] : u[1];
+    g.end[i] = last || problem_.hold ? g.middle[i] : u[2];
+  }
+  return g;
+}
+
+/// Modes at the first state. What it is set to (a bound, a surface) no longer depends on x0.
+void EventRun::begin() {
+  const Drive drive = segment(0, 0).drive(0);
+  const std::vector<double> given = x_;
+  modes_.start(drive, x_.data());
+  modes_.observe(drive, x_.data(), now_);
+  if (!problem_.sensitivities) return;
+  const int surfaces = static_cast<int>(d_.surfaces.size());
+  for (std::size_t j = 0; j < d_.bounds.size(); ++j) {
+    const auto [state, side] = d_.bounds[j];
+    if (x_[state] != given[state] || modes_.held(static_cast<int>(j)))
+      project_row(modes_.gradient(surfaces + static_cast<int>(j), drive, x_.data()), state, side);
+  }
+  for (int i = 0; i < surfaces; ++i)
+    if (modes_.slides_on(i) && d_.surfaces[i].component >= 0)
+      std::fill_n(s_.begin() + d_.surfaces[i].component * columns_, columns_, 0.0);
+}
+
+FixedOutcome EventRun::run(RowSink& sink) {
+  begin();
+  long count = 0;
+  for (Index row = 0; row < problem_.rows; ++row) {
+    if (problem_.hold && row > 0) {
+      const Drive drive = segment(row, 0).drive(0);
+      modes_.settle(drive, x_.data());
+      modes_.observe(drive, x_.data(), now_);
+    }
+    sink.row(row, x_.data(), now_.f.data(), problem_.sensitivities ? s_.data() : nullptr);
+    if (row + 1 == problem_.rows) break;
+    bool going = true;
+    for (int j = 0; j < problem_.substeps && going; ++j) {
+      if ((count++ & (cancel_interval - 1)) == 0) check_cancelled(problem_.cancelled);
+      going = advance(segment(row, j));
+    }
+    if (!going) break;
+  }
+  outcome_.steps = count;
+  outcome_.evaluations = modes_.evaluations;
+  return outcome_;
+}
+
+bool EventRun::failed(const Segment& segment, double at, Stop stop) {
+  outcome_.stop = stop;
+  outcome_.stopped_at = segment.t + at * segment.h;
+  outcome_.last = Eigen::Map<const Eigen::VectorXd>(x_.data(), n_);
+  return false;
+}
+
+/// One substep with all its events; false when the run stops.
+bool EventRun::advance(const Segment& segment) {
+  double at = 0;
+  int idle = 0;  // events in a row at one place
+  while (at < 1) {
+    double to = 1;
+    const int event = first_event(segment, at, to);
+    if (!all_finite(trial_.data(), n_)) return failed(segment, at, Stop::exploded);
+    const bool circling = event >= 0 && idle > 4 * modes_.events();
+    if (event < 0 || circling) {
+      if (circling) probe(segment, at, to = 1, event);
+      accept(segment, at, to);
+      if (circling) modes_.start(segment.drive(1), x_.data());
+      if (circling) modes_.observe(segment.drive(1), x_.data(), now_);
+      at = 1;
+    } else {
+      idle = to > at ? 0 : idle + 1;
+      if (to > at) accept(segment, at, to);
+      happen(segment, to, event);
+      at = to;
+      if (++outcome_.events > problem_.max_events) {
+        outcome_.event = event;
+        return failed(segment, at, Stop::too_many_events);
+      }
+    }
+    if (problem_.bound > 0 && n_ > 0 && std::abs(x_[0]) > problem_.bound)
+      return failed(segment, at, Stop::exploded);
+  }
+  return true;
+}
+
+/// trial_ = x_ carried from one part of the substep to another in the present mode.
+void EventRun::step(const Segment& segment, double from, double to) noexcept {
+  const double h = (to - from) * segment.h;
+  const Drive middle = segment.drive(0.5 * (from + to)), end = segment.drive(to);
+  const double* k1 = now_.f.data();
+  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k1[i];
+  modes_.rate(middle, stage_.data(), k2_.data(), frozen_);
+  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k2_[i];
+  modes_.rate(middle, stage_.data(), k3_.data(), frozen_);
+  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + h * k3_[i];
+  modes_.rate(end, stage_.data(), k4_.data(), frozen_);
+  for (int i = 0; i < n_; ++i) trial_[i] = x_[i] + h / 6 * (k1[i] + 2 * (k2_[i] + k3_[i]) + k4_[i]);
+}
+
+/// s_ carried along with x_, which stays.
+void EventRun::step_sensitivities(const Segment& segment, double from, double to) noexcept {
+  const double h = (to - from) * segment.h;
+  const double parts[4] = {from, 0.5 * (from + to), 0.5 * (from + to), to}, reach[4] = {0, 0.5 * h, 0.5 * h, h};
+  const std::size_t size = s_.size();
+  for (int k = 0; k < 4; ++k) {
+    if (k == 0) {
+      stage_ = x_;
+      s_stage_ = s_;
+    } else {
+      for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + reach[k] * f_[i];
+      for (std::size_t i = 0; i < size; ++i) s_stage_[i] = s_[i] + reach[k] * ks_[k - 1][i];
+    }
+    modes_.derivatives(segment.drive(parts[k]), stage_.data(), f_.data(), jx_.data(), jtheta_.data(),
+                       frozen_);
+    sensitivity_rate(n_, p_, jx_.data(), jtheta_.data(), s_stage_.data(), ks_[k].data());
+  }
+  for (std::size_t i = 0; i < size; ++i)
+    s_[i] += h / 6 * (ks_[0][i] + 2 * (ks_[1][i] + ks_[2][i]) + ks_[3][i]);
+}
+
+/// Steps to a part of the substep and returns the event function there (NaN where the state is not finite).
+double EventRun::probe(const Segment& segment, double from, double to, int event) noexcept {
+  step(segment, from, to);
+  modes_.observe(segment.drive(to), trial_.data(), then_, frozen_);
+  return then_.event[event];
+}
+
+/// Among the event functions that are below zero at the end of a step, the one that a straight line takes there first.
+int EventRun::estimate_first(double width) const noexcept {
+  int first = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < modes_.events(); ++e) {
+    const double from = now_.event[e], to = then_.event[e];
+    if (to >= 0) continue;
+    const double place = from > 0 && to < 0 ? width * from / (from - to) : 0;
+    if (first < 0 || place < least) {
+      first = e;
+      least = place;
+    }
+  }
+  return first;
+}
+
+/// Takes a trial step to `to`; returns the first event within it, having moved `to` and the trial there, or -1.
+int EventRun::first_event(const Segment& segment, double from, double& to) noexcept {
+  frozen_ = true;
+  step(segment, from, to);
+  if (!all_finite(trial_.data(), n_)) {
+    // a frozen branch may not exist beyond its surface, such as a root of a negative number
+    frozen_ = false;
+    step(segment, from, to);
+    if (!all_finite(trial_.data(), n_)) return -1;
+  }
+  modes_.observe(segment.drive(to), trial_.data(), then_, frozen_);
+  int event = estimate_first(to - from);
+  if (event < 0) event = find_dip(segment, from, to);
+  if (event < 0) return -1;
+  for (int guard = 0; guard <= modes_.events(); ++guard) {
+    to = locate(segment, from, to, event);
+    if (!(to > from)) return event;
+    // another function may be below zero at the place found: then it was there earlier
+    int earlier = -1;
+    for (int e = 0; e < modes_.events(); ++e)
+      if (e != event && then_.event[e] < 0 && now_.event[e] > 0) earlier = e;
+    if (earlier < 0) return event;
+    event = earlier;
+  }
+  return event;
+}
+
+/// An event function that is above zero at both ends but below within: its least value on the cubic through both ends
+/// is looked at by a real step.
+int EventRun::find_dip(const Segment& segment, double from, double& to) noexcept {
+  const double width = to - from, h = width * segment.h;
+  for (int e = 0; e < modes_.events(); ++e) {
+    const double d0 = now_.slope[e] * h, d1 = then_.slope[e] * h, e0 = now_.event[e], e1 = then_.event[e];
+    if (!(d0 < 0 && d1 > 0 && e0 > 0)) continue;
+    // e0 + d0 s + b s^2 + a s^3
+    const double a = 2 * (e0 - e1) + d0 + d1, b = 3 * (e1 - e0) - 2 * d0 - d1;
+    const double root = std::sqrt(std::max(0.0, b * b - 3 * a * d0));
+    const double s = std::clamp(std::abs(a) > 1e-9 * std::abs(b) ? (root - b) / (3 * a) : -d0 / (2 * b), 0.0, 1.0);
+    if (e0 + s * (d0 + s * (b + s * a)) > 0) continue;
+    const double middle = from + s * width;
+    if (middle > from && probe(segment, from, middle, e) < 0) {
+      to = middle;
+      return e;
+    }
+    probe(segment, from, to, e);
+  }
+  return -1;
+}
+
+/// A place after `from` where an event function that starts at zero is above it; `from` when there is none.
+double EventRun::inside(const Segment& segment, double from, double to, int event) noexcept {
+  for (int halving = 1; halving <= 40; ++halving) {
+    const double at = from + std::ldexp(to - from, -halving);
+    if (at > from && probe(segment, from, at, event) > 0) return at;
+  }
+  return from;
+}
+
+/// The first place, within (from, to], at which the event function is below zero (regula falsi, Illinois; Dowell &
+/// Jarratt 1971, BIT 11, 168). The trial is left there.
+double EventRun::locate(const Segment& segment, double from, double to, int event) noexcept {
+  double low = from, high = to, at_low = now_.event[event], at_high = then_.event[event];
+  if (!(at_low > 0)) {
+    if (!(now_.slope[event] > 0)) return from;
+    low = inside(segment, from, to, event);
+    at_low = then_.event[event];
+    if (!(low > from)) {
+      probe(segment, from, to, event);
+      return to;
+    }
+  }
+  double last = high;
+  int side = 0;  // the end that moved last
+  for (int i = 0; i < location_iterations && high - low > location_tolerance; ++i) {
+    double at = low + (high - low) * at_low / (at_low - at_high);
+    if (!(at > low && at < high)) at = 0.5 * (low + high);
+    const double value = probe(segment, from, at, event);
+    last = at;
+    if (value > 0) {
+      low = at;
+      at_low = value;
+      if (side == 1) at_high *= 0.5;
+      side = 1;
+    } else {
+      high = at;
+      at_high = value;
+      if (side == -1) at_low *= 0.5;
+      side = -1;
+      if (value == 0) break;
+    }
+  }
+  if (last != high) probe(segment, from, high, event);
+  return high;
+}
+
+/// Makes the trial the present state, sensitivities included.
+void EventRun::accept(const Segment& segment, double from, double to) {
+  if (problem_.sensitivities) step_sensitivities(segment, from, to);
+  if (modes_.sliding()) outcome_.stuck += (to - from) * segment.h;
+  x_.swap(trial_);
+  std::swap(now_, then_);
+  if (!modes_.needs_projection()) return;
+  const Drive drive = segment.drive(to);
+  modes_.project(drive, x_.data());
+  if (problem_.sensitivities) project_sensitivities(drive);
+}
+
+void EventRun::happen(const Segment& segment, double at, int event) {
+  const Drive drive = segment.drive(at);
+  const bool jumps = problem_.sensitivities && modes_.jumps(event);
+  const std::vector<double> before = now_.f;
+  if (jumps) std::copy_n(modes_.gradient(event, drive, x_.data()), d_.inputs(), gradient_.data());
+  modes_.resolve(event, drive, x_.data());
+  modes_.observe(drive, x_.data(), now_);
+  if (!jumps) return;
+  for (int i = 0; i < d_.exogenous; ++i) gradient_[0] += gradient_[1 + i] * drive.rate[i];
+  jump(gradient_.data(), before);
+}
+
+/// s+ = s- + (f+ - f-) (gx s- + gtheta) / (gx f- + gt): the time of the event moves with theta and x0 (saltation;
+/// Leine & Nijmeijer 2004, chapter 7). gradient[0] holds the whole derivative by time.
+void EventRun::jump(const double* gradient, const std::vector<double>& before) {
+  const double* gx = gradient + 1 + d_.exogenous;
+  const double* gtheta = gx + n_;
+  double speed = gradient[0], size = std::abs(gradient[0]);
+  for (int i = 0; i < n_; ++i) {
+    speed += gx[i] * before[i];
+    size += std::abs(gx[i] * before[i]);
+  }
+  if (!(std::abs(speed) > grazing_speed * size)) {
+    ++outcome_.grazing;
+    return;
+  }
+  for (int c = 0; c < columns_; ++c) {
+    double moved = c < p_ ? gtheta[c] : 0;
+    for (int i = 0; i < n_; ++i) moved += gx[i] * s_[i * columns_ + c];
+    for (int i = 0; i < n_; ++i) s_[i * columns_ + c] += (now_.f[i] - before[i]) * moved / speed;
+  }
+}
+
+/// The row of a state that sits on its bound: ds = d bound.
+void EventRun::project_row(const double* gradient, int state, int side) {
+  const double* gx = gradient + 1 + d_.exogenous;
+  for (int c = 0; c < columns_; ++c) {
+    double gap = c < p_ ? gx[n_ + c] : 0;
+    for (int i = 0; i < n_; ++i) gap += gx[i] * s_[i * columns_ + c];
+    s_[state * columns_ + c] += side * gap;
+  }
+}
+
+void EventRun::project_sensitivities(const Drive& drive) {
+  const int surfaces = static_cast<int>(d_.surfaces.size());
+  for (std::size_t j = 0; j < d_.bounds.size(); ++j)
+    if (modes_.held(static_cast<int>(j)))
+      project_row(modes_.gradient(surfaces + static_cast<int>(j), drive, x_.data()), d_.bounds[j].state,
+                  d_.bounds[j].side);
+}
+
+}  // namespace
+
+FixedOutcome run_with_events(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink) {
+  return EventRun(problem, x0).run(sink);
+}
+
+}  // namespace lunid

@@ -1,0 +1,232 @@
+// The force between its samples. Band-limited: a Kaiser-windowed sinc (Harris 1978, Proc. IEEE 66, 51) on the samples
+// less the straight line between the first and the last, continued oddly at both ends, so that neither a step nor a
+// kink at an end rings into the record.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <numbers>
+
+#include "simulate/simulate.hpp"
+
+namespace lunid {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Half-width of the sinc kernel in samples and its Kaiser shape: flat to 1e-6 up to 0.87 of the Nyquist frequency.
+constexpr int half_width = 32;
+constexpr double kaiser_beta = 12.3;
+
+double bessel_i0(double x) {
+  double sum = 1, term = 1;
+  for (int k = 1; term > 1e-17 * sum; ++k) {
+    term *= (x / (2 * k)) * (x / (2 * k));
+    sum += term;
+  }
+  return sum;
+}
+
+/// Weights of the samples -half_width+1 ... half_width round a point at `fraction` past sample 0. They sum to 1.
+VectorXd kernel(double fraction) {
+  VectorXd w(2 * half_width);
+  for (int i = 0; i < 2 * half_width; ++i) {
+    const double x = fraction - (i - half_width + 1);
+    const double inside = std::max(0.0, 1 - (x / half_width) * (x / half_width));
+    const double sinc = x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
+    w[i] = sinc * bessel_i0(kaiser_beta * std::sqrt(inside));
+  }
+  return w / w.sum();
+}
+
+/// The samples less their end-to-end line, with `half_width` odd reflections on either side.
+VectorXd continued(const VectorXd& f, double slope) {
+  const Index n = f.size(), period = 2 * (n - 1);
+  VectorXd g(n + 2 * half_width);
+  for (Index i = 0; i < g.size(); ++i) {
+    Index k = (i - half_width) % period;
+    if (k < 0) k += period;
+    const Index mirror = k < n ? k : period - k;
+    const double value = f[mirror] - f[0] - slope * static_cast<double>(mirror);
+    g[i] = k < n ? value : -value;
+  }
+  return g;
+}
+
+void refine_band_limited(const VectorXd& f, int parts, VectorXd& out) {
+  const double slope = (f[f.size() - 1] - f[0]) / static_cast<double>(f.size() - 1);
+  const VectorXd g = continued(f, slope);
+  for (int phase = 1; phase < parts; ++phase) {
+    const double fraction = static_cast<double>(phase) / parts;
+    const VectorXd w = kernel(fraction);
+    for (Index row = 0; row + 1 < f.size(); ++row)
+      out[row * parts + phase] = w.dot(g.segment(row + 1, 2 * half_width)) + f[0] +
+                                 slope * (static_cast<double>(row) + fraction);
+  }
+}
+
+/// The cubic through the four samples nearest to the interval [row, row + 1] (fewer where there are fewer).
+double local_cubic(const VectorXd& f, Index row, double fraction) {
+  const Index points = std::min<Index>(4, f.size());
+  const Index first = std::clamp<Index>(row - 1, 0, f.size() - points);
+  const double x = static_cast<double>(row - first) + fraction;
+  double value = 0;
+  for (Index i = 0; i < points; ++i) {
+    double weight = 1;
+    for (Index j = 0; j < points; ++j)
+      if (j != i) weight *= (x - static_cast<double>(j)) / static_cast<double>(i - j);
+    value += weight * f[first + i];
+  }
+  return value;
+}
+
+/// Six-point Lagrange on an even grid.
+double sextic(const VectorXd& f, double position) {
+  const Index points = std::min<Index>(6, f.size());
+  const Index first = std::clamp<Index>(static_cast<Index>(position) - 2, 0, f.size() - points);
+  const double x = position - static_cast<double>(first);
+  double value = 0;
+  for (Index i = 0; i < points; ++i) {
+    double weight = 1;
+    for (Index j = 0; j < points; ++j)
+      if (j != i) weight *= (x - static_cast<double>(j)) / static_cast<double>(i - j);
+    value += weight * f[first + i];
+  }
+  return value;
+}
+
+/// Parts per sample of the grid on which at() reads a band-limited force.
+constexpr int at_substeps = 8;
+
+void check(double t0, double dt, Index rows) {
+  if (!std::isfinite(t0)) throw InputError("excitation: t0: expected a finite value");
+  if (!(dt > 0) || !std::isfinite(dt)) throw InputError("excitation: dt: expected > 0, got " + std::to_string(dt));
+  if (rows < 2) throw InputError("excitation: expected 2 rows or more, got " + std::to_string(rows));
+}
+
+}  // namespace
+
+/// What all parts of an excitation share.
+struct Excitation::Source {
+  double t0 = 0, dt = 1;
+  Index rows = 0;
+  Interpolation interpolation = Interpolation::linear;
+  VectorXd samples;
+  std::function<double(double)> function;
+  std::mutex mutex;  ///< guards grids
+  std::map<int, VectorXd> grids;
+
+  VectorXd refine(int substeps) const;
+  const VectorXd& grid(int substeps);
+};
+
+std::string to_string(Interpolation interpolation) {
+  switch (interpolation) {
+    case Interpolation::hold: return "hold";
+    case Interpolation::linear: return "linear";
+    case Interpolation::cubic: return "cubic";
+    case Interpolation::band_limited: return "band_limited";
+  }
+  return "";
+}
+
+Excitation::Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation)
+    : t0_(t0), dt_(dt), rows_(static_cast<Index>(force.size())), interpolation_(interpolation),
+      source_(std::make_shared<Source>()) {
+  check(t0, dt, rows_);
+  for (Index i = 0; i < rows_; ++i)
+    if (!std::isfinite(force[i]))
+      throw InputError("excitation: force: row " + std::to_string(i + 1) + ": expected a finite value, got " +
+                       std::to_string(force[i]));
+  source_->t0 = t0;
+  source_->dt = dt;
+  source_->rows = rows_;
+  source_->interpolation = interpolation;
+  source_->samples = Eigen::Map<const VectorXd>(force.data(), rows_);
+}
+
+Excitation::Excitation(double t0, double dt, Index rows, std::function<double(double)> force)
+    : t0_(t0), dt_(dt), rows_(rows), interpolation_(Interpolation::cubic), source_(std::make_shared<Source>()) {
+  check(t0, dt, rows_);
+  if (!force) throw InputError("excitation: no function of time is given");
+  source_->t0 = t0;
+  source_->dt = dt;
+  source_->rows = rows;
+  source_->interpolation = interpolation_;
+  source_->function = std::move(force);
+}
+
+bool Excitation::analytic() const { return source_ && source_->function; }
+
+double Excitation::at(double t) const {
+  const double last = static_cast<double>(rows_ - 1);
+  if (analytic()) return source_->function(std::clamp(t, t0_, t0_ + last * dt_));
+  const VectorXd& f = source_->samples;
+  const double position = static_cast<double>(first_) + std::clamp((t - t0_) / dt_, 0.0, last);
+  const Index row = std::min<Index>(static_cast<Index>(position), f.size() - 2);
+  const double fraction = position - static_cast<double>(row);
+  switch (interpolation_) {
+    case Interpolation::hold: return fraction < 1 ? f[row] : f[row + 1];
+    case Interpolation::linear: return f[row] + fraction * (f[row + 1] - f[row]);
+    case Interpolation::cubic: return local_cubic(f, row, fraction);
+    case Interpolation::band_limited: return sextic(source_->grid(at_substeps), position * 2 * at_substeps);
+  }
+  return 0;
+}
+
+VectorXd Excitation::Source::refine(int substeps) const {
+  const int parts = 2 * substeps;
+  VectorXd out((rows - 1) * parts + 1);
+  if (function) {
+    for (Index i = 0; i < out.size(); ++i) out[i] = function(t0 + dt * (static_cast<double>(i) / parts));
+    return out;
+  }
+  for (Index row = 0; row < rows; ++row) out[row * parts] = samples[row];
+  if (interpolation == Interpolation::band_limited) {
+    refine_band_limited(samples, parts, out);
+    return out;
+  }
+  for (Index row = 0; row + 1 < rows; ++row)
+    for (int phase = 1; phase < parts; ++phase) {
+      const double fraction = static_cast<double>(phase) / parts;
+      const double from = samples[row], to = samples[row + 1];
+      out[row * parts + phase] = interpolation == Interpolation::hold     ? from
+                                 : interpolation == Interpolation::linear ? from + fraction * (to - from)
+                                                                          : local_cubic(samples, row, fraction);
+    }
+  return out;
+}
+
+const VectorXd& Excitation::Source::grid(int substeps) {
+  const std::lock_guard lock(mutex);
+  VectorXd& entry = grids[substeps];  // a map's entries stay where they are
+  if (entry.size() == 0) entry = refine(substeps);
+  return entry;
+}
+
+std::span<const double> Excitation::grid(int substeps) const {
+  if (substeps < 1) throw InputError("excitation: substeps: expected >= 1, got " + std::to_string(substeps));
+  const VectorXd& whole = source_->grid(substeps);
+  const Index parts = 2 * substeps;
+  return {whole.data() + first_ * parts, static_cast<std::size_t>((rows_ - 1) * parts + 1)};
+}
+
+VectorXd Excitation::refined(int substeps) const {
+  const std::span<const double> values = grid(substeps);
+  return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
+}
+
+Excitation Excitation::part(Index first, Index count) const {
+  if (first < 0 || count < 2 || first + count > rows_)
+    throw InputError("excitation: rows " + std::to_string(first + 1) + " to " + std::to_string(first + count) +
+                     " are not within its " + std::to_string(rows_) + " rows");
+  Excitation cut = *this;
+  cut.first_ += first;
+  cut.rows_ = count;
+  cut.t0_ += dt_ * static_cast<double>(first);
+  return cut;
+}
+
+}  // namespace lunid

@@ -1,0 +1,69 @@
+#pragma once
+// The record-locked fixed-step path: the classical fourth-order Runge-Kutta method on whole substeps of each sample
+// interval (its stages need the force at the ends and in the middle of a substep, which the refined grid holds).
+// Steps are split at the switches of the right-hand side (ModeMachine), so that each piece is smooth and the order
+// holds; sensitivities are integrated along with their jumps at the switches.
+#include <Eigen/Core>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <span>
+
+#include "simulate/dynamics.hpp"
+
+namespace lunid {
+
+struct FixedProblem {
+  const Dynamics* dynamics = nullptr;
+  std::span<const double> theta;
+  double t0 = 0, dt = 1;
+  Eigen::Index rows = 0;
+  int substeps = 1;
+  std::array<const double*, 3> drive{};  ///< refined grid of each exogenous input (Excitation::refined)
+  bool hold = false;                     ///< inputs jump at the samples
+  double bound = 0;                      ///< the run stops where |x[0]| passes it; 0: none
+  long max_events = 1000000;
+  const std::atomic<bool>* cancelled = nullptr;
+  bool sensitivities = false;
+};
+
+/// Receives the rows of a run. `f` is x'; `s` the sensitivities of x to (theta, x0), n x (p + n) row-major, or null.
+struct RowSink {
+  virtual ~RowSink() = default;
+  virtual void row(Eigen::Index row, const double* x, const double* f, const double* s) = 0;
+};
+
+enum class Stop { none, exploded, too_many_events };
+
+struct FixedOutcome {
+  Stop stop = Stop::none;
+  double stopped_at = 0;
+  Eigen::VectorXd last;  ///< the last finite state
+  int event = -1;        ///< the event at which too many came
+  long steps = 0, evaluations = 0, events = 0, grazing = 0;
+  double stuck = 0;
+};
+
+/// Runs the problem from x0. Throws InputError(Fault::interrupted) when cancelled.
+FixedOutcome run_fixed(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink);
+
+// ---- the parts of run_fixed ----
+FixedOutcome run_smooth(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink);
+FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink);
+FixedOutcome run_with_events(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink);
+
+/// Throws InputError(Fault::interrupted) when `cancelled` is set.
+void check_cancelled(const std::atomic<bool>* cancelled);
+/// Substeps between two looks at `cancelled`.
+constexpr long cancel_interval = 4096;
+
+/// rows of s' = J s + (P, 0): n x (p + n), all row-major.
+void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, const double* s, double* out) noexcept;
+
+inline bool all_finite(const double* x, int n) noexcept {
+  double sum = 0;
+  for (int i = 0; i < n; ++i) sum += x[i] * 0.0;  // NaN for NaN and infinity
+  return sum == 0;
+}
+
+}  // namespace lunid

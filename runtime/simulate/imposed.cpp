@@ -1,0 +1,120 @@
+// Imposed motion: the measured y, v, a drive the internal states, and the force is read off.
+#include <cmath>
+
+#include "simulate/run.hpp"
+
+namespace lunid {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Change of the force on halving the step, over its standard deviation, with which a run is content.
+constexpr double tolerance = 1e-6;
+constexpr int max_substeps = 64;
+
+/// Evaluates the force on each row of the states.
+class ForceSink : public RowSink {
+ public:
+  ForceSink(const System& system, std::span<const double> theta, const Record& record,
+            const std::array<std::span<const double>, 3>& motion, VectorXd& force, Eigen::MatrixXd* dforce)
+      : system_(system), record_(record), motion_(motion), force_(force), dforce_(dforce),
+        tape_(dforce ? system.force_with_derivatives() : system.force()), z_(system.states() - 2),
+        p_(system.parameters()), in_(tape_.inputs(), 0.0), out_(tape_.outputs()), scratch_(tape_.registers() + 1) {
+    std::copy(theta.begin(), theta.end(), in_.end() - p_);
+  }
+
+  void row(Index row, const double* z, const double*, const double* s) override {
+    in_[0] = record_.time(row);
+    in_[1] = motion_[2][row];
+    in_[2] = motion_[0][row];
+    in_[3] = motion_[1][row];
+    std::copy_n(z, z_, in_.begin() + 4);
+    tape_.run_point(in_.data(), out_.data(), scratch_.data());
+    force_[row] = out_[0];
+    if (!dforce_) return;
+    for (int c = 0; c < p_; ++c) {
+      double slope = out_[1 + z_ + c];
+      for (int i = 0; i < z_; ++i) slope += out_[1 + i] * s[i * (p_ + z_) + c];
+      (*dforce_)(row, c) = slope;
+    }
+  }
+
+ private:
+  const System& system_;
+  const Record& record_;
+  const std::array<std::span<const double>, 3>& motion_;
+  VectorXd& force_;
+  Eigen::MatrixXd* dforce_;
+  const Tape& tape_;
+  int z_, p_;
+  std::vector<double> in_, out_, scratch_;
+};
+
+void check(const System& system, std::span<const double> theta) {
+  if (static_cast<int>(theta.size()) != system.parameters())
+    throw InputError("imposed_force: theta: expected " + std::to_string(system.parameters()) + " values, got " +
+                     std::to_string(theta.size()));
+  for (std::size_t i = 0; i < theta.size(); ++i)
+    if (!std::isfinite(theta[i]))
+      throw InputError("imposed_force: parameter '" + system.model().parameters[i].name +
+                       "': expected a finite value, got " + number(theta[i]));
+  if (!system.imposed())
+    throw InputError("imposed_force: the rate of a state holds F, which is the output where the motion is imposed");
+}
+
+VectorXd initial_states(const System& system) {
+  const auto& states = system.model().states;
+  VectorXd z0(static_cast<Index>(states.size()));
+  for (std::size_t i = 0; i < states.size(); ++i) z0[static_cast<Index>(i)] = states[i].initial;
+  return z0;
+}
+
+/// Runs the states on the motion between its samples (a local cubic) with a number of substeps.
+void run_states(const System& system, std::span<const double> theta, const Record& record,
+                const std::array<Excitation, 3>& motion, int substeps, bool sensitivities, RowSink& sink) {
+  FixedProblem problem;
+  problem.dynamics = system.imposed();
+  problem.theta = theta;
+  problem.t0 = record.start();
+  problem.dt = record.dt();
+  problem.rows = record.rows();
+  problem.substeps = substeps;
+  problem.sensitivities = sensitivities;
+  for (int i = 0; i < 3; ++i) problem.drive[i] = motion[i].grid(substeps).data();
+  run_fixed(problem, initial_states(system), sink);
+}
+
+double spread(const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().mean()); }
+
+}  // namespace
+
+VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
+                       Eigen::MatrixXd* dforce) {
+  check(system, theta);
+  const Index rows = record.rows();
+  const std::vector<double> still(rows, 0.0);
+  const std::array<std::span<const double>, 3> motion{record["y"], record["v"],
+                                                      system.needs_acceleration() ? record["a"] : std::span<const double>(still)};
+  VectorXd force = VectorXd::Constant(rows, std::numeric_limits<double>::quiet_NaN());
+  if (dforce) dforce->setConstant(rows, system.parameters(), std::numeric_limits<double>::quiet_NaN());
+  ForceSink plain(system, theta, record, motion, force, nullptr), full(system, theta, record, motion, force, dforce);
+
+  if (system.model().states.empty()) {
+    for (Index row = 0; row < rows; ++row) (dforce ? full : plain).row(row, nullptr, nullptr, nullptr);
+    return force;
+  }
+  std::array<Excitation, 3> between;
+  for (int i = 0; i < 3; ++i) between[i] = Excitation(record.start(), record.dt(), motion[i], Interpolation::cubic);
+  int substeps = 1;
+  run_states(system, theta, record, between, substeps, false, plain);
+  for (VectorXd coarse = force; substeps < max_substeps; coarse = force) {
+    substeps *= 2;
+    run_states(system, theta, record, between, substeps, false, plain);
+    if ((force - coarse).cwiseAbs().maxCoeff() <= tolerance * spread(force)) break;
+  }
+  if (dforce) run_states(system, theta, record, between, substeps, true, full);
+  return force;
+}
+
+}  // namespace lunid

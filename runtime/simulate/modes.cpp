@@ -1,0 +1,268 @@
+#include "simulate/modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lunid {
+namespace {
+
+/// Solves a (k x k, row-major) x = b in place by Gaussian elimination with pivoting; false when singular.
+bool solve_small(double* a, double* b, int k) noexcept {
+  for (int col = 0; col < k; ++col) {
+    int pivot = col;
+    for (int row = col + 1; row < k; ++row)
+      if (std::abs(a[row * k + col]) > std::abs(a[pivot * k + col])) pivot = row;
+    if (!(std::abs(a[pivot * k + col]) > 0)) return false;
+    if (pivot != col) {
+      std::swap_ranges(a + col * k, a + col * k + k, a + pivot * k);
+      std::swap(b[col], b[pivot]);
+    }
+    for (int row = col + 1; row < k; ++row) {
+      const double factor = a[row * k + col] / a[col * k + col];
+      for (int j = col; j < k; ++j) a[row * k + j] -= factor * a[col * k + j];
+      b[row] -= factor * b[col];
+    }
+  }
+  for (int row = k - 1; row >= 0; --row) {
+    for (int j = row + 1; j < k; ++j) b[row] -= a[row * k + j] * b[j];
+    b[row] /= a[row * k + row];
+  }
+  return true;
+}
+
+}  // namespace
+
+ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta)
+    : d_(dynamics), surfaces_(dynamics.surfaces.size()), bounds_(dynamics.bounds.size()),
+      rate_mode_(dynamics.rate.switches(), 1), derivative_mode_(dynamics.derivatives.switches(), 0),
+      free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0), in_(dynamics.inputs(), 0.0),
+      scratch_(std::max({dynamics.rate.registers(), dynamics.derivatives.registers(),
+                         dynamics.gradients.registers()}) + 1),
+      g_(dynamics.rate.switches() + 1), gradient_(std::max(1, dynamics.gradients.outputs())),
+      out_(dynamics.rate.outputs()), full_(dynamics.derivatives.outputs()) {
+  std::copy(theta.begin(), theta.end(), in_.end() - d_.p);
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
+  refresh_gradients();
+}
+
+Observation ModeMachine::observation() const {
+  Observation o;
+  o.f.resize(d_.n);
+  o.event.resize(events());
+  o.slope.resize(events());
+  o.gap.resize(bounds_.size());
+  return o;
+}
+
+void ModeMachine::load(const Drive& drive, const double* x) noexcept {
+  in_[0] = drive.t;
+  for (int i = 0; i < d_.exogenous; ++i) in_[1 + i] = drive.u[i];
+  for (int i = 0; i < d_.n; ++i) in_[1 + d_.exogenous + i] = x[i];
+}
+
+void ModeMachine::set_mode(int surface, std::int8_t mode) noexcept {
+  surfaces_[surface].mode = mode;
+  for (std::size_t i = 0; i < rate_mode_.size(); ++i)
+    if (d_.rate_switches.surface[i] == surface)
+      rate_mode_[i] = static_cast<std::int8_t>(mode * d_.rate_switches.orientation[i]);
+  for (std::size_t i = 0; i < derivative_mode_.size(); ++i)
+    if (d_.derivative_switches.surface[i] == surface)
+      derivative_mode_[i] = static_cast<std::int8_t>(mode * d_.derivative_switches.orientation[i]);
+}
+
+void ModeMachine::set_sliding(int surface, bool sliding) {
+  if (surfaces_[surface].sliding == sliding) return;
+  surfaces_[surface].sliding = sliding;
+  if (sliding)
+    sliding_.push_back(surface);
+  else
+    std::erase(sliding_, surface);
+  const std::size_t k = sliding_.size();
+  side_.resize(k * out_.size());
+  full_side_.resize(k * full_.size());
+  matrix_.resize(k * k);
+  weight_.resize(k);
+  delta_.resize(k);
+  // in sliding, the plus side is the base from which the other sides are taken
+  if (sliding) set_mode(surface, 1);
+  update_drifting();
+}
+
+void ModeMachine::update_drifting() noexcept {
+  drifting_ = std::any_of(bounds_.begin(), bounds_.end(), [](const BoundState& b) { return b.held; }) ||
+              std::any_of(sliding_.begin(), sliding_.end(), [&](int s) { return d_.surfaces[s].component < 0; });
+}
+
+void ModeMachine::refresh_gradients() noexcept {
+  if (d_.gradients.outputs() > 0) d_.gradients.run_point(in_.data(), gradient_.data(), scratch_.data());
+}
+
+void ModeMachine::hold_rates(double* out) const noexcept {
+  const std::size_t count = bounds_.size();
+  for (std::size_t j = 0; j < count; ++j)
+    if (bounds_[j].held) out[d_.bounds[j].state] += d_.bounds[j].side * out[d_.n + count + j];
+}
+
+void ModeMachine::hold_derivatives(double* out) const noexcept {
+  const int n = d_.n, p = d_.p;
+  const double* gap = out + n + n * n + n * p;
+  for (std::size_t j = 0; j < bounds_.size(); ++j, gap += n + p) {
+    if (!bounds_[j].held) continue;
+    const auto [state, side] = d_.bounds[j];
+    for (int i = 0; i < n; ++i) out[n + state * n + i] += side * gap[i];
+    for (int i = 0; i < p; ++i) out[n + n * n + state * p + i] += side * gap[n + i];
+  }
+}
+
+double ModeMachine::surface_rate(int event, const Drive& drive, const double* f) const noexcept {
+  const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(event) * d_.inputs();
+  double sum = g[0];
+  for (int i = 0; i < d_.exogenous; ++i) sum += g[1 + i] * drive.rate[i];
+  for (int i = 0; i < d_.n; ++i) sum += g[1 + d_.exogenous + i] * f[i];
+  return sum;
+}
+
+/// Rate outputs into out_ for the inputs in in_: plain, or combined over the sides slid upon.
+void ModeMachine::run(const Drive& drive, bool frozen) noexcept {
+  const std::int8_t* mode = frozen || sliding() ? rate_mode_.data() : free_mode_.data();
+  d_.rate.run_frozen(in_.data(), mode, out_.data(), g_.data(), scratch_.data());
+  ++evaluations;
+  hold_rates(out_.data());
+  if (sliding()) combine(drive);
+}
+
+void ModeMachine::combine(const Drive& drive) noexcept {
+  const std::size_t width = out_.size();
+  const int k = static_cast<int>(sliding_.size());
+  for (int l = 0; l < k; ++l) {
+    double* side = side_.data() + l * width;
+    set_mode(sliding_[l], -1);
+    d_.rate.run_frozen(in_.data(), rate_mode_.data(), side, nullptr, scratch_.data());
+    set_mode(sliding_[l], 1);
+    ++evaluations;
+    hold_rates(side);
+    for (std::size_t i = 0; i < width; ++i) side[i] = out_[i] - side[i];
+  }
+  if (!d_.constant_gradients) refresh_gradients();
+  if (!solve_weights(drive)) return;
+  for (int l = 0; l < k; ++l)
+    for (std::size_t i = 0; i < width; ++i) out_[i] -= weight_[l] * side_[l * width + i];
+  for (const int s : sliding_)
+    if (d_.surfaces[s].component >= 0) out_[d_.surfaces[s].component] = 0;
+}
+
+/// Weights w of the minus sides for which every g slid upon stays zero: (grad g_k . side_l) w = dg_k/dt on the plus side.
+bool ModeMachine::solve_weights(const Drive& drive) noexcept {
+  const int k = static_cast<int>(sliding_.size()), x0 = 1 + d_.exogenous;
+  for (int row = 0; row < k; ++row) {
+    const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(sliding_[row]) * d_.inputs();
+    for (int l = 0; l < k; ++l) {
+      double sum = 0;
+      for (int i = 0; i < d_.n; ++i) sum += g[x0 + i] * side_[l * out_.size() + i];
+      matrix_[row * k + l] = sum;
+    }
+    weight_[row] = surface_rate(sliding_[row], drive, out_.data());
+  }
+  return solve_small(matrix_.data(), weight_.data(), k);
+}
+
+void ModeMachine::rate(const Drive& drive, const double* x, double* f, bool frozen) noexcept {
+  load(drive, x);
+  run(drive, frozen);
+  std::copy_n(out_.data(), d_.n, f);
+}
+
+void ModeMachine::observe(const Drive& drive, const double* x, Observation& o, bool frozen) noexcept {
+  load(drive, x);
+  if (!d_.constant_gradients) refresh_gradients();
+  run(drive, frozen);
+  std::copy_n(out_.data(), d_.n, o.f.data());
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    if (surfaces_[s].sliding) {
+      o.slope[s] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    const double dg = surface_rate(static_cast<int>(s), drive, o.f.data());
+    o.event[s] = surfaces_[s].mode * g_[d_.surfaces[s].switch_index];
+    o.slope[s] = surfaces_[s].mode * dg;
+    if (std::abs(dg) > surfaces_[s].scale) surfaces_[s].scale = std::abs(dg);
+  }
+  for (std::size_t l = 0; l < sliding_.size(); ++l) o.event[sliding_[l]] = std::min(weight_[l], 1 - weight_[l]);
+  for (std::size_t j = 0; j < bounds_.size(); ++j) {
+    const std::size_t e = surfaces_.size() + j;
+    const double gap_rate = out_[d_.n + bounds_.size() + j];
+    o.gap[j] = out_[d_.n + j];
+    o.event[e] = bounds_[j].held ? -gap_rate : o.gap[j];
+    o.slope[e] = bounds_[j].held ? std::numeric_limits<double>::quiet_NaN() : gap_rate;
+  }
+}
+
+void ModeMachine::run_derivatives(double* out, bool frozen) noexcept {
+  const std::int8_t* mode = frozen || sliding() ? derivative_mode_.data() : free_mode_.data();
+  d_.derivatives.run_frozen(in_.data(), mode, out, nullptr, scratch_.data());
+  ++evaluations;
+  hold_derivatives(out);
+}
+
+void ModeMachine::derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta,
+                              bool frozen) noexcept {
+  load(drive, x);
+  const int n = d_.n, p = d_.p;
+  run_derivatives(full_.data(), frozen);
+  if (sliding() || !bounds_.empty()) run(drive, frozen);
+  if (sliding()) combine_derivatives();
+  std::copy_n(sliding() || !bounds_.empty() ? out_.data() : full_.data(), n, f);
+  std::copy_n(full_.data() + n, n * n, jx);
+  std::copy_n(full_.data() + n + n * n, n * p, jtheta);
+}
+
+/// The derivatives in sliding, after run() has left the weights: the weighted derivatives of the sides, then what the
+/// weights themselves change so that grad g . dx' stays zero, which is a projection along the jumps.
+void ModeMachine::combine_derivatives() noexcept {
+  const std::size_t width = full_.size();
+  const int n = d_.n, p = d_.p, k = static_cast<int>(sliding_.size());
+  for (int l = 0; l < k; ++l) {
+    double* side = full_side_.data() + l * width;
+    set_mode(sliding_[l], -1);
+    run_derivatives(side, true);
+    set_mode(sliding_[l], 1);
+    for (std::size_t i = 0; i < width; ++i) side[i] = full_[i] - side[i];
+  }
+  for (int l = 0; l < k; ++l)
+    for (std::size_t i = 0; i < width; ++i) full_[i] -= weight_[l] * full_side_[l * width + i];
+  for (int c = 0; c < n; ++c) project_column(full_.data() + n + c, n);
+  for (int c = 0; c < p; ++c) project_column(full_.data() + n + n * n + c, p);
+}
+
+/// One column of dx' (entries `stride` apart) made tangent to every surface slid upon.
+void ModeMachine::project_column(double* column, int stride) noexcept {
+  const int n = d_.n, k = static_cast<int>(sliding_.size());
+  for (int row = 0; row < k; ++row) {
+    const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(sliding_[row]) * d_.inputs() + 1 + d_.exogenous;
+    delta_[row] = 0;
+    for (int i = 0; i < n; ++i) delta_[row] += g[i] * column[i * stride];
+    for (int l = 0; l < k; ++l) {
+      matrix_[row * k + l] = 0;
+      for (int i = 0; i < n; ++i) matrix_[row * k + l] += g[i] * side_[l * out_.size() + i];
+    }
+  }
+  if (!solve_small(matrix_.data(), delta_.data(), k)) return;
+  for (int l = 0; l < k; ++l)
+    for (int i = 0; i < n; ++i) column[i * stride] -= delta_[l] * side_[l * out_.size() + i];
+  for (const int s : sliding_)
+    if (d_.surfaces[s].component >= 0) column[d_.surfaces[s].component * stride] = 0;
+}
+
+const double* ModeMachine::gradient(int event, const Drive& drive, const double* x) noexcept {
+  load(drive, x);
+  if (!d_.constant_gradients) refresh_gradients();
+  return gradient_.data() + static_cast<std::ptrdiff_t>(event) * d_.inputs();
+}
+
+bool ModeMachine::jumps(int event) const {
+  const int count = static_cast<int>(surfaces_.size());
+  return event < count ? !surfaces_[event].sliding : !bounds_[event - count].held;
+}
+
+}  // namespace lunid

@@ -1,0 +1,109 @@
+#pragma once
+// Which branch of a piecewise smooth system holds, and when that ends. Each surface g = 0 has a mode: on its positive
+// side, on its negative side, or sliding along it (Filippov 1988, Differential equations with discontinuous right-hand
+// sides): where both sides push towards the surface, the motion stays on it with the convex combination of both rates
+// that keeps g = 0. Dry friction sticks so. A bound of a state is a mode too: the state is held there while its rate
+// pushes outward. Both integrators, fixed step and SUNDIALS, decide by this one class.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "simulate/dynamics.hpp"
+
+namespace lunid {
+
+/// Time, exogenous inputs and their time derivatives.
+struct Drive {
+  double t = 0;
+  double u[3] = {0, 0, 0};
+  double rate[3] = {0, 0, 0};
+};
+
+/// The system at one state, with the event functions of the present mode: an event is the fall of one below zero.
+struct Observation {
+  std::vector<double> f;      ///< x' (n)
+  std::vector<double> event;  ///< per surface, then per bound
+  std::vector<double> slope;  ///< time derivative of `event` where it is that of a side or a gap, else NaN
+  std::vector<double> gap;    ///< of each bound
+};
+
+class ModeMachine {
+ public:
+  ModeMachine(const Dynamics& dynamics, std::span<const double> theta);
+
+  int events() const { return static_cast<int>(surfaces_.size() + bounds_.size()); }
+  bool sliding() const { return !sliding_.empty(); }
+  Observation observation() const;  ///< of the right sizes
+  long evaluations = 0;
+
+  /// x' in the present mode. Frozen, every branch follows its mode also beyond its surface; otherwise the branch of
+  /// each surface on which the motion does not slide follows the sign of g. No throw, no allocation.
+  void rate(const Drive& drive, const double* x, double* f, bool frozen = true) noexcept;
+  /// The same with the event functions.
+  void observe(const Drive& drive, const double* x, Observation& out, bool frozen = true) noexcept;
+  /// x', dx'/dx (n*n) and dx'/dtheta (n*p), row-major, in the present mode; exact in sliding where g is affine.
+  void derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta,
+                   bool frozen = true) noexcept;
+  /// Derivative of a surface's g or a bound's gap (index as in events) by every input of the rate.
+  const double* gradient(int event, const Drive& drive, const double* x) noexcept;
+
+  /// Modes by the sides on which x lies; a state beyond a bound is set on it. Points on a surface are decided as in
+  /// resolve().
+  void start(const Drive& drive, double* x);
+  /// Decides what follows an event at x (crossing, sliding, leaving, held, released); sets x on the surface exactly
+  /// when it slides.
+  void resolve(int event, const Drive& drive, double* x);
+  /// Leaves what no longer holds at x (after a jump of the force or another event).
+  void settle(const Drive& drive, double* x);
+  /// Takes away what a step has drifted off the sliding surfaces and held bounds.
+  void project(const Drive& drive, double* x) noexcept;
+  bool needs_projection() const { return drifting_; }
+
+  /// True when reaching this event changes x' by a jump at a time that depends on the motion: a side crossed or slid
+  /// upon, a bound reached. Ask before resolve().
+  bool jumps(int event) const;
+  bool slides_on(int surface) const { return surfaces_[surface].sliding; }
+  bool held(int bound) const { return bounds_[bound].held; }
+  const Dynamics& dynamics() const { return d_; }
+
+ private:
+  struct SurfaceState {
+    std::int8_t mode = 1;
+    bool sliding = false;
+    double scale = 0;  ///< largest |dg/dt| met so far
+  };
+  struct BoundState {
+    bool held = false;
+  };
+
+  void load(const Drive& drive, const double* x) noexcept;
+  void set_mode(int surface, std::int8_t mode) noexcept;
+  void set_sliding(int surface, bool sliding);
+  void hold_rates(double* out) const noexcept;
+  void hold_derivatives(double* out) const noexcept;
+  void refresh_gradients() noexcept;
+  double surface_rate(int event, const Drive& drive, const double* f) const noexcept;
+  void run(const Drive& drive, bool frozen) noexcept;
+  void combine(const Drive& drive) noexcept;
+  void run_derivatives(double* out, bool frozen) noexcept;
+  void combine_derivatives() noexcept;
+  void project_column(double* column, int stride) noexcept;
+  bool solve_weights(const Drive& drive) noexcept;
+  void decide(int surface, const Drive& drive, double* x, bool arriving);
+  void set_on_surface(int surface, const Drive& drive, double* x) noexcept;
+  void set_on_bound(int bound, double* x) noexcept;
+  void update_drifting() noexcept;
+
+  const Dynamics& d_;
+  std::vector<SurfaceState> surfaces_;
+  std::vector<BoundState> bounds_;
+  std::vector<int> sliding_;
+  std::vector<std::int8_t> rate_mode_, derivative_mode_, free_mode_;  ///< per switch of a tape; free: 0
+  bool drifting_ = false;
+  std::vector<double> in_, scratch_, g_, gradient_;
+  std::vector<double> out_, side_;              ///< rate outputs; of each side slid upon: difference plus - minus
+  std::vector<double> full_, full_side_;        ///< the same of the derivatives
+  std::vector<double> matrix_, weight_, delta_;  ///< of the sliding condition
+};
+
+}  // namespace lunid

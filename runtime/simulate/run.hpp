@@ -1,0 +1,51 @@
+#pragma once
+// What the ways to simulate share: checks, first looks at the system, causes in words. Internal to this room.
+#include "simulate/fixed.hpp"
+#include "simulate/simulate.hpp"
+
+namespace lunid {
+
+/// Six significant digits.
+std::string number(double x);
+
+/// Throws InputError for wrong sizes, non-finite values and options out of range, naming `caller`.
+void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitation& excitation,
+               const Eigen::VectorXd& x0, const SimulateOptions& options);
+
+/// A displacement that no sound run passes: 1e6 times what the largest force alone could reach in the time.
+double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
+                     const Eigen::VectorXd& x0);
+
+/// A run of NaN rows, to be filled.
+Run empty_run(const System& system, const Excitation& excitation);
+
+/// Why there is no motion from x0: "" when the effective mass is positive there.
+std::string mass_fault(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x);
+
+/// Why a run exploded, from the last finite state: what grows beyond where, and the term at its root.
+std::string explosion_cause(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x);
+/// What chatters.
+std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
+
+/// A fixed-step run of free motion.
+Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation,
+             const Eigen::VectorXd& x0, int substeps, const SimulateOptions& options);
+
+/// Largest |a - b| of the displacement over the standard deviation of b; infinite when only one of them completed.
+double relative_change(const Run& a, const Run& b);
+
+/// Substeps found by halving.
+struct StepChoice {
+  int substeps = 1;
+  double change = 0;     ///< of y on halving, over std(y)
+  bool reached = false;  ///< change is below the tolerance, or smaller steps are no better (chaotic motion)
+  Run finer;             ///< the run with 2 * substeps
+};
+StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitation& excitation,
+                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options);
+
+/// A run by SUNDIALS; `options.solver` is bdf, adams or explicit_rk.
+Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation,
+                 const Eigen::VectorXd& x0, const SimulateOptions& options);
+
+}  // namespace lunid

@@ -1,0 +1,169 @@
+#include "simulate/simulate.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "simulate/run.hpp"
+
+namespace lunid {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Above this many substeps per sample the implicit method is the better choice.
+constexpr int explicit_limit = 64;
+/// A forced fixed path goes this far.
+constexpr int fixed_limit = 4096;
+/// Change of y on halving the step, over std(y), with which a run is content.
+constexpr double default_tolerance = 1e-5;
+
+struct Clock {
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+};
+
+struct FreeSink : RowSink {
+  explicit FreeSink(Run& run) : run(run) {}
+  void row(Index row, const double* x, const double* f, const double*) override {
+    for (Index i = 0; i < run.x.cols(); ++i) run.x(row, i) = x[i];
+    run.a[row] = f[1];
+  }
+  Run& run;
+};
+
+struct SensitivitySink : FreeSink {
+  SensitivitySink(SensitivityRun& out, int columns) : FreeSink(out.run), out(out), columns(columns) {}
+  void row(Index row, const double* x, const double* f, const double* s) override {
+    FreeSink::row(row, x, f, s);
+    for (int c = 0; c < columns; ++c) {
+      out.dy(row, c) = s[c];
+      out.dv(row, c) = s[columns + c];
+    }
+  }
+  SensitivityRun& out;
+  int columns;
+};
+
+FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitation& excitation,
+                          const VectorXd& x0, int substeps, const SimulateOptions& options) {
+  FixedProblem problem;
+  problem.dynamics = &system.dynamics();
+  problem.theta = theta;
+  problem.t0 = excitation.t0();
+  problem.dt = excitation.dt();
+  problem.rows = excitation.rows();
+  problem.substeps = substeps;
+  problem.drive[0] = excitation.grid(substeps).data();
+  problem.hold = excitation.interpolation() == Interpolation::hold;
+  problem.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
+  problem.max_events = options.max_events;
+  problem.cancelled = options.cancelled;
+  return problem;
+}
+
+std::string fixed_name(int substeps) {
+  return "fixed RK4, " + std::to_string(substeps) + (substeps == 1 ? " substep" : " substeps");
+}
+
+void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome, const System& system) {
+  summary.solver = fixed_name(problem.substeps);
+  summary.steps = outcome.steps;
+  summary.evaluations = outcome.evaluations;
+  summary.events = outcome.events;
+  summary.grazing = outcome.grazing;
+  summary.stuck = outcome.stuck;
+  if (outcome.stop == Stop::none) return;
+  summary.completed = false;
+  summary.stopped_at = outcome.stopped_at;
+  summary.cause = outcome.stop == Stop::too_many_events
+                      ? chatter_cause(*problem.dynamics, outcome.event, problem.max_events)
+                      : explosion_cause(system, problem.theta, outcome.stopped_at, outcome.last);
+}
+
+/// A run that cannot begin, or nothing.
+bool refuse_mass(const System& system, std::span<const double> theta, const VectorXd& x0, Run& run) {
+  const std::string fault = mass_fault(system, theta, run.t0, x0);
+  if (fault.empty()) return false;
+  run.summary.completed = false;
+  run.summary.stopped_at = run.t0;
+  run.summary.cause = fault;
+  return true;
+}
+
+}  // namespace
+
+Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+             int substeps, const SimulateOptions& options) {
+  Run run = empty_run(system, excitation);
+  const FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
+  FreeSink sink(run);
+  summarise(run.summary, problem, run_fixed(problem, x0, sink), system);
+  return run;
+}
+
+Run simulate(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+             const SimulateOptions& options) {
+  check_run("simulate", system, theta, excitation, x0, options);
+  const Clock clock;
+  Run run = empty_run(system, excitation);
+  if (refuse_mass(system, theta, x0, run)) return run;
+
+  const bool automatic = options.solver == Solver::automatic;
+  if ((automatic || options.solver == Solver::fixed) && options.substeps > 0) {
+    run = run_free(system, theta, excitation, x0, options.substeps, options);
+  } else if (automatic || options.solver == Solver::fixed) {
+    StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance,
+                                          automatic ? explicit_limit : fixed_limit, options);
+    if (choice.reached || !automatic) {
+      run = std::move(choice.finer);
+      run.summary.error = choice.change;
+    } else {
+      SimulateOptions implicit = options;
+      implicit.solver = Solver::bdf;
+      run = run_sundials(system, theta, excitation, x0, implicit);
+      run.summary.solver += " (auto: explicit steps would need more than " + std::to_string(explicit_limit) +
+                            " per sample)";
+    }
+  } else {
+    run = run_sundials(system, theta, excitation, x0, options);
+  }
+  run.summary.seconds = clock.seconds();
+  return run;
+}
+
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
+                                      const Excitation& excitation, const VectorXd& x0,
+                                      const SimulateOptions& options) {
+  check_run("simulate_sensitivities", system, theta, excitation, x0, options);
+  if (options.solver != Solver::automatic && options.solver != Solver::fixed)
+    throw InputError("simulate_sensitivities: solver: only 'fixed' carries sensitivities, got '" +
+                     to_string(options.solver) + "'");
+  const Clock clock;
+  const int columns = system.parameters() + system.states();
+  SensitivityRun out;
+  out.run = empty_run(system, excitation);
+  out.dy.setConstant(excitation.rows(), columns, std::numeric_limits<double>::quiet_NaN());
+  out.dv = out.dy;
+  if (refuse_mass(system, theta, x0, out.run)) return out;
+
+  RunSummary& summary = out.run.summary;
+  int substeps = options.substeps;
+  if (substeps == 0) {
+    const StepChoice choice =
+        choose_by_halving(system, theta, excitation, x0, default_tolerance, fixed_limit, options);
+    substeps = choice.substeps;
+    summary.error = choice.change;
+  }
+  FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
+  problem.sensitivities = true;
+  SensitivitySink sink(out, columns);
+  const FixedOutcome outcome = run_fixed(problem, x0, sink);
+  summarise(summary, problem, outcome, system);
+  summary.seconds = clock.seconds();
+  return out;
+}
+
+}  // namespace lunid

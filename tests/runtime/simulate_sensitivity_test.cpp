@@ -1,0 +1,98 @@
+// Sensitivities against central finite differences of the run itself, and jumps at switches included.
+#include "simulate_models.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::force_of;
+using testing::model_of;
+using testing::state;
+using testing::theta_of;
+using testing::with_substeps;
+using testing::zero_force;
+
+/// Largest difference between the sensitivities and central differences, over the largest entry of each column.
+double worst_difference(const System& system, const std::vector<double>& theta, const Excitation& excitation,
+                        const Eigen::VectorXd& x0, int substeps, double step = 1e-6) {
+  const SimulateOptions options = with_substeps(substeps);
+  const SensitivityRun exact = simulate_sensitivities(system, theta, excitation, x0, options);
+  EXPECT_TRUE(exact.run.summary.completed) << exact.run.summary.cause;
+  const lunid::Run plain = simulate(system, theta, excitation, x0, options);
+  EXPECT_LT((exact.run.x - plain.x).cwiseAbs().maxCoeff(), 1e-9 * plain.x.cwiseAbs().maxCoeff());
+  const int p = system.parameters(), n = system.states();
+  double worst = 0;
+  for (int c = 0; c < p + n; ++c) {
+    std::vector<double> up = theta, down = theta;
+    Eigen::VectorXd x_up = x0, x_down = x0;
+    const double value = c < p ? theta[c] : x0[c - p];
+    const double h = step * std::max(std::abs(value), c < p ? 1e-3 : 1e-3 * plain.x.col(c - p).cwiseAbs().maxCoeff());
+    (c < p ? up[c] : x_up[c - p]) += h;
+    (c < p ? down[c] : x_down[c - p]) -= h;
+    const Run a = simulate(system, up, excitation, x_up, options), b = simulate(system, down, excitation, x_down, options);
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::VectorXd difference = (a.x.col(i) - b.x.col(i)) / (2 * h);
+      const auto& column = (i == 0 ? exact.dy : exact.dv).col(c);
+      const double scale = difference.cwiseAbs().maxCoeff();
+      if (scale == 0) {
+        EXPECT_EQ(column.cwiseAbs().maxCoeff(), 0) << "column " << c;
+        continue;
+      }
+      const double error = (column - difference).cwiseAbs().maxCoeff() / scale;
+      worst = std::max(worst, error);
+    }
+  }
+  return worst;
+}
+
+double sweep(double t) { return 3 * std::sin(2 * std::numbers::pi * (1 + 0.3 * t) * t) + 1; }
+
+// Central differences with steps of 1e-6 lose 1e-10 to rounding over 1e-6 and 1e-12 to curvature; 1e-5 leaves room for
+// long runs, in which sensitivities grow.
+TEST(Sensitivities, OfSmoothModelsAreThoseOfTheRun) {
+  const System duffing(model_of("m", "c*v + k*y + k3*y^3"));
+  EXPECT_LT(worst_difference(duffing, theta_of(duffing, {{"m", 1.3}, {"c", 0.4}, {"k", 40}, {"k3", 90}}),
+                             force_of(4, 0.01, sweep), state({0.1, -0.3}), 2), 1e-5);
+  const System relaxation(model_of("1", "k*y + s + c*v", {{"s", "e*v - s/tau", "", ""}}));
+  EXPECT_LT(worst_difference(relaxation, theta_of(relaxation, {{"k", 30}, {"c", 0.1}, {"e", 50}, {"tau", 0.2}}),
+                             force_of(4, 0.01, sweep), state({0.1, 0, 0.2}), 2), 1e-5);
+}
+
+TEST(Sensitivities, OfContinuousSwitchesAreThoseOfTheRun) {
+  const System stop(model_of("1", "c*v + k*y + kc*max(y - g, 0)"));
+  EXPECT_LT(worst_difference(stop, theta_of(stop, {{"c", 0.3}, {"k", 30}, {"kc", 400}, {"g", 0.05}}),
+                             force_of(4, 0.01, sweep), state({0.01, 0.3}), 4), 1e-5);
+  const System bouc_wen(model_of(
+      "1", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}));
+  // abs(z)^(n - 1) z is smooth on either side of z = 0 for n = 2; for n = 1.5 its curvature is infinite there, and both
+  // the run and its differences lose a digit
+  for (const auto& [n, tolerance] : {std::pair(2.0, 1e-5), std::pair(1.5, 1e-4)})
+    EXPECT_LT(worst_difference(bouc_wen,
+                               theta_of(bouc_wen, {{"c", 0.5}, {"k", 40}, {"beta", 8}, {"gamma", 3}, {"n", n}}),
+                               force_of(4, 0.01, sweep), state({0.01, 0.3, 0.02}), 4), tolerance) << n;
+}
+
+TEST(Sensitivities, JumpWithDryFriction) {
+  const System coulomb(model_of("m", "c*v + k*y + Fc*sign(v)"));
+  const auto theta = theta_of(coulomb, {{"m", 1.1}, {"c", 0.2}, {"k", 30}, {"Fc", 1.2}});
+  EXPECT_LT(worst_difference(coulomb, theta, force_of(4, 0.01, sweep), state({0.05, 0.4}), 4), 1e-5);
+  // with sticking phases in it
+  const Excitation slow = force_of(6, 0.01, [](double t) { return 3 * std::sin(3 * t); });
+  const lunid::Run run = simulate(coulomb, theta, slow, state({0.05, 0.4}), with_substeps(4));
+  EXPECT_GT(run.summary.stuck, 0.3);
+  EXPECT_LT(worst_difference(coulomb, theta, slow, state({0.05, 0.4}), 4), 1e-5);
+}
+
+TEST(Sensitivities, JumpWhereAStateReachesItsBound) {
+  const System slip(model_of("m", "c*v + r", {{"r", "k*v", "-R", "R"}}));
+  const auto theta = theta_of(slip, {{"m", 1.1}, {"c", 0.5}, {"k", 60}, {"R", 1.5}});
+  const Excitation slow = force_of(5, 0.01, [](double t) { return 3 * std::sin(3 * t); });
+  EXPECT_GT(simulate(slip, theta, slow, state({0, 0, 0}), with_substeps(4)).summary.events, 4);
+  EXPECT_LT(worst_difference(slip, theta, slow, state({0.02, 0.1, 0.3}), 4), 1e-5);
+  // the same element written with its slip: the bounds follow the motion
+  const System moving(model_of("m", "c*v + k*(y - ys)", {{"ys", "0", "y - R/k", "y + R/k"}}));
+  const auto same = theta_of(moving, {{"m", 1.1}, {"c", 0.5}, {"k", 60}, {"R", 1.5}});
+  EXPECT_LT(worst_difference(moving, same, slow, state({0.02, 0.1, 0.015}), 4), 1e-5);
+}
+
+}  // namespace
+}  // namespace lunid
