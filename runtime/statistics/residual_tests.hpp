@@ -1,0 +1,52 @@
+#pragma once
+// What a residual force looks like: parity, dependence on amplitude, memory. Levels are those of a block bootstrap, so
+// they hold for coloured noise. All spans have one length; `block_length` is a least block, 0 for none.
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+namespace lunid {
+
+/// Shares of the residual's mean square that odd and even functions of x explain (together at most 1), and the
+/// probability of as much by chance. Functions: Legendre polynomials to degree 5 of x / max |x|; a constant is even.
+struct Parity {
+  double odd = 0, even = 0;
+  double odd_p_value = 1, even_p_value = 1;
+};
+Parity parity(std::span<const double> residual, std::span<const double> x, Eigen::Index block_length,
+              std::uint64_t seed);
+
+/// Pearson's correlation of two series and the probability of one as far from 0 if they were uncorrelated.
+struct Correlation {
+  double coefficient = 0;
+  double p_value = 1;
+};
+Correlation correlation(std::span<const double> a, std::span<const double> b, Eigen::Index block_length,
+                        std::uint64_t seed);
+
+/// Does the residual differ at equal (y, v) according to what came before? The (y, v) plane is cut into cells (0 is
+/// an edge in both); within each, the residual and three descriptions of the past (the displacement at the last
+/// reversal, the low-passed direction of motion, the low-passed amplitude; over one period each) are rid of their
+/// plane in y and v; what is left of the residual is tested for correlation with what is left of the past.
+struct Memory {
+  double within = 0;     ///< share of the residual's variance that is left within cells: noise, and memory if any
+  double explained = 0;  ///< share of the residual's variance that the past explains
+  double p_value = 1;
+  /// How far the past differs at equal (y, v), 0 (one steady cycle: memory cannot be seen) .. 1.
+  double contrast = 0;
+};
+/// `period`: of the motion, in rows.
+Memory memory(std::span<const double> residual, std::span<const double> y, std::span<const double> v, double period,
+              Eigen::Index block_length, std::uint64_t seed);
+
+/// The residual force of a record in one look.
+struct ResidualTests {
+  Parity in_y, in_v;
+  Correlation with_abs_y;       ///< residual and |y|
+  Correlation size_with_abs_y;  ///< |residual| and |y|
+  Memory past;
+};
+ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
+                             double period, Eigen::Index block_length, std::uint64_t seed);
+
+}  // namespace lunid
