@@ -1,0 +1,177 @@
+// The table of hidden effects. Sizes are chosen so that the effect carries 10 to 40 % of the restoring force
+// at a motion of rms 1 (a test holds them to it) and so that every well and every damping stays safe.
+#include <cmath>
+#include <stdexcept>
+
+#include "truth/truth.hpp"
+
+namespace truth {
+namespace {
+
+const char* const linear = "k*y + c*v";
+
+Physics with(const std::function<void(Physics&)>& set) {
+  Physics physics;
+  set(physics);
+  return physics;
+}
+
+TrueParameter stiffness(const char* effect, const char* name, double value, int power) {
+  return {effect, name, value, 1, -power, 0};
+}
+
+std::vector<Case> single_effects() {
+  return {
+      {"cubic_hardening",
+       Kind::effect,
+       linear,
+       {"cubic_stiffness"},
+       {stiffness("cubic_stiffness", "k3", 0.06, 3)},
+       with([](Physics& p) { p.k3 = 0.06; })},
+      {"cubic_softening",
+       Kind::effect,
+       linear,
+       {"cubic_stiffness"},
+       {stiffness("cubic_stiffness", "k3", -0.03, 3)},
+       with([](Physics& p) { p.k3 = -0.03; })},
+      {"quadratic_stiffness",
+       Kind::effect,
+       linear,
+       {"quadratic_stiffness"},
+       {stiffness("quadratic_stiffness", "k2", 0.12, 2)},
+       with([](Physics& p) { p.k2 = 0.12; })},
+      {"constant_force",
+       Kind::effect,
+       linear,
+       {"constant_force"},
+       {{"constant_force", "F0", 0.3, 1, 0, 0}},
+       with([](Physics& p) { p.constant = 0.3; })},
+      {"coulomb_friction",
+       Kind::effect,
+       linear,
+       {"coulomb_friction"},
+       {{"coulomb_friction", "Fc", 0.2, 1, 0, 0}},
+       with([](Physics& p) { p.coulomb = 0.2; })},
+      {"viscous_damping",
+       Kind::effect,
+       "k*y",
+       {"viscous_damping"},
+       {{"viscous_damping", "c", 0.16, 1, 0, -1}},
+       with([](Physics& p) { p.zeta = 0, p.viscous = 0.16; })},
+      {"quadratic_drag",
+       Kind::effect,
+       linear,
+       {"quadratic_drag"},
+       {{"quadratic_drag", "c2", 0.1, 1, 0, -2}},
+       with([](Physics& p) { p.drag = 0.1; })},
+      {"one_sided_stop",
+       Kind::effect,
+       linear,
+       {"one_sided_stop"},
+       {stiffness("one_sided_stop", "k", 1.0, 1), {"one_sided_stop", "g", 0.8, 0, 1, 0}},
+       with([](Physics& p) { p.stop_k = 1.0, p.stop_gap = 0.8; })},
+      {"clearance",
+       Kind::effect,
+       linear,
+       {"clearance"},
+       {stiffness("clearance", "k", 0.8, 1), {"clearance", "g", 1.0, 0, 1, 0}},
+       with([](Physics& p) { p.clearance_k = 0.8, p.clearance_gap = 1.0; })},
+      {"bouc_wen",
+       Kind::effect,
+       linear,
+       {"bouc_wen"},
+       {stiffness("bouc_wen", "k", 0.5, 1)},
+       with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.7, p.bouc_gamma = 0.3; })},
+  };
+}
+
+std::vector<Case> pairs() {
+  return {
+      {"cubic+coulomb",
+       Kind::pair,
+       linear,
+       {"cubic_stiffness", "coulomb_friction"},
+       {stiffness("cubic_stiffness", "k3", 0.06, 3), {"coulomb_friction", "Fc", 0.2, 1, 0, 0}},
+       with([](Physics& p) { p.k3 = 0.06, p.coulomb = 0.2; })},
+      {"coulomb+constant",
+       Kind::pair,
+       linear,
+       {"coulomb_friction", "constant_force"},
+       {{"coulomb_friction", "Fc", 0.2, 1, 0, 0}, {"constant_force", "F0", 0.25, 1, 0, 0}},
+       with([](Physics& p) { p.coulomb = 0.2, p.constant = 0.25; })},
+      {"drag+stop",
+       Kind::pair,
+       linear,
+       {"quadratic_drag", "one_sided_stop"},
+       {{"quadratic_drag", "c2", 0.1, 1, 0, -2},
+        stiffness("one_sided_stop", "k", 1.0, 1),
+        {"one_sided_stop", "g", 0.8, 0, 1, 0}},
+       with([](Physics& p) { p.drag = 0.1, p.stop_k = 1.0, p.stop_gap = 0.8; })},
+  };
+}
+
+std::vector<Case> nulls() {
+  return {
+      {"null_linear", Kind::null, linear, {}, {}, Physics{}},
+      {"null_duffing", Kind::null, "k*y + c*v + k3*y^3", {}, {}, with([](Physics& p) { p.k3 = 0.06; })},
+      {"null_friction", Kind::null, "k*y + c*v + Fc*sign(v)", {}, {}, with([](Physics& p) {
+         p.coulomb = 0.2;
+       })},
+  };
+}
+
+std::vector<Case> outside_the_catalogue() {
+  const auto other = [](double zeta, std::function<double(double, double)> f) {
+    return with([&](Physics& p) { p.zeta = zeta, p.other = std::move(f); });
+  };
+  return {
+      {"outside_ripple",
+       Kind::outside,
+       linear,
+       {},
+       {},
+       other(0.03, [](double x, double) { return 0.25 * std::sin(3.5 * x); })},
+      {"outside_y3v",
+       Kind::outside,
+       linear,
+       {},
+       {},
+       other(0.08, [](double x, double v) { return 0.04 * x * x * x * v; })},
+      {"outside_exponential",
+       Kind::outside,
+       linear,
+       {},
+       {},
+       other(0.03, [](double x, double) { return 0.1 * (std::exp(1.2 * x) - 1 - 1.2 * x); })},
+      {"outside_v2y",
+       Kind::outside,
+       linear,
+       {},
+       {},
+       other(0.03, [](double x, double v) { return 0.12 * v * v * x; })},
+  };
+}
+
+}  // namespace
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> table = [] {
+    std::vector<Case> all = single_effects();
+    for (const std::vector<Case>& part : {pairs(), nulls(), outside_the_catalogue()}) {
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }();
+  return table;
+}
+
+const Case& case_named(const std::string& name) {
+  std::string choices;
+  for (const Case& each : cases()) {
+    if (each.name == name) return each;
+    choices += " " + each.name;
+  }
+  throw std::invalid_argument("no case '" + name + "'; there are:" + choices);
+}
+
+}  // namespace truth

@@ -1,0 +1,83 @@
+// lunid_truth: writes records with a hidden effect.
+//   lunid_truth list
+//   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR        train.csv and test.csv in SI
+//   lunid_truth demo OUT_DIR                            the record that the repository ships
+//   (tests/data/README.md)
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <string>
+
+#include "truth/truth.hpp"
+
+namespace {
+
+void list() {
+  for (const truth::Case& each : truth::cases()) {
+    std::printf("%-20s baseline %s\n", each.name.c_str(), each.baseline.c_str());
+  }
+}
+
+void write_case(const std::string& name, const std::string& scale_name, double noise_db, long seed,
+                const std::string& out) {
+  const truth::Scale& scale = truth::scale_named(scale_name);
+  truth::RecordOptions options;
+  options.noise_db = noise_db;
+  options.seed = static_cast<std::uint64_t>(seed);
+  const truth::Case& which = truth::case_named(name);
+  const truth::Records records = truth::make_records(which, scale, options);
+  std::filesystem::create_directories(out);
+  truth::write_csv(records.train, out + "/train.csv");
+  truth::write_csv(records.test, out + "/test.csv");
+  std::printf("%s: mass %g kg, baseline %s, hidden share %.2f (train) %.2f (test), stuck %.2f\n",
+              name.c_str(), scale.mass, which.baseline.c_str(), records.train.hidden_share,
+              records.test.hidden_share, records.train.stuck_share);
+  for (const truth::TrueParameter& p : which.parameters) {
+    std::printf("  %s %s = %.6g\n", p.effect.c_str(), p.name.c_str(), p.in(scale));
+  }
+}
+
+/// 49 kg on a spring that hardens, as a test rig would record it: millimetres, kilonewtons, few digits.
+void write_demo(const std::string& out) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::Case which = truth::case_named("cubic_hardening");
+  truth::RecordOptions options;
+  options.rows = 6401;
+  options.noise_db = 30;
+  options.force_noise_db = 50;
+  options.seed = 20;
+  const truth::Records records = truth::make_records(which, scale, options);
+  truth::CsvUnits units{"kN", "mm", 1e-3, 1e3, "", 6};
+  std::filesystem::create_directories(out);
+  units.comment = "spring rig, mass 49 kg, multisine 3 to 44 Hz, 800 Hz";
+  truth::write_csv(records.train, out + "/spring_multisine.csv", units);
+  units.comment = "spring rig, mass 49 kg, sweep 6 to 40 Hz, 800 Hz";
+  truth::write_csv(records.test, out + "/spring_sweep.csv", units);
+  const double omega = scale.omega();
+  std::printf("k = %.6g N/m, c = %.6g N s/m, k3 = %.6g N/m^3, hidden share %.2f\n",
+              scale.mass * omega * omega, 2 * which.physics.zeta * scale.mass * omega,
+              which.parameters[0].in(scale), records.train.hidden_share);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  try {
+    if (first == "list" && argc == 2) {
+      list();
+    } else if (first == "demo" && argc == 3) {
+      write_demo(argv[2]);
+    } else if (argc == 6) {
+      write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5]);
+    } else {
+      std::fprintf(stderr, "usage: lunid_truth list | demo OUT_DIR | CASE SCALE NOISE_DB SEED OUT_DIR\n");
+      return 2;
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "lunid_truth: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,129 @@
+// The generator itself against closed forms: only then may it judge anything else.
+#include "truth/truth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace truth {
+namespace {
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+TEST(Oscillator, linear_free_decay_follows_the_closed_form) {
+  Physics physics;
+  physics.zeta = 0.05;
+  const Motion motion = integrate(physics, none(), 0, {1, 0, 0}, 2000, 0.05, 8);
+  const double damped = std::sqrt(1 - 0.05 * 0.05);
+  for (int i = 0; i < 2000; ++i) {
+    const double tau = 0.05 * i;
+    const double exact =
+        std::exp(-0.05 * tau) * (std::cos(damped * tau) + 0.05 / damped * std::sin(damped * tau));
+    ASSERT_NEAR(motion.x[i], exact, 1e-9) << "tau " << tau;  // RK4 at h = 0.006: h^4 tau / 120 is 1e-9
+  }
+}
+
+TEST(Oscillator, coulomb_decay_loses_twice_the_dead_band_per_half_cycle_and_stops) {
+  // Lorenz 1924: without viscous damping, peaks fall by 2 mu per half cycle; at rest within |x| <= mu it
+  // stays.
+  Physics physics;
+  physics.zeta = 0;
+  physics.coulomb = 0.3;
+  const Motion motion = integrate(physics, none(), 0, {2, 0, 0}, 401, M_PI / 40, 16);
+  for (int half = 0; half <= 3; ++half) {
+    const double peak = (half % 2 ? -1 : 1) * (2 - 0.6 * half);
+    EXPECT_NEAR(motion.x[40 * half], peak, 1e-9) << "half cycle " << half;
+  }
+  EXPECT_NEAR(motion.x.back(), -0.2, 1e-9);  // 2 - 3 * 0.6 = 0.2 < 0.3: held
+  EXPECT_EQ(motion.v.back(), 0);
+  EXPECT_NEAR(motion.stuck, M_PI / 40 * 400 - 3 * M_PI, 1e-6);
+}
+
+TEST(Oscillator, friction_holds_until_the_force_exceeds_it) {
+  Physics physics;
+  physics.coulomb = 0.5;
+  const Signal ramp = [](double tau) { return 0.1 * tau; };
+  const Motion motion = integrate(physics, ramp, 1, {}, 101, 0.1, 8);
+  for (int i = 0; i <= 50; ++i) ASSERT_EQ(motion.x[i], 0) << "row " << i;
+  EXPECT_GT(motion.x[60], 0);
+  EXPECT_NEAR(motion.stuck, 5, 1e-9);  // slips at 0.1 tau = 0.5
+}
+
+TEST(Oscillator, stops_keep_the_energy) {
+  Physics physics;
+  physics.zeta = 0;
+  physics.stop_k = 2, physics.stop_gap = 0.4;
+  physics.clearance_k = 3, physics.clearance_gap = 0.6;
+  const Motion motion = integrate(physics, none(), 0, {1, 0, 0}, 2000, 0.1, 40);
+  const auto energy = [](double x, double v) {
+    const double stop = std::max(x - 0.4, 0.0), gap = std::max(std::abs(x) - 0.6, 0.0);
+    return 0.5 * (v * v + x * x + 2 * stop * stop + 3 * gap * gap);
+  };
+  for (int i = 0; i < 2000; ++i) {
+    ASSERT_NEAR(energy(motion.x[i], motion.v[i]), energy(1, 0), 1e-7)
+        << "row " << i;  // RK4 drift at h = 0.0025
+  }
+}
+
+TEST(Oscillator, bouc_wen_saturates_at_its_limit) {
+  Physics physics;
+  physics.bouc_k = 0.5, physics.bouc_beta = 0.7, physics.bouc_gamma = 0.3;
+  const Motion motion = integrate(
+      physics, [](double tau) { return std::sin(0.3 * tau); }, 8, {}, 4000, 0.05, 8);
+  const auto [low, high] = std::minmax_element(motion.hidden.begin(), motion.hidden.end());
+  EXPECT_NEAR(*high, 0.5, 1e-3);  // k / (beta + gamma), approached as exp(-x), x > 7 here
+  EXPECT_NEAR(*low, -0.5, 1e-3);
+}
+
+TEST(Cases, halving_the_step_changes_nothing_that_noise_could_hide) {
+  const Signal signal = multisine(0.15, 2.2, 40, 3);
+  for (const Case& each : cases()) {
+    if (each.kind == Kind::null) continue;
+    const Motion coarse = integrate(each.physics, signal, 0.05, {}, 1500, 2 * M_PI / 40, 24);
+    const Motion fine = integrate(each.physics, signal, 0.05, {}, 1500, 2 * M_PI / 40, 48);
+    EXPECT_LT(largest_difference(coarse.x, fine.x), 1e-6)
+        << each.name;  // 40 dB of noise is 1e-2 of the motion
+  }
+}
+
+TEST(Cases, the_hidden_effect_carries_a_tenth_to_four_tenths_of_the_restoring_force) {
+  for (const Case& each : cases()) {
+    if (each.kind == Kind::null) continue;
+    const Records records = make_records(each, scale_named("milli"), {.rows = 3000, .substeps = 8});
+    EXPECT_GT(records.train.hidden_share, 0.1) << each.name;
+    EXPECT_LT(records.train.hidden_share, 0.4) << each.name;
+    EXPECT_LT(records.train.stuck_share, 0.1) << each.name;
+  }
+}
+
+TEST(Records, carry_the_stated_noise_and_repeat_by_seed) {
+  const RecordOptions options{.rows = 4000, .noise_db = 30, .seed = 5, .substeps = 8};
+  const Columns one = make_records(case_named("null_linear"), scale_named("micro"), options).train;
+  const Columns two = make_records(case_named("null_linear"), scale_named("micro"), options).train;
+  EXPECT_EQ(one.y, two.y);
+  double noise = 0, signal = 0;
+  for (std::size_t i = 0; i < one.y.size(); ++i) {
+    noise += (one.y[i] - one.clean_y[i]) * (one.y[i] - one.clean_y[i]);
+    signal += one.clean_y[i] * one.clean_y[i];
+  }
+  EXPECT_NEAR(10 * std::log10(signal / noise), 30,
+              0.5);  // 4000 samples: 0.1 dB; the motion's mean adds a little
+}
+
+TEST(Records, scale_with_mass_length_and_time) {
+  const RecordOptions options{.rows = 500, .substeps = 8};
+  const Scale base{"base", 1, 1 / (2 * M_PI), 1, 40}, other{"other", 3, 2 / (2 * M_PI), 5, 40};
+  const Columns a = make_record(Physics{}, base, step(70), 1, options);
+  const Columns b = make_record(Physics{}, other, step(70), 1, options);
+  EXPECT_NEAR(b.t[7], a.t[7] / 2, 1e-12);
+  EXPECT_NEAR(b.clean_y[400], 5 * a.clean_y[400], 1e-9);
+  EXPECT_NEAR(b.clean_F[400], 60 * a.clean_F[400], 1e-9);  // m omega^2 L = 3 * 4 * 5
+}
+
+}  // namespace
+}  // namespace truth
