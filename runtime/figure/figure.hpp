@@ -56,7 +56,7 @@ struct Ribbon {
   Role role = Role::noise;
 };
 
-/// A shaded window of x over the whole height, such as the training window; no label, no legend entry.
+/// A shaded window of x over the whole height, such as the training window.
 struct Band {
   std::string label;
   double from = 0.0;
@@ -163,8 +163,10 @@ struct SurfaceFigure {
 void validate(const Figure& figure);
 void validate(const SurfaceFigure& figure);
 
-/// Writes what the figure draws as CSV, without VTK: `panel,kind,label,quantity...` in long form, one row per point,
-/// doubles printed so that they read back bit for bit. Written whole or not at all; throws InputError with the path.
+/// Writes what the figure draws as CSV, without VTK: comment lines (`#`) with the axes and units, then
+/// `panel,kind,label,name,x,y,z`, one row per point, whose doubles read back bit for bit. Kinds: curve (x, y), ribbon
+/// (x, y low, z high), map (x, y, z), bar (name, x value, y error), band (x from, y to), vertical and horizontal (x or
+/// y); surface and cloud (x, y, z). Written whole or not at all; throws InputError with the path.
 void export_data(const Figure& figure, const std::string& path);
 void export_data(const SurfaceFigure& figure, const std::string& path);
 

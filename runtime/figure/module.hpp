@@ -38,7 +38,6 @@ class FigureModule {
  private:
   Renderer& renderer();
   std::string path_;
-  void* library_ = nullptr;
   std::unique_ptr<Renderer> renderer_;
 };
 

@@ -1,0 +1,163 @@
+#include "figure/curve.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+namespace lunid::figure {
+namespace {
+
+/// Appends the points of stroke[begin, end) that must stay.
+void keep_extremes(const Stroke& stroke, std::size_t begin, std::size_t end, Stroke& kept) {
+  std::size_t low = begin, high = begin;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (stroke[i].y < stroke[low].y) low = i;
+    if (stroke[i].y > stroke[high].y) high = i;
+  }
+  std::array<std::size_t, 4> order{begin, low, high, end - 1};
+  std::sort(order.begin(), order.end());
+  const auto last = std::unique(order.begin(), order.end());
+  for (auto i = order.begin(); i != last; ++i) kept.push_back(stroke[*i]);
+}
+
+/// The part [from, to] of the segment a-b (parameters 0 to 1) within the box; false when there is none.
+bool clip_segment(Point a, Point b, const Box& box, double& from, double& to) {
+  from = 0.0;
+  to = 1.0;
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  const double p[] = {-dx, dx, -dy, dy};
+  const double q[] = {a.x - box.left, box.right - a.x, a.y - box.bottom, box.top - a.y};
+  for (int i = 0; i < 4; ++i) {
+    if (p[i] == 0.0) {
+      if (q[i] < 0.0) return false;
+      continue;
+    }
+    const double t = q[i] / p[i];
+    if (p[i] < 0.0) from = std::max(from, t);
+    else to = std::min(to, t);
+  }
+  return from <= to;
+}
+
+Point along(Point a, Point b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
+
+/// Lengths of ink and gap in turn, in line widths.
+std::vector<double> pattern(Style style) {
+  switch (style) {
+    case Style::dashed: return {4.5, 2.4};
+    case Style::dotted: return {1.0, 1.7};
+    case Style::dash_dot: return {5.0, 1.8, 1.0, 1.8};
+    default: return {};
+  }
+}
+
+/// Walks along strokes and puts the pen down and up.
+class Dasher {
+ public:
+  Dasher(std::vector<double> lengths, double width) : lengths_(std::move(lengths)) {
+    for (double& length : lengths_) length *= width;
+  }
+
+  void walk(const Stroke& stroke) {
+    index_ = 0;
+    left_ = lengths_[0];
+    if (!stroke.empty()) current_ = {stroke[0]};
+    for (std::size_t i = 1; i < stroke.size(); ++i) segment(stroke[i - 1], stroke[i]);
+    lift();
+  }
+
+  std::vector<Stroke> take() { return std::move(dashes_); }
+
+ private:
+  void segment(Point a, Point b) {
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    double done = 0.0;
+    while (length - done > left_) {
+      done += left_;
+      const Point p = along(a, b, done / length);
+      if (inked()) {
+        current_.push_back(p);
+        lift();
+      }
+      index_ = (index_ + 1) % lengths_.size();
+      left_ = lengths_[index_];
+      if (inked()) current_ = {p};
+    }
+    left_ -= length - done;
+    if (inked()) current_.push_back(b);
+  }
+
+  bool inked() const { return index_ % 2 == 0; }
+
+  void lift() {
+    if (current_.size() > 1) dashes_.push_back(current_);
+    current_.clear();
+  }
+
+  std::vector<double> lengths_;
+  std::size_t index_ = 0;
+  double left_ = 0.0;
+  Stroke current_;
+  std::vector<Stroke> dashes_;
+};
+
+}  // namespace
+
+Stroke thin(const Stroke& stroke, double column) {
+  Stroke kept;
+  std::size_t begin = 0;
+  while (begin < stroke.size()) {
+    const double place = std::floor(stroke[begin].x / column);
+    std::size_t end = begin + 1;
+    while (end < stroke.size() && std::floor(stroke[end].x / column) == place) ++end;
+    keep_extremes(stroke, begin, end, kept);
+    begin = end;
+  }
+  return kept;
+}
+
+std::vector<Stroke> clip(const Stroke& stroke, const Box& box) {
+  std::vector<Stroke> parts;
+  Stroke current;
+  const auto finish = [&] {
+    if (current.size() > 1) parts.push_back(current);
+    current.clear();
+  };
+  for (std::size_t i = 1; i < stroke.size(); ++i) {
+    double from, to;
+    if (!clip_segment(stroke[i - 1], stroke[i], box, from, to)) {
+      finish();
+      continue;
+    }
+    if (from > 0.0) finish();
+    if (current.empty()) current.push_back(along(stroke[i - 1], stroke[i], from));
+    current.push_back(to < 1.0 ? along(stroke[i - 1], stroke[i], to) : stroke[i]);
+    if (to < 1.0) finish();
+  }
+  finish();
+  return parts;
+}
+
+std::vector<Stroke> dash(const std::vector<Stroke>& strokes, Style style, double width) {
+  std::vector<double> lengths = pattern(style);
+  if (lengths.empty()) return strokes;
+  Dasher dasher(std::move(lengths), width);
+  for (const Stroke& stroke : strokes) dasher.walk(stroke);
+  return dasher.take();
+}
+
+std::vector<Point> thin_cloud(const std::vector<Point>& points, const Box& box, double cell) {
+  std::vector<Point> kept;
+  std::unordered_set<std::uint64_t> taken;
+  for (const Point& p : points) {
+    if (!box.holds(p)) continue;
+    const auto column = static_cast<std::uint64_t>((p.x - box.left) / cell);
+    const auto row = static_cast<std::uint64_t>((p.y - box.bottom) / cell);
+    if (taken.insert(column << 32 | row).second) kept.push_back(p);
+  }
+  return kept;
+}
+
+}  // namespace lunid::figure

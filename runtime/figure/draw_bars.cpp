@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cmath>
+
+#include "figure/draw.hpp"
+
+namespace lunid::figure {
+namespace {
+
+/// The part of a name's row that bars fill; the rest keeps rows apart.
+constexpr double filled = 0.72;
+
+class BarPainter {
+ public:
+  BarPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
+      : canvas_(canvas), look_(look), plan_(plan), bars_(*plan.panel->bars),
+        thickness_(filled / static_cast<double>(std::max<std::size_t>(1, bars_.set.size()))) {}
+
+  void paint() {
+    const double names = bar_name_width(canvas_, look_, plan_);
+    for (std::size_t i = 0; i < bars_.name.size(); ++i) {
+      const double centre = static_cast<double>(bars_.name.size() - i) - 0.5;
+      canvas_.text({plan_.plot.left - 1.5 * look_.gap, plan_.at(0.0, centre).y},
+                   shortened(canvas_, bars_.name[i], look_.tick_text, false, names + 1.0),
+                   {.size = look_.tick_text, .colour = look_.palette.ink, .across = 1, .upward = 0});
+      for (std::size_t j = 0; j < bars_.set.size(); ++j)
+        bar(bars_.set[j], i, centre + 0.5 * filled - thickness_ * (static_cast<double>(j) + 0.5));
+    }
+  }
+
+ private:
+  double at(double value) const {
+    const bool below = plan_.x.scale == Scale::log && !(value > 0.0);
+    return below ? plan_.plot.left : std::clamp(plan_.at(value, 0.0).x, plan_.plot.left, plan_.plot.right);
+  }
+
+  void bar(const BarSet& set, std::size_t i, double row) {
+    const double value = set.value[i];
+    if (std::isnan(value)) return;
+    const double from = at(plan_.x.scale == Scale::log ? plan_.x.range.low : 0.0), to = at(value);
+    const double half = 0.46 * thickness_;
+    const double bottom = plan_.at(0.0, row - half).y, top = plan_.at(0.0, row + half).y;
+    canvas_.rectangle({std::min(from, to), bottom, std::max(from, to), top}, role_colour(set.role, look_.theme));
+    double end = to;
+    if (!set.error.empty() && std::isfinite(set.error[i])) {
+      const double low = at(value - set.error[i]), high = at(value + set.error[i]), y = 0.5 * (bottom + top);
+      canvas_.line({low, y}, {high, y}, look_.palette.ink, look_.frame);
+      for (const double x : {low, high}) canvas_.line({x, y - 2.5}, {x, y + 2.5}, look_.palette.ink, look_.frame);
+      end = value < 0.0 ? low : high;
+    }
+    number(value, end, 0.5 * (bottom + top), std::min(look_.tick_text, 1.1 * (top - bottom)));
+  }
+
+  void number(double value, double end, double y, double size) {
+    const int side = value < 0.0 ? 1 : -1;
+    canvas_.text({end - side * look_.gap, y}, three_digits(value / plan_.x.factor),
+                 {.size = size, .colour = look_.palette.ink, .across = side, .upward = 0});
+  }
+
+  Canvas& canvas_;
+  const Look& look_;
+  const PanelPlan& plan_;
+  const Bars& bars_;
+  double thickness_;
+};
+
+}  // namespace
+
+void draw_bars(Canvas& canvas, const Look& look, const PanelPlan& plan) { BarPainter(canvas, look, plan).paint(); }
+
+}  // namespace lunid::figure

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+
+#include "figure/draw.hpp"
+
+namespace lunid::figure {
+namespace {
+
+class PanelPainter {
+ public:
+  PanelPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
+      : canvas_(canvas), look_(look), plan_(plan), panel_(*plan.panel) {}
+
+  void paint() {
+    for (const Band& band : panel_.bands) shade(band);
+    if (panel_.map) draw_map(canvas_, look_, plan_);
+    else grid();
+    for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
+    if (panel_.bars) draw_bars(canvas_, look_, plan_);
+    for (const ReferenceLine& line : panel_.lines) rule(line);
+    for (const Series& s : panel_.series) curve(s);
+    frame();
+    ticks();
+    titles();
+    if (plan_.legend.place != Legend::none && plan_.legend.place != Legend::above)
+      draw_corner(canvas_, look_, plan_.legend);
+  }
+
+ private:
+  void shade(const Band& band) {
+    const double left = std::max(plan_.at(band.from, 1.0).x, plan_.plot.left);
+    const double right = std::min(plan_.at(band.to, 1.0).x, plan_.plot.right);
+    if (!(right > left)) return;
+    Colour colour = role_colour(band.role, look_.theme);
+    colour.alpha = 45;
+    canvas_.rectangle({left, plan_.plot.bottom, right, plan_.plot.top}, colour);
+  }
+
+  void grid() {
+    const Box& plot = plan_.plot;
+    for (const Tick& tick : plan_.x.ticks) {
+      const double x = plot.left + plan_.x.place(tick.value) * plot.width();
+      if (!tick.label.empty()) canvas_.line({x, plot.bottom}, {x, plot.top}, look_.palette.faint, 0.6);
+    }
+    for (const Tick& tick : plan_.y.ticks) {
+      const double y = plot.bottom + plan_.y.place(tick.value) * plot.height();
+      if (!tick.label.empty()) canvas_.line({plot.left, y}, {plot.right, y}, look_.palette.faint, 0.6);
+    }
+  }
+
+  /// Quadrilaterals between the curves, cut at NaN; values beyond the axis end at the frame.
+  void fill(const Ribbon& r) {
+    Colour colour = role_colour(r.role, look_.theme);
+    colour.alpha = 90;
+    const Box& plot = plan_.plot;
+    const auto held = [&](Point p) { return Point{p.x, std::clamp(p.y, plot.bottom, plot.top)}; };
+    for (std::size_t i = 1; i < r.x.size(); ++i) {
+      const Point corners[] = {held(plan_.at(r.x[i - 1], r.low[i - 1])), held(plan_.at(r.x[i], r.low[i])),
+                               held(plan_.at(r.x[i], r.high[i])), held(plan_.at(r.x[i - 1], r.high[i - 1]))};
+      const bool drawn = std::all_of(std::begin(corners), std::end(corners), [&](Point p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 && p.x <= plot.right + 1e-6;
+      });
+      if (drawn) canvas_.polygon(corners, colour);
+    }
+  }
+
+  void rule(const ReferenceLine& line) {
+    const Box& plot = plan_.plot;
+    const double share = line.vertical ? plan_.x.place(line.value) : plan_.y.place(line.value);
+    if (!(share >= 0.0 && share <= 1.0)) return;
+    const double x = plot.left + share * plot.width(), y = plot.bottom + share * plot.height();
+    const Stroke stroke = line.vertical ? Stroke{{x, plot.bottom}, {x, plot.top}} : Stroke{{plot.left, y}, {plot.right, y}};
+    ink({stroke}, line.style, role_colour(line.role, look_.theme), look_.line);
+  }
+
+  void curve(const Series& s) {
+    const Colour colour = role_colour(s.role, look_.theme);
+    if (has_line(s.style)) ink(series_strokes(plan_, s.x, s.y), s.style, colour, look_.line * s.width);
+    if (has_points(s.style)) {
+      const double radius = look_.point_radius * s.width;
+      canvas_.discs(series_points(plan_, s, radius), radius, colour);
+    }
+  }
+
+  void ink(const std::vector<Stroke>& strokes, Style style, Colour colour, double width) {
+    for (const Stroke& part : dash(strokes, style, width)) canvas_.polyline(part, colour, width);
+  }
+
+  void frame() {
+    const Box& p = plan_.plot;
+    const Point corners[] = {{p.left, p.bottom}, {p.right, p.bottom}, {p.right, p.top}, {p.left, p.top}, {p.left, p.bottom}};
+    canvas_.polyline(corners, look_.palette.ink, look_.frame);
+  }
+
+  void ticks() {
+    const Box& plot = plan_.plot;
+    const double full = look_.tick_length, gap = 0.7 * look_.gap;
+    for (const Tick& tick : plan_.x.ticks) {
+      const double x = plot.left + plan_.x.place(tick.value) * plot.width();
+      const double length = tick.label.empty() ? 0.6 * full : full;
+      canvas_.line({x, plot.bottom}, {x, plot.bottom - length}, look_.palette.ink, look_.frame);
+      canvas_.text({x, plot.bottom - full - gap}, tick.label, text(look_.tick_text, 0, 1));
+    }
+    for (const Tick& tick : plan_.y.ticks) {
+      const double y = plot.bottom + plan_.y.place(tick.value) * plot.height();
+      const double length = tick.label.empty() ? 0.6 * full : full;
+      canvas_.line({plot.left, y}, {plot.left - length, y}, look_.palette.ink, look_.frame);
+      canvas_.text({plot.left - full - gap, y}, tick.label, text(look_.tick_text, 1, 0));
+    }
+  }
+
+  TextStyle text(double size, int across, int upward) const {
+    return {.size = size, .colour = look_.palette.ink, .across = across, .upward = upward};
+  }
+
+  void titles() {
+    const Box& plot = plan_.plot;
+    const double x_size = fitting_size(canvas_, plan_.x.title, look_.axis_text, plan_.cell.width());
+    canvas_.text({0.5 * (plot.left + plot.right), plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
+    const double room = plan_.cell.height();
+    const double y_size = fitting_size(canvas_, plan_.y.title, look_.axis_text, room);
+    const double half = 0.5 * canvas_.text_width(plan_.y.title, y_size, false);
+    const double middle = std::clamp(0.5 * (plot.bottom + plot.top), std::min(plan_.cell.bottom + half, plan_.cell.top),
+                                     std::max(plan_.cell.top - half, plan_.cell.bottom));
+    TextStyle style = text(y_size, -1, 0);
+    style.vertical = true;
+    canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);
+    above();
+  }
+
+  /// Title, note and legend strip, from the plot's top upwards.
+  void above() {
+    double y = plan_.plot.top + look_.gap;
+    if (plan_.legend.place == Legend::above) {
+      y += strip_height(look_, plan_.legend.rows.size());
+      draw_strip(canvas_, look_, plan_.legend.rows, plan_.plot.left, y - look_.gap);
+    }
+    canvas_.text({plan_.plot.right, y}, panel_.note, text(look_.legend_text, 1, -1));
+    if (plan_.note_below) y += line_height(look_.legend_text);
+    for (auto line = plan_.title.rbegin(); line != plan_.title.rend(); ++line) {
+      TextStyle style = text(look_.title_text, -1, -1);
+      style.bold = true;
+      canvas_.text({plan_.plot.left, y}, *line, style);
+      y += line_height(look_.title_text);
+    }
+  }
+
+  Canvas& canvas_;
+  const Look& look_;
+  const PanelPlan& plan_;
+  const Panel& panel_;
+};
+
+}  // namespace
+
+void draw_panel(Canvas& canvas, const Look& look, const PanelPlan& plan) { PanelPainter(canvas, look, plan).paint(); }
+
+}  // namespace lunid::figure

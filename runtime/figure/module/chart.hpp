@@ -1,0 +1,32 @@
+#pragma once
+// Figures as PNG, SVG and PDF.
+#include <functional>
+#include <string>
+#include <vtkSmartPointer.h>
+
+#include "figure/canvas.hpp"
+#include "figure/module/display.hpp"
+#include "figure/renderer.hpp"
+
+class vtkContextActor;
+
+namespace lunid::figure {
+
+/// An actor that draws by a function, on a canvas with `scale` device units for each point. What the function throws
+/// is kept, since no exception may cross VTK: ask `error` after drawing.
+struct Drawn {
+  vtkSmartPointer<vtkContextActor> actor;
+  std::function<std::string()> error;
+};
+Drawn drawn_by(std::function<void(Canvas&)> draw, double scale);
+
+/// The bytes of a file. Throws std::runtime_error with the cause when there is nothing to show for it.
+std::string draw_chart(Display& display, const Figure& figure, Format format);
+
+/// What a window shows, as PNG. Throws std::runtime_error where all pixels are alike.
+std::string window_as_png(vtkRenderWindow& window);
+
+/// Pixels for `points`; throws std::runtime_error when the picture is too large to draw.
+int pixels(double points, int dpi);
+
+}  // namespace lunid::figure

@@ -1,0 +1,83 @@
+#include "figure/module/context_canvas.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vtkBrush.h>
+#include <vtkContext2D.h>
+#include <vtkContextDevice2D.h>
+#include <vtkPen.h>
+#include <vtkStdString.h>
+#include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
+
+#include "figure/module/font.hpp"
+
+namespace lunid::figure {
+
+std::vector<float> ContextCanvas::scaled(std::span<const Point> points) const {
+  std::vector<float> values;
+  values.reserve(2 * points.size());
+  for (const Point& p : points) {
+    values.push_back(static_cast<float>(p.x * scale_));
+    values.push_back(static_cast<float>(p.y * scale_));
+  }
+  return values;
+}
+
+void ContextCanvas::polyline(std::span<const Point> points, Colour colour, double width) {
+  vtkPen* pen = context_.GetPen();
+  pen->SetLineType(vtkPen::SOLID_LINE);
+  pen->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
+  pen->SetWidth(static_cast<float>(width * scale_));
+  std::vector<float> values = scaled(points);
+  context_.DrawPoly(values.data(), static_cast<int>(points.size()));
+}
+
+void ContextCanvas::polygon(std::span<const Point> corners, Colour colour) {
+  context_.GetBrush()->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
+  std::vector<float> values = scaled(corners);
+  // By the device: the context would add an outline that the exporters write even where the pen is off.
+  context_.GetDevice()->DrawPolygon(values.data(), static_cast<int>(corners.size()));
+}
+
+void ContextCanvas::discs(std::span<const Point> centres, double radius, Colour colour) {
+  context_.GetBrush()->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
+  const auto r = static_cast<float>(radius * scale_);
+  for (const Point& c : centres)
+    context_.GetDevice()->DrawEllipseWedge(static_cast<float>(c.x * scale_), static_cast<float>(c.y * scale_), r, r, 0,
+                                           0, 0, 360);
+}
+
+void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle& style) {
+  if (text.empty()) return;
+  vtkTextProperty* property = context_.GetTextProp();
+  set_font(*property, style.bold);
+  property->SetFontSize(static_cast<int>(std::lround(style.size * scale_)));
+  property->SetColor(style.colour.red / 255.0, style.colour.green / 255.0, style.colour.blue / 255.0);
+  property->SetOpacity(style.colour.alpha / 255.0);
+  property->SetOrientation(style.vertical ? 90.0 : 0.0);
+  // VTK justifies before it turns: a turned text's "up" is then to the left.
+  const int along = style.vertical ? style.upward : style.across;
+  const int beside = style.vertical ? -style.across : style.upward;
+  property->SetJustification(along + 1);
+  property->SetVerticalJustification(beside + 1);
+  context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)), static_cast<float>(std::round(anchor.y * scale_)),
+                      text.c_str());
+}
+
+double ContextCanvas::text_width(const std::string& text, double size, bool bold) {
+  if (text.empty()) return 0.0;
+  // Measured at a size of its own, so that every device and scale plans the same figure.
+  constexpr int measured_size = 64;
+  vtkTextProperty* property = context_.GetTextProp();
+  set_font(*property, bold);
+  property->SetFontSize(measured_size);
+  property->SetOrientation(0.0);
+  property->SetJustification(VTK_TEXT_LEFT);
+  property->SetVerticalJustification(VTK_TEXT_BOTTOM);
+  int box[4];
+  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property, vtkStdString(text), box, 72)) return 0.0;
+  return static_cast<double>(box[1] - box[0]) * size / measured_size;
+}
+
+}  // namespace lunid::figure

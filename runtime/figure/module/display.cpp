@@ -1,0 +1,67 @@
+#include "figure/module/display.hpp"
+
+#include <X11/Xlib.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <vtkOpenGLRenderWindow.h>
+#include <vtkRenderWindow.h>
+#include <vtkVersion.h>
+
+namespace lunid::figure {
+namespace {
+
+/// A display of this machine. One across a network (ssh -X) can take minutes to answer and has no OpenGL for VTK.
+bool is_local(const char* name) { return name && name[0] == ':'; }
+
+}  // namespace
+
+Display::Display() {
+  const char* name = std::getenv("DISPLAY");
+  if (is_local(name) && open(name)) return;
+  own_ = std::make_unique<PrivateDisplay>();
+  if (!open(own_->name().c_str()))
+    throw std::runtime_error("the private display has no OpenGL 3.2 (apt-get install libgl1-mesa-dri)");
+}
+
+Display::~Display() { close(); }
+
+void Display::close() {
+  if (connection_) XCloseDisplay(static_cast<::Display*>(connection_));
+  connection_ = nullptr;
+}
+
+bool Display::open(const char* name) {
+  connection_ = XOpenDisplay(name);
+  if (!connection_) return false;
+  int opcode, event, error;
+  const bool glx = XQueryExtension(static_cast<::Display*>(connection_), "GLX", &opcode, &event, &error);
+  if (glx && window(8, 8)->SupportsOpenGL()) return true;
+  close();
+  return false;
+}
+
+vtkSmartPointer<vtkRenderWindow> Display::window(int width, int height) {
+  auto result = vtkSmartPointer<vtkRenderWindow>::New();
+  result->SetDisplayId(connection_);
+  result->SetOffScreenRendering(1);
+  result->SetMultiSamples(8);
+  result->SetDPI(72);
+  result->SetSize(width, height);
+  return result;
+}
+
+std::string Display::describe() {
+  const auto probe = window(8, 8);
+  probe->Render();
+  std::string gl = "OpenGL";
+  if (auto* opengl = vtkOpenGLRenderWindow::SafeDownCast(probe)) {
+    int major = 0, minor = 0;
+    opengl->GetOpenGLVersion(major, minor);
+    gl += " " + std::to_string(major) + "." + std::to_string(minor);
+  }
+  return std::string("VTK ") + vtkVersion::GetVTKVersion() + ", " + gl + ", " +
+         (own_ ? "private display (Xvfb)" : std::string("display ") + std::getenv("DISPLAY"));
+}
+
+}  // namespace lunid::figure

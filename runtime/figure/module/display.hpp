@@ -1,0 +1,36 @@
+#pragma once
+// Where VTK may draw. VTK without a display crashes: nothing of it that draws is called before this has answered.
+#include <memory>
+#include <string>
+#include <vtkSmartPointer.h>
+
+#include "figure/module/private_display.hpp"
+
+class vtkRenderWindow;
+
+namespace lunid::figure {
+
+/// An open connection to an X server with OpenGL 3.2: this machine's display where DISPLAY names one that answers,
+/// else a private one.
+class Display {
+ public:
+  /// Throws std::runtime_error that says what is missing.
+  Display();
+  ~Display();
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  /// A window off the screen, of `width` by `height` pixels, one point of text being one pixel.
+  vtkSmartPointer<vtkRenderWindow> window(int width, int height);
+
+  /// Versions of VTK and OpenGL and where the display is, in one line.
+  std::string describe();
+
+ private:
+  bool open(const char* name);
+  void close();
+  std::unique_ptr<PrivateDisplay> own_;
+  void* connection_ = nullptr;
+};
+
+}  // namespace lunid::figure

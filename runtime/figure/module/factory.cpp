@@ -1,0 +1,65 @@
+// The module's one exported function, and the wall that no exception passes.
+#include <memory>
+#include <vtkTextRenderer.h>
+
+#include "figure/module/chart.hpp"
+#include "figure/module/errors.hpp"
+#include "figure/module/surface_file.hpp"
+#include "figure/module/surface_scene.hpp"
+#include "figure/renderer.hpp"
+
+namespace lunid::figure {
+namespace {
+
+class VtkRenderer : public Renderer {
+ public:
+  Drawing draw(const Figure& figure, Format format) override {
+    return guarded([&] { return draw_chart(display(), figure, format); });
+  }
+
+  Drawing draw(const SurfaceFigure& figure) override {
+    return guarded([&] { return draw_surface(display(), figure); });
+  }
+
+  Drawing encode(const SurfaceFigure& figure, Format format) override {
+    return guarded([&] { return format == Format::vts ? surface_as_vts(figure) : surface_as_vtp(figure); });
+  }
+
+  Drawing check() override {
+    return guarded([&] { return display().describe(); });
+  }
+
+ private:
+  /// The result of `work`, or its exception's text, or VTK's own complaint.
+  template <class Work>
+  Drawing guarded(Work work) {
+    Drawing drawing;
+    const CapturedErrors errors;
+    try {
+      drawing.bytes = work();
+      drawing.error = errors.first();
+    } catch (const std::exception& e) {
+      const std::string cause = errors.first();
+      drawing.error = e.what() + (cause.empty() ? cause : " (" + cause + ")");
+    }
+    return drawing;
+  }
+
+  Display& display() {
+    if (!display_) {
+      display_ = std::make_unique<Display>();
+      // A dollar sign in a label is a dollar sign, not mathematics.
+      vtkTextRenderer::GetInstance()->SetDefaultBackend(vtkTextRenderer::FreeType);
+    }
+    return *display_;
+  }
+
+  std::unique_ptr<Display> display_;
+};
+
+}  // namespace
+}  // namespace lunid::figure
+
+extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(int version) {
+  return version == lunid::figure::module_version ? new lunid::figure::VtkRenderer : nullptr;
+}

@@ -1,0 +1,143 @@
+// The paper part of a surface's figure.
+#include <algorithm>
+#include <cmath>
+
+#include "figure/surface_view.hpp"
+
+namespace lunid::figure {
+namespace {
+
+/// An edge of the box that carries an axis: along coordinate `along`, the others fixed at `from`.
+struct Edge {
+  std::size_t along = 0;
+  Vector from{};
+  Point outward;  ///< unit vector on paper, away from the box
+};
+
+class AxesPainter {
+ public:
+  AxesPainter(Canvas& canvas, const Look& look, const SurfaceFigure& figure, const SurfaceView& view)
+      : canvas_(canvas), look_(look), figure_(figure), view_(view) {}
+
+  void paint() {
+    walls();
+    header();
+    const double near_x = near(0), near_y = near(1), floor = -0.5 * view_.size[2];
+    axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
+    axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
+    // Of the two upright edges of the outline, the one on the left.
+    const Vector a{near_x, -near_y, 0.0}, b{-near_x, near_y, 0.0};
+    axis(view_.z, {2, view_.on_paper(a).x < view_.on_paper(b).x ? a : b, {-1.0, 0.0}});
+    colour_bar();
+  }
+
+ private:
+  /// The side of the box, of a horizontal coordinate, on which the viewer stands.
+  double near(std::size_t k) const { return (view_.toward[k] >= 0.0 ? 0.5 : -0.5) * view_.size[k]; }
+
+  Point outward(const Vector& direction) const {
+    const Point p = view_.on_paper(direction);
+    const double x = p.x - view_.centre.x, y = p.y - view_.centre.y, length = std::hypot(x, y);
+    return length > 0.0 ? Point{x / length, y / length} : Point{0.0, -1.0};
+  }
+
+  void line(const Vector& a, const Vector& b, Colour colour, double width) {
+    canvas_.line(view_.on_paper(a), view_.on_paper(b), colour, width);
+  }
+
+  double coordinate(const AxisPlan& axis, std::size_t k, double value) const {
+    return (axis.place(value) - 0.5) * view_.size[k];
+  }
+
+  /// The floor and the two far walls, with the grid of the ticks.
+  void walls() {
+    const Vector far{-near(0), -near(1), -0.5 * view_.size[2]};
+    const AxisPlan* axes[] = {&view_.x, &view_.y, &view_.z};
+    for (std::size_t flat = 0; flat < 3; ++flat) {
+      const std::size_t u = (flat + 1) % 3, v = (flat + 2) % 3;
+      for (const auto& [run, across] : {std::pair{u, v}, {v, u}}) {
+        const auto draw = [&, run = run, across = across](double at, Colour colour, double width) {
+          Vector a = far, b = far;
+          a[across] = b[across] = at;
+          a[run] = -0.5 * view_.size[run];
+          b[run] = 0.5 * view_.size[run];
+          line(a, b, colour, width);
+        };
+        for (const Tick& tick : axes[across]->ticks) draw(coordinate(*axes[across], across, tick.value), look_.palette.faint, 0.6);
+        for (const double side : {-0.5, 0.5}) draw(side * view_.size[across], look_.palette.hatch, look_.frame);
+      }
+    }
+  }
+
+  /// The distance at which a text's box clears a point along `outward`.
+  double clearance(const std::string& text, double size, Point outward) {
+    return 0.5 * (std::abs(outward.x) * canvas_.text_width(text, size, false) + std::abs(outward.y) * 1.1 * size);
+  }
+
+  void axis(const AxisPlan& plan, const Edge& edge) {
+    Vector a = edge.from, b = edge.from;
+    a[edge.along] = -0.5 * view_.size[edge.along];
+    b[edge.along] = 0.5 * view_.size[edge.along];
+    line(a, b, look_.palette.ink, look_.frame);
+    double reach = 0.0;
+    for (const Tick& tick : plan.ticks) {
+      Vector at = edge.from;
+      at[edge.along] = coordinate(plan, edge.along, tick.value);
+      const Point p = view_.on_paper(at);
+      const Point end{p.x + look_.tick_length * edge.outward.x, p.y + look_.tick_length * edge.outward.y};
+      canvas_.line(p, end, look_.palette.ink, look_.frame);
+      const double away = 3.0 + clearance(tick.label, look_.tick_text, edge.outward);
+      canvas_.text({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label, centred(look_.tick_text));
+      reach = std::max(reach, look_.tick_length + 3.0 + 2.0 * clearance(tick.label, look_.tick_text, edge.outward));
+    }
+    title(plan, edge, reach);
+  }
+
+  void title(const AxisPlan& plan, const Edge& edge, double reach) {
+    Vector middle = edge.from;
+    middle[edge.along] = 0.0;
+    const Point p = view_.on_paper(middle);
+    TextStyle style = centred(look_.axis_text);
+    if (edge.along == 2) {
+      style.vertical = true;
+      canvas_.text({p.x - reach - 0.9 * look_.axis_text, p.y}, plan.title, style);
+      return;
+    }
+    const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
+    const double half = 0.5 * canvas_.text_width(plan.title, look_.axis_text, false);
+    const double x = std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
+    canvas_.text({x, std::max(p.y + away * edge.outward.y, 0.8 * look_.axis_text)}, plan.title, style);
+  }
+
+  TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }
+
+  void header() {
+    double y = view_.extent.y - look_.margin;
+    for (const std::string& text : view_.heading) {
+      canvas_.text({look_.margin, y}, text,
+                   {.size = look_.heading_text, .bold = true, .colour = look_.palette.ink, .across = -1, .upward = 1});
+      y -= line_height(look_.heading_text);
+    }
+    draw_strip(canvas_, look_, view_.legend, look_.margin, y - 0.5 * look_.gap);
+  }
+
+  void colour_bar() {
+    const double middle = view_.centre.y, half = 0.3 * view_.extent.y;
+    const Box bar{view_.extent.x - 78.0, middle - half, view_.extent.x - 67.0, middle + half};
+    draw_colour_bar(canvas_, look_, view_.colour, figure_.diverging, bar, view_.extent.x - look_.margin - bar.right);
+  }
+
+  Canvas& canvas_;
+  const Look& look_;
+  const SurfaceFigure& figure_;
+  const SurfaceView& view_;
+};
+
+}  // namespace
+
+void draw_surface_axes(Canvas& canvas, const Look& look, const SurfaceFigure& figure, const SurfaceView& view) {
+  canvas.rectangle({0.0, 0.0, view.extent.x, view.extent.y}, look.palette.background);
+  AxesPainter(canvas, look, figure, view).paint();
+}
+
+}  // namespace lunid::figure
