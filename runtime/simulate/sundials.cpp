@@ -1,10 +1,227 @@
+// Free runs by SUNDIALS: from event to event in frozen modes, by the same ModeMachine as the fixed path.
+#include <cmath>
+
+#include "simulate/integrator.hpp"
+#include "simulate/modes.hpp"
 #include "simulate/run.hpp"
+
 namespace lunid {
-Run run_sundials(const System& system, std::span<const double>, const Excitation& excitation, const Eigen::VectorXd&,
-                 const SimulateOptions&) {
-  Run run = empty_run(system, excitation);
-  run.summary.completed = false;
-  run.summary.cause = "the SUNDIALS path is not built";
-  return run;
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// A sample nearer than this part of the interval is reached.
+constexpr double reached_fraction = 1e-10;
+/// |y| beyond this many times its largest value on the samples counts as an explosion when the integrator gives up.
+constexpr double runaway = 100;
+
+/// A model in its present mode.
+class ModalOde : public Ode {
+ public:
+  ModalOde(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+           const SimulateOptions& options)
+      : modes(system.dynamics(), theta), excitation_(excitation), options_(options), n_(system.states()),
+        p_(system.parameters()), f_(n_), jtheta_(n_ * p_), observation_(modes.observation()), scale_(n_, 0.0) {
+    needs_force_rate_ = !modes.dynamics().surfaces.empty() && depends_on_force();
+    first_scales(x0);
+  }
+
+  int states() const override { return n_; }
+  int events() const override { return modes.events(); }
+
+  Drive drive(double t) const {
+    Drive d;
+    d.t = t;
+    d.u[0] = excitation_.interpolation() == Interpolation::hold ? excitation_.at(std::min(t, hold_until)) : excitation_.at(t);
+    if (needs_force_rate_) {
+      const double step = 1e-6 * excitation_.dt();
+      d.rate[0] = (excitation_.at(t + step) - excitation_.at(t - step)) / (2 * step);
+    }
+    return d;
+  }
+
+  void rate(double t, const double* x, double* f) override {
+    if ((++calls_ & (cancel_interval - 1)) == 0) check_cancelled(options_.cancelled);
+    modes.rate(drive(t), x, f);
+  }
+
+  void jacobian(double t, const double* x, double* j) override {
+    modes.derivatives(drive(t), x, f_.data(), j, jtheta_.data());
+  }
+
+  void event_functions(double t, const double* x, double* g) override {
+    modes.observe(drive(t), x, observation_);
+    std::copy(observation_.event.begin(), observation_.event.end(), g);
+  }
+
+  /// 1 / (rtol |x| + atol), atol being rtol times the largest |x| so far where none is given.
+  void error_weights(const double* x, double* w) override {
+    for (int i = 0; i < n_; ++i) {
+      scale_[i] = std::max(scale_[i], std::abs(x[i]));
+      w[i] = 1 / (options_.rtol * std::abs(x[i]) + (options_.atol > 0 ? options_.atol : options_.rtol * scale_[i]));
+    }
+  }
+
+  ModeMachine modes;
+  double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
+
+ private:
+  bool depends_on_force() const {
+    for (const Surface& surface : modes.dynamics().surfaces)
+      for (const Expr& symbol : symbols(surface.g, SymbolKind::channel))
+        if (symbol.name() == "F") return true;
+    return false;
+  }
+
+  /// The size of each state before there is motion to read it off: what a sample's time makes of the first rates.
+  void first_scales(const VectorXd& x0) {
+    double largest = 0;
+    for (const double f : excitation_.grid(1)) largest = std::max(largest, std::abs(f));
+    Drive d;
+    d.t = excitation_.t0();
+    const double dt = excitation_.dt();
+    VectorXd x = x0, reach(n_);
+    for (const double force : {0.0, largest, -largest}) {
+      d.u[0] = force;
+      modes.rate(d, x.data(), reach.data(), false);
+      for (int i = 0; i < n_; ++i)
+        if (std::isfinite(reach[i])) scale_[i] = std::max({scale_[i], std::abs(x0[i]), std::abs(reach[i]) * dt});
+    }
+    scale_[0] = std::max(scale_[0], scale_[1] * dt);
+    x[0] += scale_[0];
+    x[1] += scale_[1];
+    modes.rate(d, x.data(), reach.data(), false);
+    for (int i = 0; i < n_; ++i) {
+      if (std::isfinite(reach[i])) scale_[i] = std::max(scale_[i], std::abs(reach[i]) * dt);
+      if (!(scale_[i] > 0)) scale_[i] = 1e-9;
+    }
+  }
+
+  const Excitation& excitation_;
+  const SimulateOptions& options_;
+  int n_, p_;
+  std::vector<double> f_, jtheta_;
+  Observation observation_;
+  std::vector<double> scale_;
+  bool needs_force_rate_ = false;
+  long calls_ = 0;
+};
+
+class SundialsRun {
+ public:
+  SundialsRun(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+              const SimulateOptions& options)
+      : system_(system), theta_(theta), excitation_(excitation), options_(options),
+        ode_(system, theta, excitation, x0, options), x_(x0), now_(ode_.modes.observation()),
+        run_(empty_run(system, excitation)), t_(excitation.t0()) {
+    bound_ = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
+    run_.summary.solver = options.solver == Solver::bdf     ? "CVODE BDF"
+                          : options.solver == Solver::adams ? "CVODE Adams"
+                                                            : "ARKODE explicit 5(4)";
+  }
+
+  Run go() {
+    begin_interval(0);
+    ode_.modes.start(ode_.drive(t_), x_.data());
+    integrator_ = options_.solver == Solver::explicit_rk
+                      ? make_arkode(ode_, t_, x_, excitation_.dt())
+                      : make_cvode(options_.solver, ode_, t_, x_, excitation_.dt());
+    put_row(0);
+    for (Index row = 1; row < excitation_.rows(); ++row) {
+      begin_interval(row - 1);
+      if (!reach(excitation_.t0() + excitation_.dt() * static_cast<double>(row))) break;
+      begin_interval(row);
+      put_row(row);
+    }
+    run_.summary.steps = integrator_->steps();
+    run_.summary.evaluations = integrator_->evaluations();
+    return std::move(run_);
+  }
+
+ private:
+  bool holds() const { return excitation_.interpolation() == Interpolation::hold; }
+
+  /// A held force jumps at every sample. The explicit method stops there and never looks beyond; the implicit ones step
+  /// over it, and their error control finds the jump.
+  void begin_interval(Index row) {
+    if (!holds() || options_.solver != Solver::explicit_rk) return;
+    ode_.hold_until = excitation_.t0() + excitation_.dt() * (static_cast<double>(row) + 0.5);
+    if (!integrator_) return;
+    ode_.modes.settle(ode_.drive(t_), x_.data());
+    integrator_->restart(t_, x_);
+  }
+
+  void put_row(Index row) {
+    ode_.modes.observe(ode_.drive(t_), x_.data(), now_);
+    run_.x.row(row) = x_.transpose();
+    run_.a[row] = now_.f[1];
+    largest_ = std::max(largest_, std::abs(x_[0]));
+  }
+
+  /// Integrates to a sample through all events on the way; false when the run stops.
+  bool reach(double to) {
+    while (to - t_ > reached_fraction * excitation_.dt()) {
+      const double from = t_;
+      const bool sliding = ode_.modes.sliding();
+      const Integrator::Result result = integrator_->advance(to, t_, x_);
+      if (sliding) run_.summary.stuck += t_ - from;
+      if (result == Integrator::Result::failed) return fail();
+      if (bound_ > 0 && !(std::abs(x_[0]) <= bound_)) return explode();
+      if (result == Integrator::Result::reached) break;
+      if (!happen()) return false;
+    }
+    // a state that rests on a surface drifts by rounding in the interpolants of the integrator
+    ode_.modes.project(ode_.drive(t_), x_.data());
+    t_ = to;
+    return true;
+  }
+
+  bool happen() {
+    const Drive drive = ode_.drive(t_);
+    int last = -1;
+    for (const int event : integrator_->fired()) {
+      ode_.modes.resolve(event, drive, x_.data());
+      ++run_.summary.events;
+      last = event;
+    }
+    if (run_.summary.events > options_.max_events)
+      return stop(chatter_cause(system_.dynamics(), last, options_.max_events));
+    integrator_->restart(t_, x_);
+    return true;
+  }
+
+  bool stop(std::string cause) {
+    run_.summary.completed = false;
+    run_.summary.stopped_at = t_;
+    run_.summary.cause = std::move(cause);
+    return false;
+  }
+
+  bool explode() { return stop(explosion_cause(system_, theta_, t_, x_)); }
+
+  bool fail() {
+    if (!x_.allFinite() || std::abs(x_[0]) > runaway * largest_) return explode();
+    return stop(integrator_->failure());
+  }
+
+  const System& system_;
+  std::span<const double> theta_;
+  const Excitation& excitation_;
+  const SimulateOptions& options_;
+  ModalOde ode_;
+  VectorXd x_;
+  Observation now_;
+  Run run_;
+  double t_, bound_ = 0, largest_ = 0;
+  std::unique_ptr<Integrator> integrator_;
+};
+
+}  // namespace
+
+Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation,
+                 const VectorXd& x0, const SimulateOptions& options) {
+  return SundialsRun(system, theta, excitation, x0, options).go();
 }
-}
+
+}  // namespace lunid

@@ -1,0 +1,44 @@
+#pragma once
+// SUNDIALS behind one interface: CVODE (BDF, Adams) and ARKODE (explicit Runge-Kutta) with events. No SUNDIALS type
+// and no exception crosses this border: what a callback throws is kept and thrown again after the library returned.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulate/simulate.hpp"
+
+namespace lunid {
+
+/// What is integrated. The members may throw.
+struct Ode {
+  virtual ~Ode() = default;
+  virtual int states() const = 0;
+  virtual int events() const = 0;
+  virtual void rate(double t, const double* x, double* f) = 0;
+  virtual void jacobian(double t, const double* x, double* j) = 0;  ///< row-major
+  virtual void event_functions(double t, const double* x, double* g) = 0;
+  virtual void error_weights(const double* x, double* w) = 0;  ///< 1 / (tolerated error of each state)
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  enum class Result { reached, event, failed };
+  /// Integrates x from t towards `to`; stops at the first fall of an event function below zero. t and x are updated.
+  virtual Result advance(double to, double& t, Eigen::VectorXd& x) = 0;
+  /// Begins anew at t, x: after an event.
+  virtual void restart(double t, const Eigen::VectorXd& x) = 0;
+  /// The event functions that fell when advance() returned `event`.
+  virtual std::vector<int> fired() const = 0;
+  /// The call and the name of its return code when advance() returned `failed`.
+  virtual std::string failure() const = 0;
+  virtual long steps() const = 0;        ///< of all parts between restarts
+  virtual long evaluations() const = 0;  ///< of the rate, those for Jacobians included
+};
+
+/// Largest step: one sample, so that no part of a sampled force is stepped over. Throws std::runtime_error when
+/// SUNDIALS refuses its set-up, naming the call.
+std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step);
+std::unique_ptr<Integrator> make_arkode(Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step);
+
+}  // namespace lunid
