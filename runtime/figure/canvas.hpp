@@ -38,6 +38,13 @@ struct TextStyle {
   bool vertical = false;  ///< turned by 90 degrees, read from below; the anchor is that of the turned text
 };
 
+/// How wide text is, in points; asked before there is anything to draw on.
+class TextMeter {
+ public:
+  virtual ~TextMeter() = default;
+  virtual double width(const std::string& text, double size, bool bold) = 0;
+};
+
 /// What a device must be able to do.
 class Canvas {
  public:
@@ -47,7 +54,6 @@ class Canvas {
   virtual void polygon(std::span<const Point> corners, Colour colour) = 0;
   virtual void discs(std::span<const Point> centres, double radius, Colour colour) = 0;
   virtual void text(Point anchor, const std::string& text, const TextStyle& style) = 0;
-  virtual double text_width(const std::string& text, double size, bool bold) = 0;
 
   void rectangle(const Box& box, Colour colour) {
     const Point corners[] = {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}};

@@ -4,35 +4,37 @@
 
 namespace lunid::figure {
 
-/// Width and height of a figure in points.
-Point figure_extent(const Figure& figure);
-
-/// The plan of every panel of a figure: what draw_figure draws.
+/// Where everything of a figure goes: what draw_figure draws.
 struct FigurePlan {
-  std::vector<std::string> heading;                 ///< lines of the title
-  std::vector<std::vector<LegendEntry>> legend;     ///< rows of the shared legend
+  Point extent;                                  ///< width and height in points
+  std::vector<std::string> heading;              ///< lines of the title
+  std::vector<std::vector<LegendEntry>> legend;  ///< rows of the shared legend
   std::vector<PanelPlan> panels;
 };
-FigurePlan plan_figure(Canvas& canvas, const Look& look, const Figure& figure);
 
-/// Draws a valid figure. Throws std::invalid_argument when its size leaves no room for the data.
-void draw_figure(Canvas& canvas, const Figure& figure);
+/// Plans a valid figure. Throws std::invalid_argument when its size leaves no room for the data.
+FigurePlan plan_figure(TextMeter& meter, const Look& look, const Figure& figure);
+
+/// Draws a planned figure.
+void draw_figure(Canvas& canvas, TextMeter& meter, const Look& look, const FigurePlan& plan);
 
 /// One planned panel: data, frame, ticks, titles, legend.
-void draw_panel(Canvas& canvas, const Look& look, const PanelPlan& plan);
+void draw_panel(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 
 /// The cells of a map within the plot, and the colour bar beside it.
-void draw_map(Canvas& canvas, const Look& look, const PanelPlan& plan);
+void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 
 /// Horizontal bars with their names, whiskers and numbers.
-void draw_bars(Canvas& canvas, const Look& look, const PanelPlan& plan);
+void draw_bars(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 
-/// A colour bar from bottom to top with ticks on its right; `axis` runs over the colours, `title` is turned and stands
-/// `title_offset` right of the bar.
-void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, bool diverging, const Box& bar,
-                     double title_offset);
+/// A colour bar from bottom to top, with the ticks of `axis` and its turned title on the right.
+void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const AxisPlan& axis, bool diverging,
+                     const Box& bar);
 
 /// The position in the colour map of a value.
 double colour_position(const AxisPlan& axis, bool diverging, double value);
+
+/// The width of an axis's widest label.
+double widest_label(TextMeter& meter, const Look& look, const AxisPlan& axis);
 
 }  // namespace lunid::figure

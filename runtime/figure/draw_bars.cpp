@@ -11,16 +11,15 @@ constexpr double filled = 0.72;
 
 class BarPainter {
  public:
-  BarPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
-      : canvas_(canvas), look_(look), plan_(plan), bars_(*plan.panel->bars),
+  BarPainter(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan)
+      : canvas_(canvas), meter_(meter), look_(look), plan_(plan), bars_(*plan.panel->bars),
         thickness_(filled / static_cast<double>(std::max<std::size_t>(1, bars_.set.size()))) {}
 
   void paint() {
-    const double names = bar_name_width(canvas_, look_, plan_);
     for (std::size_t i = 0; i < bars_.name.size(); ++i) {
       const double centre = static_cast<double>(bars_.name.size() - i) - 0.5;
       canvas_.text({plan_.plot.left - 1.5 * look_.gap, plan_.at(0.0, centre).y},
-                   shortened(canvas_, bars_.name[i], look_.tick_text, false, names + 1.0),
+                   shortened(meter_, bars_.name[i], look_.tick_text, false, plan_.names + 1.0),
                    {.size = look_.tick_text, .colour = look_.palette.ink, .across = 1, .upward = 0});
       for (std::size_t j = 0; j < bars_.set.size(); ++j)
         bar(bars_.set[j], i, centre + 0.5 * filled - thickness_ * (static_cast<double>(j) + 0.5));
@@ -57,6 +56,7 @@ class BarPainter {
   }
 
   Canvas& canvas_;
+  TextMeter& meter_;
   const Look& look_;
   const PanelPlan& plan_;
   const Bars& bars_;
@@ -65,6 +65,8 @@ class BarPainter {
 
 }  // namespace
 
-void draw_bars(Canvas& canvas, const Look& look, const PanelPlan& plan) { BarPainter(canvas, look, plan).paint(); }
+void draw_bars(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
+  BarPainter(canvas, meter, look, plan).paint();
+}
 
 }  // namespace lunid::figure

@@ -93,8 +93,8 @@ double colour_position(const AxisPlan& axis, bool diverging, double value) {
   return 0.5 + 0.5 * value / reach;
 }
 
-void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, bool diverging, const Box& bar,
-                     double title_offset) {
+void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const AxisPlan& axis, bool diverging,
+                     const Box& bar) {
   constexpr int steps = 128;
   for (int i = 0; i < steps; ++i) {
     const double share = (i + 0.5) / steps;
@@ -111,16 +111,17 @@ void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, boo
     canvas.text({bar.right + look.tick_length + 0.7 * look.gap, y}, tick.label,
                 {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
   }
-  const double size = fitting_size(canvas, axis.title, look.axis_text, bar.height());
-  canvas.text({bar.right + title_offset, 0.5 * (bar.bottom + bar.top)}, axis.title,
-              {.size = size, .colour = look.palette.ink, .across = 1, .upward = 0, .vertical = true});
+  const double size = fitting_size(meter, axis.title, look.axis_text, bar.height());
+  const double away = look.tick_length + 1.7 * look.gap + widest_label(meter, look, axis);
+  canvas.text({bar.right + away, 0.5 * (bar.bottom + bar.top)}, axis.title,
+              {.size = size, .colour = look.palette.ink, .across = -1, .upward = 0, .vertical = true});
 }
 
-void draw_map(Canvas& canvas, const Look& look, const PanelPlan& plan) {
+void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
   MapPainter(canvas, look, plan).paint();
-  const bool holes = plan.panel->map->z.hasNaN();
+  if (!plan.colour_bar) return;
   Box bar{plan.plot.right + 10.0, plan.plot.bottom, plan.plot.right + 21.0, plan.plot.top};
-  if (holes) {
+  if (plan.no_data) {
     const Box swatch{bar.left, bar.bottom, bar.right, bar.bottom + 11.0};
     canvas.rectangle(swatch, look.palette.no_data);
     hatch(canvas, look, plan, swatch);
@@ -129,7 +130,7 @@ void draw_map(Canvas& canvas, const Look& look, const PanelPlan& plan) {
                 {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
     bar.bottom += 24.0;
   }
-  draw_colour_bar(canvas, look, *plan.colour, plan.panel->map->diverging, bar, plan.cell.right - bar.right);
+  draw_colour_bar(canvas, meter, look, *plan.colour, plan.panel->map->diverging, bar);
 }
 
 }  // namespace lunid::figure

@@ -8,15 +8,16 @@ namespace {
 
 class PanelPainter {
  public:
-  PanelPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
-      : canvas_(canvas), look_(look), plan_(plan), panel_(*plan.panel) {}
+  PanelPainter(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan)
+      : canvas_(canvas), meter_(meter), look_(look), plan_(plan), panel_(*plan.panel) {}
 
   void paint() {
     for (const Band& band : panel_.bands) shade(band);
-    if (panel_.map) draw_map(canvas_, look_, plan_);
+    if (panel_.map) draw_map(canvas_, meter_, look_, plan_);
     else grid();
+    for (const Series& s : panel_.series) points(s);
     for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
-    if (panel_.bars) draw_bars(canvas_, look_, plan_);
+    if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const ReferenceLine& line : panel_.lines) rule(line);
     for (const Series& s : panel_.series) curve(s);
     frame();
@@ -76,10 +77,13 @@ class PanelPainter {
   void curve(const Series& s) {
     const Colour colour = role_colour(s.role, look_.theme);
     if (has_line(s.style)) ink(series_strokes(plan_, s.x, s.y), s.style, colour, look_.line * s.width);
-    if (has_points(s.style)) {
-      const double radius = look_.point_radius * s.width;
-      canvas_.discs(series_points(plan_, s, radius), radius, colour);
-    }
+  }
+
+  /// Points lie under everything else: a cloud would hide it. Many points are smaller.
+  void points(const Series& s) {
+    if (!has_points(s.style)) return;
+    const double radius = look_.point_radius * s.width * (s.x.size() > 1000 ? 0.67 : 1.0);
+    canvas_.discs(series_points(plan_, s, radius), radius, role_colour(s.role, look_.theme));
   }
 
   void ink(const std::vector<Stroke>& strokes, Style style, Colour colour, double width) {
@@ -115,11 +119,11 @@ class PanelPainter {
 
   void titles() {
     const Box& plot = plan_.plot;
-    const double x_size = fitting_size(canvas_, plan_.x.title, look_.axis_text, plan_.cell.width());
+    const double x_size = fitting_size(meter_, plan_.x.title, look_.axis_text, plan_.cell.width());
     canvas_.text({0.5 * (plot.left + plot.right), plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
     const double room = plan_.cell.height();
-    const double y_size = fitting_size(canvas_, plan_.y.title, look_.axis_text, room);
-    const double half = 0.5 * canvas_.text_width(plan_.y.title, y_size, false);
+    const double y_size = fitting_size(meter_, plan_.y.title, look_.axis_text, room);
+    const double half = 0.5 * meter_.width(plan_.y.title, y_size, false);
     const double middle = std::clamp(0.5 * (plot.bottom + plot.top), std::min(plan_.cell.bottom + half, plan_.cell.top),
                                      std::max(plan_.cell.top - half, plan_.cell.bottom));
     TextStyle style = text(y_size, -1, 0);
@@ -133,7 +137,7 @@ class PanelPainter {
     double y = plan_.plot.top + look_.gap;
     if (plan_.legend.place == Legend::above) {
       y += strip_height(look_, plan_.legend.rows.size());
-      draw_strip(canvas_, look_, plan_.legend.rows, plan_.plot.left, y - look_.gap);
+      draw_strip(canvas_, meter_, look_, plan_.legend.rows, plan_.plot.left, y - look_.gap);
     }
     canvas_.text({plan_.plot.right, y}, panel_.note, text(look_.legend_text, 1, -1));
     if (plan_.note_below) y += line_height(look_.legend_text);
@@ -146,6 +150,7 @@ class PanelPainter {
   }
 
   Canvas& canvas_;
+  TextMeter& meter_;
   const Look& look_;
   const PanelPlan& plan_;
   const Panel& panel_;
@@ -153,6 +158,8 @@ class PanelPainter {
 
 }  // namespace
 
-void draw_panel(Canvas& canvas, const Look& look, const PanelPlan& plan) { PanelPainter(canvas, look, plan).paint(); }
+void draw_panel(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
+  PanelPainter(canvas, meter, look, plan).paint();
+}
 
 }  // namespace lunid::figure

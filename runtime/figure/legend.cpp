@@ -11,8 +11,8 @@ constexpr double swatch_width = 24.0;
 constexpr double between_entries = 16.0;
 constexpr double padding = 5.0;
 
-double entry_width(Canvas& canvas, const Look& look, const LegendEntry& entry) {
-  return swatch_width + look.gap + canvas.text_width(entry.label, look.legend_text, false);
+double entry_width(TextMeter& meter, const Look& look, const LegendEntry& entry) {
+  return swatch_width + look.gap + meter.width(entry.label, look.legend_text, false);
 }
 
 void draw_swatch(Canvas& canvas, const Look& look, const LegendEntry& entry, double left, double middle) {
@@ -42,9 +42,9 @@ void draw_entry(Canvas& canvas, const Look& look, const LegendEntry& entry, doub
               {.size = look.legend_text, .colour = look.palette.ink, .across = -1, .upward = 0});
 }
 
-Box corner_box(Canvas& canvas, const Look& look, const PanelPlan& plan, Legend corner) {
+Box corner_box(TextMeter& meter, const Look& look, const PanelPlan& plan, Legend corner) {
   double width = 0.0;
-  for (const LegendEntry& entry : plan.legend.entries) width = std::max(width, entry_width(canvas, look, entry));
+  for (const LegendEntry& entry : plan.legend.entries) width = std::max(width, entry_width(meter, look, entry));
   width += 2.0 * padding;
   const double height = static_cast<double>(plan.legend.entries.size()) * line_height(look.legend_text) + padding;
   const double inset = 5.0;
@@ -126,13 +126,13 @@ std::vector<LegendEntry> legend_entries(const Panel& panel) {
   return entries;
 }
 
-std::vector<std::vector<LegendEntry>> legend_rows(Canvas& canvas, const Look& look,
+std::vector<std::vector<LegendEntry>> legend_rows(TextMeter& meter, const Look& look,
                                                   const std::vector<LegendEntry>& entries, double width) {
   std::vector<std::vector<LegendEntry>> rows;
   double used = 0.0;
   for (LegendEntry entry : entries) {
-    entry.label = shortened(canvas, entry.label, look.legend_text, false, width - swatch_width - look.gap);
-    const double wide = entry_width(canvas, look, entry);
+    entry.label = shortened(meter, entry.label, look.legend_text, false, width - swatch_width - look.gap);
+    const double wide = entry_width(meter, look, entry);
     if (rows.empty() || used + between_entries + wide > width) {
       rows.emplace_back();
       used = -between_entries;
@@ -147,23 +147,22 @@ double strip_height(const Look& look, std::size_t rows) {
   return rows == 0 ? 0.0 : static_cast<double>(rows) * line_height(look.legend_text) + look.gap;
 }
 
-void place_legend(Canvas& canvas, const Look& look, PanelPlan& plan, Legend wanted) {
+void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wanted) {
   LegendPlan& legend = plan.legend;
   legend.place = Legend::none;
   if (legend.entries.empty() || wanted == Legend::none) return;
   const auto above = [&] {
     legend.place = Legend::above;
-    legend.rows = legend_rows(canvas, look, legend.entries, plan.plot.width());
+    legend.rows = legend_rows(meter, look, legend.entries, plan.plot.width());
   };
   if (wanted == Legend::above || (wanted == Legend::automatic && plan.panel->map)) return above();
   if (wanted != Legend::automatic) {
     legend.place = wanted;
-    legend.box = corner_box(canvas, look, plan, wanted);
-    return;
+    return settle_legend(meter, look, plan);
   }
   const Obstacles obstacles(plan);
   for (const Legend corner : {Legend::top_right, Legend::top_left, Legend::bottom_right, Legend::bottom_left}) {
-    const Box box = corner_box(canvas, look, plan, corner);
+    const Box box = corner_box(meter, look, plan, corner);
     const bool fits = box.width() < 0.6 * plan.plot.width() && box.height() < 0.6 * plan.plot.height();
     if (!fits || !obstacles.free(box)) continue;
     legend.place = corner;
@@ -173,14 +172,19 @@ void place_legend(Canvas& canvas, const Look& look, PanelPlan& plan, Legend want
   above();
 }
 
-void draw_strip(Canvas& canvas, const Look& look, const std::vector<std::vector<LegendEntry>>& rows, double left,
+void settle_legend(TextMeter& meter, const Look& look, PanelPlan& plan) {
+  LegendPlan& legend = plan.legend;
+  if (legend.place != Legend::none && legend.place != Legend::above) legend.box = corner_box(meter, look, plan, legend.place);
+}
+
+void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look, const std::vector<std::vector<LegendEntry>>& rows, double left,
                 double top) {
   double middle = top - 0.5 * line_height(look.legend_text);
   for (const std::vector<LegendEntry>& row : rows) {
     double x = left;
     for (const LegendEntry& entry : row) {
       draw_entry(canvas, look, entry, x, middle);
-      x += entry_width(canvas, look, entry) + between_entries;
+      x += entry_width(meter, look, entry) + between_entries;
     }
     middle -= line_height(look.legend_text);
   }

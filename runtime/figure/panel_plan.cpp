@@ -3,96 +3,115 @@
 #include <algorithm>
 #include <cmath>
 
+#include "figure/draw.hpp"
+
 namespace lunid::figure {
 namespace {
 
-/// The densest ticks along `length` points whose labels keep apart.
-AxisPlan horizontal_axis(Canvas& canvas, const Look& look, const Axis& axis, Range range, double length) {
-  for (int wanted = std::max(2, static_cast<int>(length / 45.0)); wanted > 1; --wanted) {
-    AxisPlan plan = plan_axis(axis, range, wanted);
-    double taken = 0.0;
-    for (const Tick& tick : plan.ticks)
-      if (!tick.label.empty()) taken += canvas.text_width(tick.label, look.tick_text, false) + 1.2 * look.tick_text;
-    if (taken <= length) return plan;
+/// Whether the labels of a horizontal axis keep apart.
+bool apart(TextMeter& meter, const Look& look, const AxisPlan& axis, double length) {
+  double end = -1e9;  // of the label before
+  for (const Tick& tick : axis.ticks) {
+    if (tick.label.empty()) continue;
+    const double at = axis.place(tick.value) * length, half = 0.5 * meter.width(tick.label, look.tick_text, false);
+    if (at - half < end + 0.6 * look.tick_text) return false;
+    end = at + half;
   }
-  return plan_axis(axis, range, 1);
+  return true;
 }
 
-AxisPlan vertical_axis(const Look& look, const Axis& axis, Range range, double length) {
-  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.6 * look.tick_text))));
+double hint(const Hints& hints, const Axis& axis) {
+  const auto found = hints.find({axis.name, axis.unit});
+  return found == hints.end() ? 0.0 : found->second;
 }
 
-double widest_label(Canvas& canvas, const Look& look, const AxisPlan& axis) {
-  double width = 0.0;
-  for (const Tick& tick : axis.ticks) width = std::max(width, canvas.text_width(tick.label, look.tick_text, false));
-  return width;
+/// The densest ticks along `length` points whose labels keep apart.
+AxisPlan horizontal_axis(TextMeter& meter, const Look& look, const Axis& axis, Range range, double length,
+                         const Hints& hints) {
+  for (int wanted = std::max(2, static_cast<int>(length / 42.0)); wanted > 1; --wanted) {
+    AxisPlan plan = plan_axis(axis, range, wanted, hint(hints, axis));
+    if (apart(meter, look, plan, length)) return plan;
+  }
+  return plan_axis(axis, range, 1, hint(hints, axis));
 }
 
-/// How far the last tick's label of a horizontal axis reaches beyond the plot.
-double label_overhang(Canvas& canvas, const Look& look, const AxisPlan& axis, double length) {
+AxisPlan vertical_axis(const Look& look, const Axis& axis, Range range, double length, const Hints& hints) {
+  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.5 * look.tick_text))), hint(hints, axis));
+}
+
+/// How far the labels of a horizontal axis reach beyond the plot's right end.
+double label_overhang(TextMeter& meter, const Look& look, const AxisPlan& axis, double length) {
   double beyond = 0.0;
   for (const Tick& tick : axis.ticks) {
-    const double half = 0.5 * canvas.text_width(tick.label, look.tick_text, false);
+    const double half = 0.5 * meter.width(tick.label, look.tick_text, false);
     beyond = std::max(beyond, half - (1.0 - axis.place(tick.value)) * length);
   }
   return beyond;
 }
 
-double left_margin(Canvas& canvas, const Look& look, const PanelPlan& plan) {
+double left_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   const double title = plan.y.title.empty() ? 0.0 : line_height(look.axis_text);
-  if (plan.panel->bars) return title + bar_name_width(canvas, look, plan) + 2.0 * look.gap;
-  return title + widest_label(canvas, look, plan.y) + look.tick_length + 1.5 * look.gap;
+  if (plan.panel->bars) return title + plan.names + 2.0 * look.gap;
+  return title + widest_label(meter, look, plan.y) + look.tick_length + 1.5 * look.gap;
 }
 
-double right_margin(Canvas& canvas, const Look& look, const PanelPlan& plan) {
-  const double overhang = label_overhang(canvas, look, plan.x, plan.plot.width()) + 1.0;
-  if (!plan.colour) return std::max(2.0, overhang);
-  const bool holes = plan.panel->map->z.hasNaN();
-  const double labels = std::max(widest_label(canvas, look, *plan.colour),
-                                 holes ? canvas.text_width("no data", look.tick_text, false) : 0.0);
+double right_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
+  const double overhang = label_overhang(meter, look, plan.x, plan.plot.width()) + 1.0;
+  if (!plan.colour_bar) return std::max(2.0, overhang);
   const double title = plan.colour->title.empty() ? 0.0 : line_height(look.axis_text) + look.gap;
-  return 10.0 + 11.0 + 2.0 * look.gap + labels + title;
+  const double labels = widest_label(meter, look, *plan.colour) + title;
+  const double no_data = plan.no_data ? meter.width("no data", look.tick_text, false) : 0.0;
+  return 10.0 + 11.0 + look.tick_length + look.gap + std::max(labels, no_data);
 }
 
-/// Whether title and note share a line.
-void plan_title(Canvas& canvas, const Look& look, PanelPlan& plan, double width) {
-  const double note = canvas.text_width(plan.panel->note, look.legend_text, false);
-  const double title = canvas.text_width(plan.panel->title, look.title_text, true);
+/// Room for the title: up to the end of the cell.
+void plan_title(TextMeter& meter, const Look& look, PanelPlan& plan) {
+  const double room = std::max(plan.plot.width(), plan.cell.right - plan.plot.left);
+  const double note = meter.width(plan.panel->note, look.legend_text, false);
+  const double title = meter.width(plan.panel->title, look.title_text, true);
   const bool both = !plan.panel->note.empty() && !plan.panel->title.empty();
-  plan.note_below = both && title + note + 12.0 > width;
-  plan.title = wrapped(canvas, plan.panel->title, look.title_text, true, width);
+  plan.note_below = both && title + note + 12.0 > plan.plot.width();
+  plan.title = wrapped(meter, plan.panel->title, look.title_text, true, room);
+}
+
+double bar_name_width(TextMeter& meter, const Look& look, const PanelPlan& plan) {
+  double width = 0.0;
+  for (const std::string& name : plan.panel->bars->name) width = std::max(width, meter.width(name, look.tick_text, false));
+  return std::min(width, 180.0);
 }
 
 }  // namespace
 
-double bar_name_width(Canvas& canvas, const Look& look, const PanelPlan& plan) {
+double widest_label(TextMeter& meter, const Look& look, const AxisPlan& axis) {
   double width = 0.0;
-  for (const std::string& name : plan.panel->bars->name)
-    width = std::max(width, canvas.text_width(name, look.tick_text, false));
-  return std::min(width, 0.4 * plan.cell.width());
+  for (const Tick& tick : axis.ticks) width = std::max(width, meter.width(tick.label, look.tick_text, false));
+  return width;
 }
 
-void plan_content(Canvas& canvas, const Look& look, PanelPlan& plan, double width, double height) {
+void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hints& hints) {
   const Panel& panel = *plan.panel;
   const Range x = x_range(panel);
-  plan.x = horizontal_axis(canvas, look, panel.x, x, width);
+  const double height = plan.plot.height();
+  plan.x = horizontal_axis(meter, look, panel.x, x, plan.plot.width(), hints);
   if (panel.bars) {
     plan.y = {};
     plan.y.range = y_range(panel, x);
     plan.y.title = panel.y.name;
+    plan.names = bar_name_width(meter, look, plan);
   } else {
-    plan.y = vertical_axis(look, panel.y, y_range(panel, x), height);
+    plan.y = vertical_axis(look, panel.y, y_range(panel, x), height, hints);
   }
-  if (panel.map) plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map), height);
-  plan_title(canvas, look, plan, width);
+  if (panel.map)
+    plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map), height - (plan.no_data ? 24.0 : 0.0), hints);
+  plan_title(meter, look, plan);
 }
 
-Margins needed_margins(Canvas& canvas, const Look& look, const PanelPlan& plan) {
+Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   Margins margins;
-  margins.left = left_margin(canvas, look, plan);
-  margins.right = right_margin(canvas, look, plan);
-  margins.bottom = look.tick_length + look.gap + line_height(look.tick_text) +
-                   (plan.x.title.empty() ? 0.0 : line_height(look.axis_text) + 1.0);
+  margins.left = left_margin(meter, look, plan);
+  margins.right = right_margin(meter, look, plan);
+  margins.bottom = look.tick_length + 0.7 * look.gap + 1.15 * look.tick_text +
+                   (plan.x.title.empty() ? 0.0 : 1.2 * look.axis_text);
   const bool note_line = plan.note_below || (plan.title.empty() && !plan.panel->note.empty());
   margins.top = static_cast<double>(plan.title.size()) * line_height(look.title_text) +
                 (note_line ? line_height(look.legend_text) : 0.0) + look.gap;

@@ -1,5 +1,6 @@
 #pragma once
 // Where everything of a panel goes.
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,11 +30,17 @@ struct PanelPlan {
   LegendPlan legend;
   std::vector<std::string> title;  ///< lines
   bool note_below = false;         ///< the note has a line of its own, under the title
+  double names = 0.0;              ///< width of the names of bars
+  bool colour_bar = false;         ///< beside the plot; a neighbour with the same colours may have it instead
+  bool no_data = false;            ///< the colour bar explains cells without data
 
   Point at(double x_value, double y_value) const {
     return {plot.left + x.place(x_value) * plot.width(), plot.bottom + y.place(y_value) * plot.height()};
   }
 };
+
+/// The largest value on each axis of a name and unit in all of a figure, so that panels share their SI prefix.
+using Hints = std::map<std::pair<std::string, std::string>, double>;
 
 /// The ranges of a panel's data within its limits, widened so that no curve lies on the frame.
 Range x_range(const Panel& panel);
@@ -43,14 +50,11 @@ Range colour_range(const HeatMap& map);
 /// Edges of cells from their centres: halfway between neighbours; one more than centres.
 std::vector<double> cell_edges(const std::vector<double>& centres);
 
-/// Plans axes, title and legend for a panel whose plot is about `width` by `height`.
-void plan_content(Canvas& canvas, const Look& look, PanelPlan& plan, double width, double height);
+/// Plans the axes and the title of a panel for the plot that it has now.
+void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hints& hints);
 
 /// The space that the planned content needs round the plot.
-Margins needed_margins(Canvas& canvas, const Look& look, const PanelPlan& plan);
-
-/// Width that the names of bars take, left of the plot.
-double bar_name_width(Canvas& canvas, const Look& look, const PanelPlan& plan);
+Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan);
 
 /// The strokes of a series in the plot, thinned and clipped, not dashed.
 std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y);

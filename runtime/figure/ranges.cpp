@@ -55,9 +55,8 @@ class Span {
   bool empty_ = true;
 };
 
-bool any_points(const Panel& panel) {
-  return std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return has_points(s.style); });
-}
+/// Curves that run from left to right may touch the frame; clouds and loops may not.
+bool needs_room(const Series& s) { return has_points(s.style) || !std::is_sorted(s.x.begin(), s.x.end()); }
 
 void take_bars(const Bars& bars, Span& span) {
   span.take(0.0);
@@ -106,7 +105,9 @@ Range x_range(const Panel& panel) {
     if (line.vertical) span.take(line.value);
   if (panel.map)
     for (const double edge : cell_edges(panel.map->x)) span.take(edge);
-  if (!panel.bars) return span.range(panel.map ? 0.0 : any_points(panel) ? 0.04 : 0.0);
+  const bool loose = std::any_of(panel.series.begin(), panel.series.end(), needs_room);
+  const double room = loose ? 0.04 : 0.0;
+  if (!panel.bars) return span.range(panel.map ? 0.0 : room);
   take_bars(*panel.bars, span);
   return from_zero(panel, span.range(0.14));  // room for the numbers at the bars' ends
 }

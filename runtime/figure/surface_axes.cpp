@@ -16,8 +16,8 @@ struct Edge {
 
 class AxesPainter {
  public:
-  AxesPainter(Canvas& canvas, const Look& look, const SurfaceFigure& figure, const SurfaceView& view)
-      : canvas_(canvas), look_(look), figure_(figure), view_(view) {}
+  AxesPainter(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view)
+      : canvas_(canvas), meter_(meter), look_(look), figure_(figure), view_(view) {}
 
   void paint() {
     walls();
@@ -71,7 +71,7 @@ class AxesPainter {
 
   /// The distance at which a text's box clears a point along `outward`.
   double clearance(const std::string& text, double size, Point outward) {
-    return 0.5 * (std::abs(outward.x) * canvas_.text_width(text, size, false) + std::abs(outward.y) * 1.1 * size);
+    return 0.5 * (std::abs(outward.x) * meter_.width(text, size, false) + std::abs(outward.y) * 1.1 * size);
   }
 
   void axis(const AxisPlan& plan, const Edge& edge) {
@@ -104,7 +104,7 @@ class AxesPainter {
       return;
     }
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
-    const double half = 0.5 * canvas_.text_width(plan.title, look_.axis_text, false);
+    const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
     const double x = std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
     canvas_.text({x, std::max(p.y + away * edge.outward.y, 0.8 * look_.axis_text)}, plan.title, style);
   }
@@ -118,16 +118,17 @@ class AxesPainter {
                    {.size = look_.heading_text, .bold = true, .colour = look_.palette.ink, .across = -1, .upward = 1});
       y -= line_height(look_.heading_text);
     }
-    draw_strip(canvas_, look_, view_.legend, look_.margin, y - 0.5 * look_.gap);
+    draw_strip(canvas_, meter_, look_, view_.legend, look_.margin, y - 0.5 * look_.gap);
   }
 
   void colour_bar() {
     const double middle = view_.centre.y, half = 0.3 * view_.extent.y;
-    const Box bar{view_.extent.x - 78.0, middle - half, view_.extent.x - 67.0, middle + half};
-    draw_colour_bar(canvas_, look_, view_.colour, figure_.diverging, bar, view_.extent.x - look_.margin - bar.right);
+    const Box bar{view_.extent.x - 62.0, middle - half, view_.extent.x - 51.0, middle + half};
+    draw_colour_bar(canvas_, meter_, look_, view_.colour, figure_.diverging, bar);
   }
 
   Canvas& canvas_;
+  TextMeter& meter_;
   const Look& look_;
   const SurfaceFigure& figure_;
   const SurfaceView& view_;
@@ -135,9 +136,9 @@ class AxesPainter {
 
 }  // namespace
 
-void draw_surface_axes(Canvas& canvas, const Look& look, const SurfaceFigure& figure, const SurfaceView& view) {
+void draw_surface_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view) {
   canvas.rectangle({0.0, 0.0, view.extent.x, view.extent.y}, look.palette.background);
-  AxesPainter(canvas, look, figure, view).paint();
+  AxesPainter(canvas, meter, look, figure, view).paint();
 }
 
 }  // namespace lunid::figure

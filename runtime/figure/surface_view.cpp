@@ -97,27 +97,33 @@ Point SurfaceView::on_paper(const Vector& p) const {
   return {centre.x + scale * dot(right), centre.y + scale * dot(up)};
 }
 
+namespace {
+
 Point surface_extent(const SurfaceFigure& figure) {
   const double per_cm = 72.0 / 2.54;
   const double height = figure.size.height_cm > 0.0 ? figure.size.height_cm : 0.75 * figure.size.width_cm;
   return {figure.size.width_cm * per_cm, height * per_cm};
 }
 
-SurfaceView plan_surface(Canvas& canvas, const Look& look, const SurfaceFigure& figure) {
+}  // namespace
+
+SurfaceView plan_surface(TextMeter& meter, const Look& look, const SurfaceFigure& figure) {
   SurfaceView view;
   view.extent = surface_extent(figure);
   plan_axes(view, figure);
   set_directions(view, figure);
   const double width = view.extent.x - 2.0 * look.margin;
-  view.heading = wrapped(canvas, figure.title, look.heading_text, true, width);
+  view.heading = wrapped(meter, figure.title, look.heading_text, true, width);
   std::vector<LegendEntry> entries;
   for (const Cloud& cloud : figure.clouds)
     if (!cloud.label.empty()) entries.push_back({cloud.label, Swatch::curve, Style::points, cloud.role, 1.0});
-  view.legend = legend_rows(canvas, look, entries, width);
+  view.legend = legend_rows(meter, look, entries, width);
   const double header = static_cast<double>(view.heading.size()) * line_height(look.heading_text) +
                         strip_height(look, view.legend.size()) + look.gap;
+  // The bar's ticks are those of z: its title would repeat the axis's.
+  view.colour.title.clear();
   // Left: labels of z; right: the colour bar; below: labels of x and y.
-  fit(view, {62.0, 52.0, view.extent.x - 108.0, view.extent.y - look.margin - header - 6.0});
+  fit(view, {62.0, 52.0, view.extent.x - 84.0, view.extent.y - look.margin - header - 6.0});
   return view;
 }
 

@@ -28,12 +28,10 @@ struct SurfaceView {
   Point on_paper(const Vector& p) const;
 };
 
-Point surface_extent(const SurfaceFigure& figure);
-
 /// Plans axes and projection. Throws std::invalid_argument when the size leaves no room.
-SurfaceView plan_surface(Canvas& canvas, const Look& look, const SurfaceFigure& figure);
+SurfaceView plan_surface(TextMeter& meter, const Look& look, const SurfaceFigure& figure);
 
 /// Walls, grid, ticks, labels, title, legend and colour bar: all but the surface and the points.
-void draw_surface_axes(Canvas& canvas, const Look& look, const SurfaceFigure& figure, const SurfaceView& view);
+void draw_surface_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view);
 
 }  // namespace lunid::figure

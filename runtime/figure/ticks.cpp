@@ -53,6 +53,7 @@ double nice_step(double span, int wanted) {
 }
 
 void linear_ticks(AxisPlan& plan, int wanted) {
+  plan.ticks.clear();
   const double low = plan.range.low / plan.factor, high = plan.range.high / plan.factor;
   const double step = nice_step(high - low, wanted);
   const int decimals = std::clamp(-static_cast<int>(std::floor(std::log10(step) + 1e-9)), 0, 15);
@@ -142,17 +143,19 @@ std::string three_digits(double value) {
   return text;
 }
 
-AxisPlan plan_axis(const Axis& axis, Range range, int wanted) {
+AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest) {
   AxisPlan plan;
   plan.range = range;
   plan.scale = axis.scale;
   ScaledUnit unit{1.0, with_superscripts(axis.unit)};
-  if (axis.scale == Scale::linear) unit = scaled_unit(axis.unit, std::max(std::abs(range.low), std::abs(range.high)));
+  const double own = std::max(std::abs(range.low), std::abs(range.high));
+  if (axis.scale == Scale::linear) unit = scaled_unit(axis.unit, largest > own && largest < 1e3 * own ? largest : own);
   plan.factor = unit.factor;
   plan.title = axis.name;
   if (!unit.unit.empty()) plan.title += (plan.title.empty() ? "[" : " [") + unit.unit + "]";
-  if (axis.scale == Scale::linear) linear_ticks(plan, wanted);
-  else log_ticks(plan, wanted);
+  if (axis.scale == Scale::log) log_ticks(plan, wanted);
+  // Round steps can jump past both ends of a short axis: then finer ones.
+  else for (int finer = wanted; plan.ticks.size() < 2; finer *= 2) linear_ticks(plan, finer);
   return plan;
 }
 

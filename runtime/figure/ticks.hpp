@@ -40,8 +40,9 @@ ScaledUnit scaled_unit(const std::string& unit, double largest);
 /// Superscripts for powers: "N/m^3" becomes "N/m³".
 std::string with_superscripts(const std::string& unit);
 
-/// Plans an axis over `range` with about `wanted` labels.
-AxisPlan plan_axis(const Axis& axis, Range range, int wanted);
+/// Plans an axis over `range` with about `wanted` labels, at least two. `largest` decides the SI prefix when it is not
+/// beyond a thousand times the range; 0 leaves it to the range.
+AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest = 0.0);
 
 /// `value` with `decimals` digits after the point and a true minus sign, in any locale.
 std::string fixed(double value, int decimals);

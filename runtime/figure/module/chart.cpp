@@ -21,7 +21,7 @@
 
 #include "figure/draw.hpp"
 #include "figure/module/context_canvas.hpp"
-#include "figure/module/errors.hpp"
+#include "figure/module/font.hpp"
 #include "figure/module/memory_file.hpp"
 
 namespace lunid::figure {
@@ -59,6 +59,17 @@ std::string with_size(std::string svg, Point extent, int width, int height) {
   text.imbue(std::locale::classic());
   text << "width=\"" << extent.x << "pt\" height=\"" << extent.y << "pt\" viewBox=\"0 0 " << width << " " << height << "\"";
   return svg.replace(from, to - from, text.str());
+}
+
+/// The exporters crash on an actor that was never rendered: renders it small and without its item.
+void prepare_export(vtkRenderWindow& window, vtkContextActor& actor) {
+  const int width = window.GetSize()[0], height = window.GetSize()[1];
+  vtkAbstractContextItem* item = actor.GetScene()->GetItem(0);
+  item->SetVisible(false);
+  window.SetSize(16, 16);
+  window.Render();
+  item->SetVisible(true);
+  window.SetSize(width, height);
 }
 
 std::string export_svg(vtkRenderWindow& window, const Figure& figure, Point extent) {
@@ -129,17 +140,24 @@ std::string window_as_png(vtkRenderWindow& window) {
 
 std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const bool raster = format == Format::png;
-  const Point extent = figure_extent(figure);
+  const Look look(figure.theme);
+  FontMeter meter;
+  const FigurePlan plan = plan_figure(meter, look, figure);
+  const Point extent = plan.extent;
   const double scale = raster ? figure.size.dpi / 72.0 : vector_units;
   const int dpi = raster ? figure.size.dpi : static_cast<int>(72 * vector_units);
   const auto window = display.window(pixels(extent.x, dpi), pixels(extent.y, dpi));
   vtkNew<vtkRenderer> renderer;
   window->AddRenderer(renderer);
-  const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_figure(canvas, figure); }, scale);
+  const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); }, scale);
   renderer->AddActor(drawn.actor);
   std::string bytes;
-  if (raster) window->Render();
-  else bytes = format == Format::svg ? export_svg(*window, figure, extent) : export_pdf(*window, figure);
+  if (raster) {
+    window->Render();
+  } else {
+    prepare_export(*window, *drawn.actor);
+    bytes = format == Format::svg ? export_svg(*window, figure, extent) : export_pdf(*window, figure);
+  }
   if (const std::string error = drawn.error(); !error.empty()) throw std::runtime_error(error);
   return raster ? window_as_png(*window) : bytes;
 }

@@ -6,9 +6,7 @@
 #include <vtkContext2D.h>
 #include <vtkContextDevice2D.h>
 #include <vtkPen.h>
-#include <vtkStdString.h>
 #include <vtkTextProperty.h>
-#include <vtkTextRenderer.h>
 
 #include "figure/module/font.hpp"
 
@@ -63,21 +61,6 @@ void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle&
   property->SetVerticalJustification(beside + 1);
   context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)), static_cast<float>(std::round(anchor.y * scale_)),
                       text.c_str());
-}
-
-double ContextCanvas::text_width(const std::string& text, double size, bool bold) {
-  if (text.empty()) return 0.0;
-  // Measured at a size of its own, so that every device and scale plans the same figure.
-  constexpr int measured_size = 64;
-  vtkTextProperty* property = context_.GetTextProp();
-  set_font(*property, bold);
-  property->SetFontSize(measured_size);
-  property->SetOrientation(0.0);
-  property->SetJustification(VTK_TEXT_LEFT);
-  property->SetVerticalJustification(VTK_TEXT_BOTTOM);
-  int box[4];
-  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property, vtkStdString(text), box, 72)) return 0.0;
-  return static_cast<double>(box[1] - box[0]) * size / measured_size;
 }
 
 }  // namespace lunid::figure

@@ -17,7 +17,6 @@ class ContextCanvas : public Canvas {
   void polygon(std::span<const Point> corners, Colour colour) override;
   void discs(std::span<const Point> centres, double radius, Colour colour) override;
   void text(Point anchor, const std::string& text, const TextStyle& style) override;
-  double text_width(const std::string& text, double size, bool bold) override;
 
  private:
   std::vector<float> scaled(std::span<const Point> points) const;

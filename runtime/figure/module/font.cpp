@@ -2,7 +2,8 @@
 
 #include <unistd.h>
 
-#include <vtkTextProperty.h>
+#include <vtkStdString.h>
+#include <vtkTextRenderer.h>
 
 namespace lunid::figure {
 namespace {
@@ -31,6 +32,17 @@ void set_font(vtkTextProperty& text, bool bold) {
   }
   text.SetFontFamilyToArial();
   text.SetBold(bold);
+}
+
+double FontMeter::width(const std::string& text, double size, bool bold) {
+  if (text.empty()) return 0.0;
+  // Measured at a size of its own, so that every device and scale plans the same figure.
+  constexpr int measured_size = 64;
+  set_font(*property_, bold);
+  property_->SetFontSize(measured_size);
+  int box[4];
+  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property_, vtkStdString(text), box, 72)) return 0.0;
+  return static_cast<double>(box[1] - box[0]) * size / measured_size;
 }
 
 }  // namespace lunid::figure

@@ -1,5 +1,4 @@
 // Two layers: paper below, the scene above.
-#include <optional>
 #include <stdexcept>
 #include <vtkContextActor.h>
 #include <vtkNew.h>
@@ -7,34 +6,28 @@
 #include <vtkRenderer.h>
 
 #include "figure/module/chart.hpp"
+#include "figure/module/font.hpp"
 #include "figure/module/surface_scene.hpp"
 
 namespace lunid::figure {
 
 std::string draw_surface(Display& display, const SurfaceFigure& figure) {
   const Look look(figure.theme);
-  const Point extent = surface_extent(figure);
-  const auto window = display.window(pixels(extent.x, figure.size.dpi), pixels(extent.y, figure.size.dpi));
+  FontMeter meter;
+  const SurfaceView view = plan_surface(meter, look, figure);
+  const auto window = display.window(pixels(view.extent.x, figure.size.dpi), pixels(view.extent.y, figure.size.dpi));
   window->SetNumberOfLayers(2);
   vtkNew<vtkRenderer> paper, scene;
   paper->SetLayer(0);
   scene->SetLayer(1);
   window->AddRenderer(paper);
   window->AddRenderer(scene);
-  // Text is measured while the paper is drawn; the scene is made to match and drawn after it.
-  std::optional<SurfaceView> view;
-  const Drawn drawn = drawn_by(
-      [&](Canvas& canvas) {
-        view = plan_surface(canvas, look, figure);
-        draw_surface_axes(canvas, look, figure, *view);
-      },
-      figure.size.dpi / 72.0);
+  const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_surface_axes(canvas, meter, look, figure, view); },
+                               figure.size.dpi / 72.0);
   paper->AddActor(drawn.actor);
+  add_surface(*scene, figure, view);
   window->Render();
   if (const std::string error = drawn.error(); !error.empty()) throw std::runtime_error(error);
-  if (!view) throw std::runtime_error("the axes were not drawn");
-  add_surface(*scene, figure, *view);
-  window->Render();
   return window_as_png(*window);
 }
 

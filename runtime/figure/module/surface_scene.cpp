@@ -89,8 +89,8 @@ class SceneBuilder {
     mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0);
     vtkNew<vtkActor> actor;
     actor->SetMapper(mapper);
-    actor->GetProperty()->SetAmbient(0.45);
-    actor->GetProperty()->SetDiffuse(0.55);
+    actor->GetProperty()->SetAmbient(0.68);
+    actor->GetProperty()->SetDiffuse(0.38);
     actor->GetProperty()->SetSpecular(0.0);
     renderer_.AddActor(actor);
   }
