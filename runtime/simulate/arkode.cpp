@@ -29,9 +29,10 @@ class Arkode : public SundialsBase {
     check(ARKStepSetMaxNumSteps(m, max_steps_per_sample), "ARKStepSetMaxNumSteps");
     check(ARKStepSetMaxStep(m, max_step), "ARKStepSetMaxStep");
     if (ode.events() == 0) return;
-    check(ARKStepRootInit(m, ode.events(), events), "ARKStepRootInit");
-    std::vector<int> falling(ode.events(), -1);
-    check(ARKStepSetRootDirection(m, falling.data()), "ARKStepSetRootDirection");
+    check(ARKStepRootInit(m, 2 * ode.events(), events), "ARKStepRootInit");
+    std::vector<int> directions(ode.events(), -1);
+    directions.resize(2 * ode.events(), 1);
+    check(ARKStepSetRootDirection(m, directions.data()), "ARKStepSetRootDirection");
     check(ARKStepSetNoInactiveRootWarn(m), "ARKStepSetNoInactiveRootWarn");
   }
 
@@ -49,7 +50,7 @@ class Arkode : public SundialsBase {
   }
 
   std::vector<int> fired() const override {
-    std::vector<int> direction(ode_.events()), found;
+    std::vector<int> direction(2 * ode_.events()), found;
     check(ARKStepGetRootInfo(memory_.get(), direction.data()), "ARKStepGetRootInfo");
     for (int i = 0; i < ode_.events(); ++i)
       if (direction[i] != 0) found.push_back(i);

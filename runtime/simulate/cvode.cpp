@@ -35,9 +35,10 @@ class Cvode : public SundialsBase {
     check(CVodeSetLinearSolver(m, solver_.get(), matrix_.get()), "CVodeSetLinearSolver");
     check(CVodeSetJacFn(m, jacobian), "CVodeSetJacFn");
     if (ode.events() == 0) return;
-    check(CVodeRootInit(m, ode.events(), events), "CVodeRootInit");
-    std::vector<int> falling(ode.events(), -1);
-    check(CVodeSetRootDirection(m, falling.data()), "CVodeSetRootDirection");
+    check(CVodeRootInit(m, 2 * ode.events(), events), "CVodeRootInit");
+    std::vector<int> directions(ode.events(), -1);
+    directions.resize(2 * ode.events(), 1);
+    check(CVodeSetRootDirection(m, directions.data()), "CVodeSetRootDirection");
     check(CVodeSetNoInactiveRootWarn(m), "CVodeSetNoInactiveRootWarn");
   }
 
@@ -56,7 +57,7 @@ class Cvode : public SundialsBase {
   }
 
   std::vector<int> fired() const override {
-    std::vector<int> direction(ode_.events()), found;
+    std::vector<int> direction(2 * ode_.events()), found;
     check(CVodeGetRootInfo(memory_.get(), direction.data()), "CVodeGetRootInfo");
     for (int i = 0; i < ode_.events(); ++i)
       if (direction[i] != 0) found.push_back(i);

@@ -14,9 +14,9 @@ constexpr int max_passes = 8;
 
 }  // namespace
 
-/// Takes the state in in_ onto the bound, in x.
+/// Takes the loaded state onto the bound, in x.
 void ModeMachine::set_on_bound(int bound, double* x) noexcept {
-  d_.rate.run_frozen(in_.data(), rate_mode_.data(), out_.data(), g_.data(), scratch_.data());
+  run_rate(rate_mode_, out_.data());
   x[d_.bounds[bound].state] += d_.bounds[bound].side * out_[d_.n + bound];
 }
 
@@ -29,7 +29,7 @@ void ModeMachine::set_on_surface(int surface, const Drive& drive, double* x) noe
   }
   load(drive, x);
   if (!d_.constant_gradients) refresh_gradients();
-  run(drive, true);
+  run(drive);
   const auto l = std::find(sliding_.begin(), sliding_.end(), surface) - sliding_.begin();
   const double* jump = side_.data() + l * static_cast<std::ptrdiff_t>(out_.size());
   const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(surface) * d_.inputs() + 1 + d_.exogenous;
@@ -49,7 +49,7 @@ void ModeMachine::decide(int surface, const Drive& drive, double* x, bool arrivi
     set_mode(surface, side == 0 ? 1 : -1);
     load(drive, x);
     if (!d_.constant_gradients) refresh_gradients();
-    run(drive, true);
+    run(drive);
     slope[side] = surface_rate(surface, drive, out_.data());
   }
   const auto [plus, minus] = slope;
@@ -67,24 +67,26 @@ void ModeMachine::decide(int surface, const Drive& drive, double* x, bool arrivi
 }
 
 void ModeMachine::start(const Drive& drive, double* x) {
-  load(drive, x);
-  run(drive, false);
+  const auto by_sign = [&] {  // no mode is known yet
+    load(drive, x);
+    run_rate(free_mode_, out_.data());
+  };
+  while (sliding()) set_sliding(sliding_.back(), false);
+  by_sign();
   for (std::size_t j = 0; j < bounds_.size(); ++j) {
+    bounds_[j].held = false;
     if (out_[d_.n + j] < 0) x[d_.bounds[j].state] += d_.bounds[j].side * out_[d_.n + j];
-    load(drive, x);
-    run(drive, false);
+    by_sign();
   }
-  for (std::size_t s = 0; s < surfaces_.size(); ++s)
-    set_mode(static_cast<int>(s), g_[d_.surfaces[s].switch_index] < 0 ? -1 : 1);
-  for (std::size_t j = 0; j < bounds_.size(); ++j) {
-    load(drive, x);
-    run(drive, true);
-    bounds_[j].held = out_[d_.n + j] <= 0 && out_[d_.n + bounds_.size() + j] < 0;
-  }
-  update_drifting();
   std::vector<int> touching;
-  for (std::size_t s = 0; s < surfaces_.size(); ++s)
-    if (g_[d_.surfaces[s].switch_index] == 0) touching.push_back(static_cast<int>(s));
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const double g = g_[d_.surfaces[s].switch_index];
+    set_mode(static_cast<int>(s), g < 0 ? -1 : 1);
+    if (g == 0) touching.push_back(static_cast<int>(s));
+  }
+  for (std::size_t j = 0; j < bounds_.size(); ++j)
+    bounds_[j].held = out_[d_.n + j] <= 0 && out_[d_.n + bounds_.size() + j] < 0;
+  update_drifting();
   for (const int s : touching) decide(s, drive, x, false);
   settle(drive, x);
 }
@@ -101,7 +103,7 @@ void ModeMachine::resolve(int event, const Drive& drive, double* x) {
     update_drifting();
   } else if (surfaces_[event].sliding) {
     load(drive, x);
-    run(drive, true);
+    run(drive);
     const auto l = std::find(sliding_.begin(), sliding_.end(), event) - sliding_.begin();
     const std::int8_t side = weight_[l] < 0.5 ? 1 : -1;
     set_sliding(event, false);
@@ -117,7 +119,7 @@ void ModeMachine::settle(const Drive& drive, double* x) {
     if (!sliding() && bounds_.empty()) return;
     load(drive, x);
     if (!d_.constant_gradients) refresh_gradients();
-    run(drive, true);
+    run(drive);
     int leaving = -1;
     for (std::size_t l = 0; l < sliding_.size() && leaving < 0; ++l)
       if (weight_[l] < 0 || weight_[l] > 1) leaving = static_cast<int>(l);

@@ -65,7 +65,6 @@ class EventRun {
   const Dynamics& d_;
   const int n_, p_, columns_;
   ModeMachine modes_;
-  bool frozen_ = true;
   std::vector<double> x_, trial_, stage_, k2_, k3_, k4_;
   Observation now_, then_;
   std::vector<double> s_, ks_[4], s_stage_, jx_, jtheta_, f_, gradient_;
@@ -186,11 +185,11 @@ void EventRun::step(const Segment& segment, double from, double to) noexcept {
   const Drive middle = segment.drive(0.5 * (from + to)), end = segment.drive(to);
   const double* k1 = now_.f.data();
   for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k1[i];
-  modes_.rate(middle, stage_.data(), k2_.data(), frozen_);
+  modes_.rate(middle, stage_.data(), k2_.data());
   for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k2_[i];
-  modes_.rate(middle, stage_.data(), k3_.data(), frozen_);
+  modes_.rate(middle, stage_.data(), k3_.data());
   for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + h * k3_[i];
-  modes_.rate(end, stage_.data(), k4_.data(), frozen_);
+  modes_.rate(end, stage_.data(), k4_.data());
   for (int i = 0; i < n_; ++i) trial_[i] = x_[i] + h / 6 * (k1[i] + 2 * (k2_[i] + k3_[i]) + k4_[i]);
 }
 
@@ -207,8 +206,7 @@ void EventRun::step_sensitivities(const Segment& segment, double from, double to
       for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + reach[k] * f_[i];
       for (std::size_t i = 0; i < size; ++i) s_stage_[i] = s_[i] + reach[k] * ks_[k - 1][i];
     }
-    modes_.derivatives(segment.drive(parts[k]), stage_.data(), f_.data(), jx_.data(), jtheta_.data(),
-                       frozen_);
+    modes_.derivatives(segment.drive(parts[k]), stage_.data(), f_.data(), jx_.data(), jtheta_.data());
     sensitivity_rate(n_, p_, jx_.data(), jtheta_.data(), s_stage_.data(), ks_[k].data());
   }
   for (std::size_t i = 0; i < size; ++i)
@@ -218,7 +216,7 @@ void EventRun::step_sensitivities(const Segment& segment, double from, double to
 /// Steps to a part of the substep and returns the event function there (NaN where the state is not finite).
 double EventRun::probe(const Segment& segment, double from, double to, int event) noexcept {
   step(segment, from, to);
-  modes_.observe(segment.drive(to), trial_.data(), then_, frozen_);
+  modes_.observe(segment.drive(to), trial_.data(), then_);
   return then_.event[event];
 }
 
@@ -240,15 +238,9 @@ int EventRun::estimate_first(double width) const noexcept {
 
 /// Takes a trial step to `to`; returns the first event within it, having moved `to` and the trial there, or -1.
 int EventRun::first_event(const Segment& segment, double from, double& to) noexcept {
-  frozen_ = true;
   step(segment, from, to);
-  if (!all_finite(trial_.data(), n_)) {
-    // a frozen branch may not exist beyond its surface, such as a root of a negative number
-    frozen_ = false;
-    step(segment, from, to);
-    if (!all_finite(trial_.data(), n_)) return -1;
-  }
-  modes_.observe(segment.drive(to), trial_.data(), then_, frozen_);
+  if (!all_finite(trial_.data(), n_)) return -1;
+  modes_.observe(segment.drive(to), trial_.data(), then_);
   int event = estimate_first(to - from);
   if (event < 0) event = find_dip(segment, from, to);
   if (event < 0) return -1;

@@ -16,7 +16,9 @@ struct Ode {
   virtual int events() const = 0;
   virtual void rate(double t, const double* x, double* f) = 0;
   virtual void jacobian(double t, const double* x, double* j) = 0;  ///< row-major
-  virtual void event_functions(double t, const double* x, double* g) = 0;
+  /// The fall of an event function below zero ends a part; the rise of a watch above zero stops the integrator there
+  /// without a consequence: each watch is the slope of an event function, so that a short dip below zero is seen.
+  virtual void event_functions(double t, const double* x, double* g) = 0;  ///< events() values, then as many watches
   virtual void error_weights(const double* x, double* w) = 0;  ///< 1 / (tolerated error of each state)
 };
 
@@ -28,7 +30,7 @@ class Integrator {
   virtual Result advance(double to, double& t, Eigen::VectorXd& x) = 0;
   /// Begins anew at t, x: after an event.
   virtual void restart(double t, const Eigen::VectorXd& x) = 0;
-  /// The event functions that fell when advance() returned `event`.
+  /// The event functions that fell when advance() returned `event`; none when it was a watch.
   virtual std::vector<int> fired() const = 0;
   /// The call and the name of its return code when advance() returned `failed`.
   virtual std::string failure() const = 0;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "simulate/fixed.hpp"
+
 namespace lunid {
 namespace {
 
@@ -36,12 +38,16 @@ bool solve_small(double* a, double* b, int k) noexcept {
 ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta)
     : d_(dynamics), surfaces_(dynamics.surfaces.size()), bounds_(dynamics.bounds.size()),
       rate_mode_(dynamics.rate.switches(), 1), derivative_mode_(dynamics.derivatives.switches(), 0),
-      free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0), in_(dynamics.inputs(), 0.0),
-      scratch_(std::max({dynamics.rate.registers(), dynamics.derivatives.registers(),
-                         dynamics.gradients.registers()}) + 1),
-      g_(dynamics.rate.switches() + 1), gradient_(std::max(1, dynamics.gradients.outputs())),
-      out_(dynamics.rate.outputs()), full_(dynamics.derivatives.outputs()) {
-  std::copy(theta.begin(), theta.end(), in_.end() - d_.p);
+      free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
+      rate_r_(std::max(dynamics.rate.registers(), dynamics.inputs()) + 1),
+      derivative_r_(std::max(dynamics.derivatives.registers(), dynamics.inputs()) + 1),
+      scratch_(dynamics.gradients.registers() + 1), gradient_(std::max(1, dynamics.gradients.outputs())),
+      g_(rate_r_.data() + dynamics.rate.switch_place()), out_(dynamics.rate.outputs()),
+      full_(dynamics.derivatives.outputs()) {
+  std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
+  std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
+  d_.rate.prepare(rate_r_.data());
+  d_.derivatives.prepare(derivative_r_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
   refresh_gradients();
 }
@@ -56,9 +62,18 @@ Observation ModeMachine::observation() const {
 }
 
 void ModeMachine::load(const Drive& drive, const double* x) noexcept {
-  in_[0] = drive.t;
-  for (int i = 0; i < d_.exogenous; ++i) in_[1 + i] = drive.u[i];
-  for (int i = 0; i < d_.n; ++i) in_[1 + d_.exogenous + i] = x[i];
+  double* in = inputs();
+  in[0] = drive.t;
+  for (int i = 0; i < d_.exogenous; ++i) in[1 + i] = drive.u[i];
+  for (int i = 0; i < d_.n; ++i) in[1 + d_.exogenous + i] = x[i];
+}
+
+/// The rate tape on the loaded inputs; leaves g.
+void ModeMachine::run_rate(const std::vector<std::int8_t>& mode, double* out) noexcept {
+  d_.rate.run_prepared_frozen(mode.data(), rate_r_.data());
+  const double* results = rate_r_.data() + d_.rate.output_place();
+  for (std::size_t i = 0; i < out_.size(); ++i) out[i] = results[i];
+  ++evaluations;
 }
 
 void ModeMachine::set_mode(int surface, std::int8_t mode) noexcept {
@@ -95,7 +110,7 @@ void ModeMachine::update_drifting() noexcept {
 }
 
 void ModeMachine::refresh_gradients() noexcept {
-  if (d_.gradients.outputs() > 0) d_.gradients.run_point(in_.data(), gradient_.data(), scratch_.data());
+  if (d_.gradients.outputs() > 0) d_.gradients.run_point(inputs(), gradient_.data(), scratch_.data());
 }
 
 void ModeMachine::hold_rates(double* out) const noexcept {
@@ -124,10 +139,9 @@ double ModeMachine::surface_rate(int event, const Drive& drive, const double* f)
 }
 
 /// Rate outputs into out_ for the inputs in in_: plain, or combined over the sides slid upon.
-void ModeMachine::run(const Drive& drive, bool frozen) noexcept {
-  const std::int8_t* mode = frozen || sliding() ? rate_mode_.data() : free_mode_.data();
-  d_.rate.run_frozen(in_.data(), mode, out_.data(), g_.data(), scratch_.data());
-  ++evaluations;
+void ModeMachine::run(const Drive& drive) noexcept {
+  run_rate(rate_mode_, out_.data());
+  if (!all_finite(out_.data(), static_cast<int>(out_.size()))) run_rate(free_mode_, out_.data());
   hold_rates(out_.data());
   if (sliding()) combine(drive);
 }
@@ -138,9 +152,8 @@ void ModeMachine::combine(const Drive& drive) noexcept {
   for (int l = 0; l < k; ++l) {
     double* side = side_.data() + l * width;
     set_mode(sliding_[l], -1);
-    d_.rate.run_frozen(in_.data(), rate_mode_.data(), side, nullptr, scratch_.data());
+    run_rate(rate_mode_, side);
     set_mode(sliding_[l], 1);
-    ++evaluations;
     hold_rates(side);
     for (std::size_t i = 0; i < width; ++i) side[i] = out_[i] - side[i];
   }
@@ -167,16 +180,16 @@ bool ModeMachine::solve_weights(const Drive& drive) noexcept {
   return solve_small(matrix_.data(), weight_.data(), k);
 }
 
-void ModeMachine::rate(const Drive& drive, const double* x, double* f, bool frozen) noexcept {
+void ModeMachine::rate(const Drive& drive, const double* x, double* f) noexcept {
   load(drive, x);
-  run(drive, frozen);
+  run(drive);
   std::copy_n(out_.data(), d_.n, f);
 }
 
-void ModeMachine::observe(const Drive& drive, const double* x, Observation& o, bool frozen) noexcept {
+void ModeMachine::observe(const Drive& drive, const double* x, Observation& o) noexcept {
   load(drive, x);
   if (!d_.constant_gradients) refresh_gradients();
-  run(drive, frozen);
+  run(drive);
   std::copy_n(out_.data(), d_.n, o.f.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (surfaces_[s].sliding) {
@@ -198,19 +211,23 @@ void ModeMachine::observe(const Drive& drive, const double* x, Observation& o, b
   }
 }
 
-void ModeMachine::run_derivatives(double* out, bool frozen) noexcept {
-  const std::int8_t* mode = frozen || sliding() ? derivative_mode_.data() : free_mode_.data();
-  d_.derivatives.run_frozen(in_.data(), mode, out, nullptr, scratch_.data());
+void ModeMachine::run_derivatives(double* out) noexcept {
+  double* r = derivative_r_.data();
+  std::copy_n(inputs(), 1 + d_.exogenous + d_.n, r);
+  d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
   ++evaluations;
+  const double* results = r + d_.derivatives.output_place();
+  if (!all_finite(results, static_cast<int>(full_.size())))
+    d_.derivatives.run_prepared_frozen(free_mode_.data(), r);
+  std::copy_n(results, full_.size(), out);
   hold_derivatives(out);
 }
 
-void ModeMachine::derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta,
-                              bool frozen) noexcept {
+void ModeMachine::derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta) noexcept {
   load(drive, x);
   const int n = d_.n, p = d_.p;
-  run_derivatives(full_.data(), frozen);
-  if (sliding() || !bounds_.empty()) run(drive, frozen);
+  run_derivatives(full_.data());
+  if (sliding() || !bounds_.empty()) run(drive);
   if (sliding()) combine_derivatives();
   std::copy_n(sliding() || !bounds_.empty() ? out_.data() : full_.data(), n, f);
   std::copy_n(full_.data() + n, n * n, jx);
@@ -225,7 +242,7 @@ void ModeMachine::combine_derivatives() noexcept {
   for (int l = 0; l < k; ++l) {
     double* side = full_side_.data() + l * width;
     set_mode(sliding_[l], -1);
-    run_derivatives(side, true);
+    run_derivatives(side);
     set_mode(sliding_[l], 1);
     for (std::size_t i = 0; i < width; ++i) side[i] = full_[i] - side[i];
   }

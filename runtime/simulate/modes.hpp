@@ -36,14 +36,13 @@ class ModeMachine {
   Observation observation() const;  ///< of the right sizes
   long evaluations = 0;
 
-  /// x' in the present mode. Frozen, every branch follows its mode also beyond its surface; otherwise the branch of
-  /// each surface on which the motion does not slide follows the sign of g. No throw, no allocation.
-  void rate(const Drive& drive, const double* x, double* f, bool frozen = true) noexcept;
+  /// x' in the present mode: every branch follows its mode also beyond its surface. Where such a branch has no value
+  /// (a root of a negative number) each follows the sign of its g instead. No throw, no allocation.
+  void rate(const Drive& drive, const double* x, double* f) noexcept;
   /// The same with the event functions.
-  void observe(const Drive& drive, const double* x, Observation& out, bool frozen = true) noexcept;
+  void observe(const Drive& drive, const double* x, Observation& out) noexcept;
   /// x', dx'/dx (n*n) and dx'/dtheta (n*p), row-major, in the present mode; exact in sliding where g is affine.
-  void derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta,
-                   bool frozen = true) noexcept;
+  void derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta) noexcept;
   /// Derivative of a surface's g or a bound's gap (index as in events) by every input of the rate.
   const double* gradient(int event, const Drive& drive, const double* x) noexcept;
 
@@ -76,16 +75,19 @@ class ModeMachine {
     bool held = false;
   };
 
+  ModeMachine(const ModeMachine&) = delete;
+  double* inputs() noexcept { return rate_r_.data(); }
   void load(const Drive& drive, const double* x) noexcept;
+  void run_rate(const std::vector<std::int8_t>& mode, double* out) noexcept;
   void set_mode(int surface, std::int8_t mode) noexcept;
   void set_sliding(int surface, bool sliding);
   void hold_rates(double* out) const noexcept;
   void hold_derivatives(double* out) const noexcept;
   void refresh_gradients() noexcept;
   double surface_rate(int event, const Drive& drive, const double* f) const noexcept;
-  void run(const Drive& drive, bool frozen) noexcept;
+  void run(const Drive& drive) noexcept;
   void combine(const Drive& drive) noexcept;
-  void run_derivatives(double* out, bool frozen) noexcept;
+  void run_derivatives(double* out) noexcept;
   void combine_derivatives() noexcept;
   void project_column(double* column, int stride) noexcept;
   bool solve_weights(const Drive& drive) noexcept;
@@ -100,7 +102,9 @@ class ModeMachine {
   std::vector<int> sliding_;
   std::vector<std::int8_t> rate_mode_, derivative_mode_, free_mode_;  ///< per switch of a tape; free: 0
   bool drifting_ = false;
-  std::vector<double> in_, scratch_, g_, gradient_;
+  std::vector<double> rate_r_, derivative_r_;   ///< registers of the tapes, run in place: inputs first
+  std::vector<double> scratch_, gradient_;
+  const double* g_ = nullptr;                   ///< within rate_r_
   std::vector<double> out_, side_;              ///< rate outputs; of each side slid upon: difference plus - minus
   std::vector<double> full_, full_side_;        ///< the same of the derivatives
   std::vector<double> matrix_, weight_, delta_;  ///< of the sliding condition

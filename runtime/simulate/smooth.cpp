@@ -8,15 +8,17 @@ namespace {
 
 using Eigen::Index;
 
-/// The inputs of a tape, with the parameters in place.
-std::vector<double> tape_inputs(const FixedProblem& problem) {
-  std::vector<double> in(problem.dynamics->inputs(), 0.0);
-  std::copy(problem.theta.begin(), problem.theta.end(), in.end() - problem.dynamics->p);
-  return in;
+/// The registers of a tape that is run in place: its inputs come first, the parameters last among them.
+std::vector<double> registers(const FixedProblem& problem, const Tape& tape) {
+  std::vector<double> r(std::max(tape.registers(), tape.inputs()) + 1, 0.0);
+  const Dynamics& d = *problem.dynamics;
+  std::copy(problem.theta.begin(), problem.theta.end(), r.begin() + (d.inputs() - d.p));
+  tape.prepare(r.data());
+  return r;
 }
 
-void set_drive(const FixedProblem& problem, Index grid, double* in) noexcept {
-  for (int i = 0; i < problem.dynamics->exogenous; ++i) in[1 + i] = problem.drive[i][grid];
+void set_drive(const FixedProblem& problem, Index grid, double* r) noexcept {
+  for (int i = 0; i < problem.dynamics->exogenous; ++i) r[1 + i] = problem.drive[i][grid];
 }
 
 void stop_exploded(FixedOutcome& outcome, double t, const double* x, int n) {
@@ -35,9 +37,10 @@ FixedOutcome integrate(const FixedProblem& problem, const Eigen::VectorXd& x0, R
   const Tape& tape = problem.dynamics->rate;
   const int n = N > 0 ? N : problem.dynamics->n, substeps = problem.substeps;
   const double h = problem.dt / substeps, half = 0.5 * h, sixth = h / 6;
-  std::vector<double> in = tape_inputs(problem), scratch(tape.registers() + 1), work(6 * n);
-  double* const stage = in.data() + 1 + problem.dynamics->exogenous;
-  double *x = work.data(), *k1 = x + n, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *previous = k4 + n;
+  std::vector<double> r = registers(problem, tape), work(4 * n);
+  double* const stage = r.data() + 1 + problem.dynamics->exogenous;
+  const double* const k = r.data() + tape.output_place();
+  double *const x = work.data(), *const k1 = x + n, *const sum = k1 + n, *const previous = sum + n;
   std::copy_n(x0.data(), n, x);
   FixedOutcome outcome;
 
@@ -45,27 +48,34 @@ FixedOutcome integrate(const FixedProblem& problem, const Eigen::VectorXd& x0, R
   for (Index row = 0; row < problem.rows; ++row) {
     for (int j = 0; j < substeps; ++j, grid += 2) {
       const double t = problem.t0 + static_cast<double>(grid / 2) * h;
-      in[0] = t;
-      set_drive(problem, grid, in.data());
+      r[0] = t;
+      set_drive(problem, grid, r.data());
       for (int i = 0; i < n; ++i) stage[i] = x[i];
-      tape.run_point(in.data(), k1, scratch.data());
+      tape.run_prepared(r.data());
+      for (int i = 0; i < n; ++i) sum[i] = k1[i] = k[i];
       if (j == 0) {
         sink.row(row, x, k1, nullptr);
         if (row + 1 == problem.rows) break;
       }
-      in[0] = t + half;
-      set_drive(problem, grid + 1, in.data());
+      r[0] = t + half;
+      set_drive(problem, grid + 1, r.data());
       for (int i = 0; i < n; ++i) stage[i] = x[i] + half * k1[i];
-      tape.run_point(in.data(), k2, scratch.data());
-      for (int i = 0; i < n; ++i) stage[i] = x[i] + half * k2[i];
-      tape.run_point(in.data(), k3, scratch.data());
-      in[0] = t + h;
-      if (!problem.hold) set_drive(problem, grid + 2, in.data());
-      for (int i = 0; i < n; ++i) stage[i] = x[i] + h * k3[i];
-      tape.run_point(in.data(), k4, scratch.data());
+      tape.run_prepared(r.data());
+      for (int i = 0; i < n; ++i) {
+        sum[i] += 2 * k[i];
+        stage[i] = x[i] + half * k[i];
+      }
+      tape.run_prepared(r.data());
+      r[0] = t + h;
+      if (!problem.hold) set_drive(problem, grid + 2, r.data());
+      for (int i = 0; i < n; ++i) {
+        sum[i] += 2 * k[i];
+        stage[i] = x[i] + h * k[i];
+      }
+      tape.run_prepared(r.data());
       for (int i = 0; i < n; ++i) {
         previous[i] = x[i];
-        x[i] += sixth * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]);
+        x[i] += sixth * (sum[i] + k[i]);
       }
     }
     if (row + 1 < problem.rows && exploded(problem, x, n)) {
@@ -83,19 +93,19 @@ FixedOutcome integrate(const FixedProblem& problem, const Eigen::VectorXd& x0, R
 class SensitivityStage {
  public:
   explicit SensitivityStage(const FixedProblem& problem)
-      : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), in_(tape_inputs(problem)),
-        out_(d_.derivatives.outputs()), scratch_(d_.derivatives.registers() + 1) {}
+      : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), r_(registers(problem, d_.derivatives)),
+        out_(r_.data() + d_.derivatives.output_place()) {}
 
   int size() const { return n_ * (1 + p_ + n_); }
 
   /// X = (x, s) -> X'.
   void operator()(double t, Index grid, const double* X, double* K) noexcept {
-    in_[0] = t;
-    set_drive(problem_, grid, in_.data());
-    std::copy_n(X, n_, in_.data() + 1 + d_.exogenous);
-    d_.derivatives.run_point(in_.data(), out_.data(), scratch_.data());
-    std::copy_n(out_.data(), n_, K);
-    const double* jx = out_.data() + n_;
+    r_[0] = t;
+    set_drive(problem_, grid, r_.data());
+    std::copy_n(X, n_, r_.data() + 1 + d_.exogenous);
+    d_.derivatives.run_prepared(r_.data());
+    std::copy_n(out_, n_, K);
+    const double* jx = out_ + n_;
     sensitivity_rate(n_, p_, jx, jx + n_ * n_, X + n_, K + n_);
   }
 
@@ -103,7 +113,8 @@ class SensitivityStage {
   const FixedProblem& problem_;
   const Dynamics& d_;
   int n_, p_;
-  std::vector<double> in_, out_, scratch_;
+  std::vector<double> r_;
+  const double* out_;
 };
 
 }  // namespace

@@ -53,6 +53,8 @@ class ModalOde : public Ode {
   void event_functions(double t, const double* x, double* g) override {
     modes.observe(drive(t), x, observation_);
     std::copy(observation_.event.begin(), observation_.event.end(), g);
+    for (int i = 0; i < events(); ++i)
+      g[events() + i] = std::isfinite(observation_.slope[i]) ? observation_.slope[i] : 1;
   }
 
   /// 1 / (rtol |x| + atol), atol being rtol times the largest |x| so far where none is given.
@@ -84,14 +86,14 @@ class ModalOde : public Ode {
     VectorXd x = x0, reach(n_);
     for (const double force : {0.0, largest, -largest}) {
       d.u[0] = force;
-      modes.rate(d, x.data(), reach.data(), false);
+      modes.rate(d, x.data(), reach.data());
       for (int i = 0; i < n_; ++i)
         if (std::isfinite(reach[i])) scale_[i] = std::max({scale_[i], std::abs(x0[i]), std::abs(reach[i]) * dt});
     }
     scale_[0] = std::max(scale_[0], scale_[1] * dt);
     x[0] += scale_[0];
     x[1] += scale_[1];
-    modes.rate(d, x.data(), reach.data(), false);
+    modes.rate(d, x.data(), reach.data());
     for (int i = 0; i < n_; ++i) {
       if (std::isfinite(reach[i])) scale_[i] = std::max(scale_[i], std::abs(reach[i]) * dt);
       if (!(scale_[i] > 0)) scale_[i] = 1e-9;
@@ -180,7 +182,9 @@ class SundialsRun {
   bool happen() {
     const Drive drive = ode_.drive(t_);
     int last = -1;
-    for (const int event : integrator_->fired()) {
+    const std::vector<int> fired = integrator_->fired();
+    if (fired.empty()) return true;
+    for (const int event : fired) {
       ode_.modes.resolve(event, drive, x_.data());
       ++run_.summary.events;
       last = event;

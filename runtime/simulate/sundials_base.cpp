@@ -88,8 +88,12 @@ int SundialsBase::jacobian(double t, N_Vector x, N_Vector, SUNMatrix j, void* se
     double* entries = base.row_major_.data();
     base.ode_.jacobian(t, N_VGetArrayPointer(x), entries);
     for (int row = 0; row < n; ++row)
-      for (int column = 0; column < n; ++column) SM_ELEMENT_D(j, row, column) = entries[row * n + column];
-    return all_finite(entries, n * n) ? 0 : recoverable;
+      for (int column = 0; column < n; ++column) {
+        // an infinite slope (a root at zero) would end Newton's iteration, which a rough Jacobian does not
+        const double slope = entries[row * n + column];
+        SM_ELEMENT_D(j, row, column) = std::isfinite(slope) ? slope : 0;
+      }
+    return 0;
   });
 }
 
