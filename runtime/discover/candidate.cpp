@@ -1,0 +1,215 @@
+#include "discover/candidate.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace lunid {
+
+namespace {
+
+/// Regression of the smoothed force on the linear parameters, the others held; bounds kept by holding what violates
+/// them. Returns the squared misfit; infinite where the force is not finite.
+double regress_force(const Study& study, const Candidate& candidate, Eigen::VectorXd& theta) {
+  const System& system = *candidate.force_system;
+  const auto& table = system.model().parameters;
+  std::vector<Eigen::Index> free;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (candidate.linear[i] && !table[i].fixed) free.push_back(static_cast<Eigen::Index>(i));
+  const auto p = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(p, p);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(p);
+  double squares = 0;
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+    const Eigen::VectorXd model = imposed_force(system, values, data.record, &jacobian);
+    if (!model.allFinite() || !jacobian.allFinite()) return INFINITY;
+    Eigen::MatrixXd columns(model.size(), p);
+    for (Eigen::Index j = 0; j < p; ++j) columns.col(j) = jacobian.col(free[static_cast<std::size_t>(j)]);
+    const auto force = data.record["F"];
+    Eigen::VectorXd error = Eigen::Map<const Eigen::VectorXd>(force.data(), model.size()) - model;
+    for (Eigen::Index i = 0; i < error.size(); ++i)
+      if (!data.use[static_cast<std::size_t>(i)]) {
+        error[i] = 0;
+        columns.row(i).setZero();
+      }
+    a.noalias() += columns.transpose() * columns;
+    b.noalias() += columns.transpose() * error;
+    squares += error.squaredNorm();
+  }
+  Eigen::VectorXd scale = a.diagonal().cwiseSqrt();
+  for (auto& s : scale) s = s > 0 ? 1 / s : 0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * a * scale.asDiagonal();
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(p), 0);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(p);
+  for (int pass = 0; pass <= p; ++pass) {
+    // Held parameters move to their bound; the rest is solved again.
+    std::vector<Eigen::Index> open;
+    for (Eigen::Index j = 0; j < p; ++j)
+      if (!held[static_cast<std::size_t>(j)]) open.push_back(j);
+    Eigen::MatrixXd part(open.size(), open.size());
+    Eigen::VectorXd right(open.size());
+    const Eigen::VectorXd rest = b - a * step;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      right[static_cast<Eigen::Index>(i)] = scale[open[i]] * (rest[open[i]]);
+      for (std::size_t j = 0; j < open.size(); ++j)
+        part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = scaled(open[i], open[j]);
+    }
+    const Eigen::VectorXd solved = part.completeOrthogonalDecomposition().solve(right);
+    for (std::size_t i = 0; i < open.size(); ++i) step[open[i]] += scale[open[i]] * solved[static_cast<Eigen::Index>(i)];
+    bool again = false;
+    for (const auto j : open) {
+      const auto& row = table[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])];
+      const double value = theta[free[static_cast<std::size_t>(j)]] + step[j];
+      const double bounded = std::clamp(value, row.min, row.max);
+      if (bounded != value) {
+        step[j] = bounded - theta[free[static_cast<std::size_t>(j)]];
+        held[static_cast<std::size_t>(j)] = 1;
+        again = true;
+      }
+    }
+    if (!again) break;
+  }
+  for (Eigen::Index j = 0; j < p; ++j) theta[free[static_cast<std::size_t>(j)]] += step[j];
+  return squares - 2 * b.dot(step) + step.dot(a * step);
+}
+
+/// Values for parameters without a first guess in a nonlinear place: a scan over magnitudes, the others solved for.
+std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eigen::VectorXd& theta) {
+  std::vector<Eigen::VectorXd> out{theta};
+  const auto& table = candidate.system->model().parameters;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (std::isfinite(theta[static_cast<Eigen::Index>(i)])) continue;
+    std::vector<double> values{1.0};
+    if (!candidate.linear[i]) {
+      values.clear();
+      for (int decade = -6; decade <= 6; ++decade)
+        for (const double v : {std::pow(10.0, decade), -std::pow(10.0, decade)})
+          if (v >= table[i].min && v <= table[i].max) values.push_back(v);
+      if (values.empty()) values.push_back(std::isfinite(table[i].min) ? table[i].min : table[i].max);
+    }
+    std::vector<Eigen::VectorXd> next;
+    for (const auto& base : out)
+      for (const double v : values) {
+        next.push_back(base);
+        next.back()[static_cast<Eigen::Index>(i)] = std::clamp(v, table[i].min, table[i].max);
+      }
+    out = std::move(next);
+    if (out.size() > 2000) break;
+  }
+  for (auto& t : out)
+    for (Eigen::Index i = 0; i < t.size(); ++i)
+      if (!std::isfinite(t[i])) t[i] = 1;
+  return out;
+}
+
+}  // namespace
+
+std::string Candidate::name() const {
+  std::string text;
+  for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->name;
+  return text.empty() ? "baseline" : text;
+}
+
+Model extend(const Model& baseline, const Choices& choices) {
+  Model model = baseline;
+  for (const auto& c : choices) {
+    model.restoring = model.restoring + c.effect->variants[static_cast<std::size_t>(c.variant)];
+    for (const auto& p : c.effect->parameters) model.parameters.push_back(p);
+    for (const auto& s : c.effect->states) model.states.push_back(s);
+  }
+  return complete(std::move(model));
+}
+
+std::vector<std::uint8_t> linear_parameters(const Model& model) {
+  const Expr a = model.pool->channel("a");
+  const Expr force = model.mass * a + model.restoring;
+  std::vector<std::uint8_t> linear(model.parameters.size(), 0);
+  std::vector<Expr> kept;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const Expr p = model.pool->parameter(model.parameters[i].name);
+    const Expr slope = derivative(force, p);
+    bool is_linear = !depends_on(slope, p);
+    for (const Expr other : kept) is_linear = is_linear && !depends_on(slope, other);
+    for (const auto& state : model.states) is_linear = is_linear && !depends_on(state.rate, p);
+    linear[i] = is_linear;
+    if (is_linear) kept.push_back(p);
+  }
+  return linear;
+}
+
+Candidate compile(const Model& baseline, const Choices& choices) {
+  Candidate candidate;
+  candidate.choices = choices;
+  Model model = extend(baseline, choices);
+  candidate.linear = linear_parameters(model);
+  candidate.system = std::make_shared<const System>(model);
+  if (model.imposed_motion) {
+    candidate.force_system = candidate.system;
+  } else {
+    model.imposed_motion = true;
+    candidate.force_system = std::make_shared<const System>(model);
+  }
+  return candidate;
+}
+
+void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
+                 const std::vector<std::vector<Guess>>& guesses) {
+  const auto& table = candidate.system->model().parameters;
+  Eigen::VectorXd base(static_cast<Eigen::Index>(table.size()));
+  for (std::size_t i = 0; i < table.size(); ++i) base[static_cast<Eigen::Index>(i)] = table[i].value;
+  base.head(theta.size()) = theta;
+  // One set of guesses per chosen effect; all combinations.
+  std::vector<Eigen::VectorXd> shapes{base};
+  for (const auto& options : guesses) {
+    if (options.empty()) continue;
+    std::vector<Eigen::VectorXd> next;
+    for (const auto& shape : shapes)
+      for (const auto& guess : options) {
+        next.push_back(shape);
+        for (const auto& [name, value] : guess)
+          for (std::size_t i = 0; i < table.size(); ++i)
+            if (table[i].name == name)
+              next.back()[static_cast<Eigen::Index>(i)] = std::clamp(value, table[i].min, table[i].max);
+      }
+    shapes = std::move(next);
+  }
+  struct Start {
+    double cost;
+    Eigen::VectorXd theta;
+  };
+  std::vector<Start> starts;
+  for (const auto& shape : shapes)
+    for (auto start : scan_unknown(candidate, shape)) {
+      const double cost = regress_force(study, candidate, start);
+      if (std::isfinite(cost) && start.allFinite()) starts.push_back({cost, std::move(start)});
+    }
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  if (starts.size() > 3) starts.resize(3);
+  const bool shaped = std::count(candidate.linear.begin(), candidate.linear.end(), 0) > 0;
+  if (shaped) {
+    FitOptions options;
+    options.max_iterations = 8;
+    options.cancelled = study.options->cancelled;
+    for (auto& s : starts) {
+      const FitResult refined = fit_trajectory(*candidate.force_system, s.theta, study.force, options);
+      if (refined.cost < s.cost) s = {refined.cost, refined.theta};
+    }
+    std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  }
+  candidate.starts.clear();
+  for (auto& s : starts) candidate.starts.push_back(std::move(s.theta));
+  candidate.force_cost = starts.empty() ? INFINITY : starts.front().cost;
+}
+
+void fit(const Study& study, Candidate& candidate, int starts, const FitOptions& options) {
+  candidate.fit.cost = INFINITY;
+  for (int i = 0; i < std::min(starts, static_cast<int>(candidate.starts.size())); ++i) {
+    FitResult result =
+        fit_progressively(*candidate.system, candidate.starts[static_cast<std::size_t>(i)], study.train, options);
+    if (result.cost < candidate.fit.cost || i == 0) candidate.fit = std::move(result);
+  }
+}
+
+}  // namespace lunid

@@ -1,0 +1,54 @@
+#pragma once
+// A candidate model: the baseline with some effects of the catalogue, its start read off the data, and its fit.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "discover/study.hpp"
+
+namespace lunid {
+
+struct Choice {
+  const Effect* effect = nullptr;
+  int variant = 0;
+  friend bool operator==(const Choice&, const Choice&) = default;
+};
+using Choices = std::vector<Choice>;
+
+struct Candidate {
+  Choices choices;
+  std::shared_ptr<const System> system, force_system;  ///< as simulated; with imposed motion, for fits of the force
+  std::vector<std::uint8_t> linear;                    ///< parameters in which the force is affine, all at once
+  std::vector<Eigen::VectorXd> starts;                 ///< first guesses, the best first
+  double force_cost = 0;                               ///< squared misfit of the smoothed force at the best start
+  FitResult fit;
+  // Filled by the judge:
+  Eigen::VectorXd innovations;     ///< whitened residual of all records
+  double likelihood_cost = 0;      ///< squared norm of it after the whitened fit
+  double log_likelihood = 0;
+  Eigen::VectorXd left_out;        ///< residual of free runs on rows that the fit did not see; all records in a row
+  double left_out_gap = 0;         ///< its RMSE over std of the measured output
+
+  int parameters() const { return system->parameters(); }
+  bool ran() const { return std::isfinite(fit.cost); }
+  std::string name() const;
+};
+
+/// The baseline with the chosen effects added. Changes the pool: main thread only.
+Model extend(const Model& baseline, const Choices& choices);
+
+/// Compiles baseline + choices. Main thread only.
+Candidate compile(const Model& baseline, const Choices& choices);
+
+/// Reads first guesses off the smoothed data: linear parameters by regression of the force, shape parameters from the
+/// entries' guesses, refined on the force. `theta` holds the values of the parameters that come before (baseline).
+void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
+                 const std::vector<std::vector<Guess>>& guesses);
+
+/// Fits on the trajectory from the best starts; keeps the best.
+void fit(const Study& study, Candidate& candidate, int starts, const FitOptions& options);
+
+/// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).
+std::vector<std::uint8_t> linear_parameters(const Model& model);
+
+}  // namespace lunid

@@ -1,0 +1,212 @@
+#include "discover/closure.hpp"
+
+#include <Eigen/QR>
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+namespace {
+
+struct Feature {
+  Expr force;
+  std::string words;
+};
+
+std::vector<Feature> generic_forces(const Study& study, Model& model) {
+  Pool& pool = *model.pool;
+  const RecordScales s = scales(study, 1);
+  const Expr u = pool.channel("y") / s.y_std, w = pool.channel("v") / s.v_std, t = pool.channel("t");
+  const double span = study.train.front().record.duration();
+  const Expr slow = t / span;
+  auto tanh = [&](Expr x) { return pool.apply(Op::tanh, {x}); };
+  const Expr z = pool.state("closure_memory");
+  InternalState memory{z, (w - z) * pool.constant(study.omega > 0 ? study.omega : 1), 0, {}, {}};
+  model.states.push_back(memory);
+  return {{pool.constant(1), "constant"},
+          {u, "linear in y"},
+          {w, "linear in v"},
+          {pow(u, 2), "even in y"},
+          {pow(u, 3), "odd in y, growing with |y|"},
+          {pow(u, 4), "even in y"},
+          {pow(u, 5), "odd in y, growing with |y|"},
+          {tanh(4.0 * u), "odd in y, saturating"},
+          {pow(w, 2), "even in v"},
+          {pow(w, 3), "odd in v, growing with |v|"},
+          {pow(w, 5), "odd in v, growing with |v|"},
+          {tanh(4.0 * w), "odd in v, saturating"},
+          {u * w, "a product of y and v"},
+          {pow(u, 2) * w, "damping that depends on y"},
+          {u * pow(w, 2), "stiffness that depends on v"},
+          {pow(u, 3) * w, "a product of y and v"},
+          {z, "memory of the velocity"},
+          {slow * u, "stiffness that changes with time"},
+          {slow * w, "damping that changes with time"}};
+}
+
+/// Whitened residual and whitened columns [model's own parameters and first states | generic forces], all records.
+struct Columns {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd own, extra;
+  std::vector<int> part;  ///< block of each row, for leaving out
+};
+
+bool collect(const Study& study, const Candidate& candidate, const System& system, const Whitening& whitening,
+             Columns& out) {
+  const Eigen::Index p = candidate.parameters(), all = system.parameters(), extra = all - p;
+  Eigen::VectorXd theta = Eigen::VectorXd::Zero(all);
+  theta.head(p) = candidate.fit.theta;
+  std::vector<Eigen::MatrixXd> own, added;
+  std::vector<Eigen::VectorXd> residual;
+  Eigen::Index rows = 0, states = 0;
+  for (std::size_t r = 0; r < study.train.size(); ++r) {
+    const auto& data = study.train[r];
+    Eigen::MatrixXd jacobian;
+    if (study.imposed) {
+      imposed_force(system, {theta.data(), static_cast<std::size_t>(all)}, data.record, &jacobian);
+    } else {
+      Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
+      const auto& fitted = candidate.fit.segments[r].x0;
+      x0.head(fitted.size()) = fitted;
+      SimulateOptions options;
+      options.solver = Solver::fixed;
+      options.substeps = candidate.fit.substeps;
+      options.cancelled = study.options->cancelled;
+      const auto run = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation,
+                                              x0, options);
+      if (!run.run.summary.completed) return false;
+      jacobian = run.dy.leftCols(all + fitted.size());
+    }
+    if (!jacobian.allFinite()) return false;
+    Eigen::VectorXd column;
+    whiten(candidate.fit.residual[r], {}, whitening, column);
+    residual.push_back(column);
+    Eigen::MatrixXd whitened(column.size(), jacobian.cols());
+    for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
+      whiten(jacobian.col(j), {}, whitening, column);
+      whitened.col(j) = column;
+    }
+    added.push_back(whitened.middleCols(p, extra));
+    Eigen::MatrixXd mine(whitened.rows(), whitened.cols() - extra);
+    mine << whitened.leftCols(p), whitened.rightCols(whitened.cols() - all);
+    own.push_back(mine);
+    rows += whitened.rows();
+    states += mine.cols() - p;
+  }
+  out.residual.resize(rows);
+  out.own.setZero(rows, p + states);
+  out.extra.resize(rows, extra);
+  Eigen::Index row = 0, state = p;
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    const Eigen::Index n = own[r].rows(), mine = own[r].cols() - p;
+    out.residual.segment(row, n) = residual[r];
+    out.own.block(row, 0, n, p) = own[r].leftCols(p);
+    out.own.block(row, state, n, mine) = own[r].rightCols(mine);
+    out.extra.middleRows(row, n) = added[r];
+    for (Eigen::Index i = 0; i < n; ++i)
+      out.part.push_back(static_cast<int>((i * study.options->blocks * 3 / n) % study.options->blocks));
+    row += n;
+    state += mine;
+  }
+  // Parameters held at a bound or fixed take no part.
+  for (Eigen::Index j = 0; j < p; ++j)
+    if (candidate.fit.at_bound[static_cast<std::size_t>(j)] ||
+        candidate.system->model().parameters[static_cast<std::size_t>(j)].fixed)
+      out.own.col(j).setZero();
+  return true;
+}
+
+Eigen::MatrixXd normalised(const Eigen::MatrixXd& m) {
+  Eigen::MatrixXd out = m;
+  for (Eigen::Index j = 0; j < m.cols(); ++j) {
+    const double norm = m.col(j).norm();
+    if (norm > 0) out.col(j) /= norm;
+  }
+  return out;
+}
+
+double misfit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Index* rank = nullptr) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
+  qr.setThreshold(1e-7);
+  if (rank) *rank = qr.rank();
+  return (b - a * qr.solve(b)).squaredNorm();
+}
+
+/// Squared error on rows that the regression did not see, for the own columns and for all; small ridge on all.
+std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Index own, const Columns& columns,
+                                          int parts) {
+  double with = 0, without = 0;
+  const Eigen::Index m = all.cols();
+  std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(m, m));
+  std::vector<Eigen::VectorXd> right(static_cast<std::size_t>(parts), Eigen::VectorXd::Zero(m));
+  std::vector<std::vector<Eigen::Index>> rows(static_cast<std::size_t>(parts));
+  for (Eigen::Index i = 0; i < all.rows(); ++i) rows[static_cast<std::size_t>(columns.part[static_cast<std::size_t>(i)])].push_back(i);
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(m, m);
+  Eigen::VectorXd target = Eigen::VectorXd::Zero(m);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Eigen::MatrixXd part = all(rows[k], Eigen::all);
+    const Eigen::VectorXd b = columns.residual(rows[k]);
+    gram[k] = part.transpose() * part;
+    right[k] = part.transpose() * b;
+    total += gram[k];
+    target += right[k];
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Eigen::MatrixXd a = total - gram[k];
+    a.diagonal().array() += 1e-9;
+    const Eigen::VectorXd b = target - right[k];
+    const Eigen::MatrixXd part = all(rows[k], Eigen::all);
+    const Eigen::VectorXd residual = columns.residual(rows[k]);
+    with += (residual - part * a.ldlt().solve(b)).squaredNorm();
+    without += (residual - part.leftCols(own) * a.topLeftCorner(own, own).ldlt().solve(b.head(own))).squaredNorm();
+  }
+  return {without, with};
+}
+
+}  // namespace
+
+Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening) {
+  Closure closure;
+  if (!candidate.ran()) return closure;
+  Model model = candidate.system->model();
+  const auto features = generic_forces(study, model);
+  for (std::size_t j = 0; j < features.size(); ++j) {
+    const std::string name = "closure_" + std::to_string(j + 1);
+    model.restoring = model.restoring + model.pool->parameter(name) * features[j].force;
+    Parameter row;
+    row.name = name;
+    row.value = 0;
+    model.parameters.push_back(row);
+  }
+  const System system(complete(std::move(model)));
+  Columns columns;
+  if (!collect(study, candidate, system, whitening, columns)) return closure;
+  const Eigen::MatrixXd own = normalised(columns.own), extra = normalised(columns.extra);
+  Eigen::MatrixXd all(own.rows(), own.cols() + extra.cols());
+  all << own, extra;
+  Eigen::Index rank_own = 0, rank_all = 0;
+  const double before = misfit(own, columns.residual, &rank_own);
+  const double after = misfit(all, columns.residual, &rank_all);
+  const double added = static_cast<double>(rank_all - rank_own);
+  const double freedom = static_cast<double>(own.rows() - rank_all);
+  if (added > 0 && freedom > 0 && after > 0)
+    closure.p_value = f_tail((before - after) / added / (after / freedom), added, freedom);
+  const auto [without, with] = left_out_misfit(all, own.cols(), columns, study.options->blocks);
+  closure.gain = 1 - std::sqrt(with / without);
+  double best = before;
+  for (Eigen::Index j = 0; j < extra.cols(); ++j) {
+    Eigen::MatrixXd one(own.rows(), own.cols() + 1);
+    one << own, extra.col(j);
+    const double cost = misfit(one, columns.residual);
+    if (cost < best) {
+      best = cost;
+      closure.shape = features[static_cast<std::size_t>(j)].words;
+    }
+  }
+  return closure;
+}
+
+}  // namespace lunid

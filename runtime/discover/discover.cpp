@@ -1,0 +1,433 @@
+#include "discover/discover.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "discover/closure.hpp"
+#include "discover/gap.hpp"
+#include "discover/locate.hpp"
+#include "discover/search.hpp"
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// Share of the excess over the floor (squared) that the final model closes, on left-out training blocks.
+double closed_share(double before, double after, double floor) {
+  const double excess = before * before - floor * floor;
+  return excess > 0 ? (before * before - after * after) / excess : 0;
+}
+
+class Spine {
+ public:
+  Spine(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
+        const std::vector<Record>& test, const DiscoverOptions& options)
+      : options_(options), catalogue_(catalogue), model_(complete(baseline)) {
+    progress("check the data", 0.0);
+    study_ = prepare(model_, train, test, options_);
+    out_.warnings = study_.warnings;
+    for (const auto& data : study_.train)
+      for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
+    out_.baseline_before = model_.parameters;
+  }
+
+  Discovery run() {
+    refit_baseline();
+    SearchResult found = search(study_, model_, baseline_, catalogue_, step());
+    if (rechoose_interpolation(found.chosen)) {
+      refit_baseline_on_current_force();
+      found = search(study_, model_, baseline_, catalogue_, step());
+    }
+    progress("decide", 0.88);
+    decide(found);
+    progress("open the test record", 0.94);
+    validate_on_test(found);
+    show(found);
+    progress("done", 1.0);
+    return std::move(out_);
+  }
+
+ private:
+  void progress(const std::string& stage, double fraction) const {
+    if (options_.cancelled && *options_.cancelled)
+      throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
+    if (options_.progress) options_.progress(stage, fraction);
+  }
+  std::function<void(const std::string&, double)> step() const {
+    return [this](const std::string& stage, double fraction) { progress(stage, fraction); };
+  }
+
+  FitOptions fit_options(int iterations) const {
+    FitOptions o;
+    o.max_iterations = iterations;
+    o.tolerance = 1e-6;
+    o.cancelled = options_.cancelled;
+    return o;
+  }
+
+  // ---- baseline ----
+  void refit_baseline() {
+    progress("refit the baseline", 0.05);
+    baseline_ = compile(model_, {});
+    find_starts(study_, baseline_, Eigen::VectorXd(), {});
+    if (baseline_.starts.empty())
+      throw InputError("discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
+    check_excitation();
+    fit(study_, baseline_, 2, fit_options(40));
+    from_given_guess();
+    if (!baseline_.ran())
+      out_.warnings.push_back("the baseline cannot be simulated over the training records (" + baseline_.fit.stopped + ")");
+  }
+
+  void from_given_guess() {
+    const std::vector<double> values = model_.values();
+    if (values.empty() || !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return;
+    const Eigen::VectorXd guess = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    FitResult again = fit_trajectory(*baseline_.system, guess, study_.train, fit_options(40));
+    if (again.cost < baseline_.fit.cost) baseline_.fit = std::move(again);
+  }
+
+  void refit_baseline_on_current_force() {
+    baseline_.fit = fit_trajectory(*baseline_.system, baseline_.fit.theta, study_.train, fit_options(40));
+  }
+
+  /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
+  void check_excitation() {
+    const auto& table = baseline_.system->model().parameters;
+    const Eigen::Index p = baseline_.parameters();
+    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+    double force = 0;
+    for (const auto& data : study_.force) {
+      Eigen::MatrixXd jacobian;
+      const Eigen::VectorXd& theta = baseline_.starts.front();
+      imposed_force(*baseline_.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian);
+      gram += jacobian.transpose() * jacobian;
+      for (const double f : data.record["F"]) force += f * f;
+    }
+    bool mass_free = false;
+    for (Eigen::Index j = 0; j < p; ++j) {
+      const auto& name = table[static_cast<std::size_t>(j)].name;
+      mass_free = mass_free || depends_on(model_.mass, model_.pool->parameter(name));
+      if (table[static_cast<std::size_t>(j)].fixed) continue;
+      if (!(gram(j, j) > 0))
+        throw InputError("discover: the data do not excite parameter '" + name +
+                             "': its term is zero on every row of the training records; fix it, leave it out, or use a record that reaches it",
+                         {}, Fault::data);
+    }
+    if (mass_free && !(force > 0))
+      throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number", {},
+                       Fault::data);
+    for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table);
+  }
+
+  void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::vector<Parameter>& table) {
+    for (Eigen::Index i = 0; i < j; ++i) {
+      const double cosine = gram(i, j) / std::sqrt(gram(i, i) * gram(j, j));
+      const double left = 1 - cosine * cosine;
+      const auto &a = table[static_cast<std::size_t>(i)].name, &b = table[static_cast<std::size_t>(j)].name;
+      if (left < 1e-12)
+        throw InputError("discover: the data do not excite parameters '" + a + "' and '" + b +
+                             "' separately: their terms are one column on this record; fix one of them, or use a record "
+                             "with another frequency or amplitude",
+                         {}, Fault::data);
+      if (left < 2e-3)
+        out_.warnings.push_back("the terms of " + a + " and " + b +
+                                " are nearly one column on this record (a single frequency?): only their combination is well seen");
+    }
+  }
+
+  // ---- force between its samples ----
+  bool force_varies() const {
+    for (const auto& data : study_.train)
+      if (standard_deviation(data.record["F"]) > 0) return true;
+    return false;
+  }
+
+  /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
+  /// (study.cpp) is made on the force alone. True when another kind is clearly likelier; the study then holds it.
+  bool rechoose_interpolation(const Candidate& chosen) {
+    if (study_.imposed || !chosen.ran() || !force_varies()) return false;
+    const Interpolation before = study_.interpolation;
+    Interpolation best = before;
+    double cost = raw_cost(chosen.fit);
+    const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
+    for (const auto kind : {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
+      if (kind == before) continue;
+      set_interpolation(study_, kind);
+      FitOptions options = fit_options(6);
+      options.tolerance = 1e-4;
+      options.substeps = chosen.fit.substeps;
+      const FitResult fit = fit_trajectory(*chosen.system, chosen.fit.theta, study_.train, options);
+      if (fit.cost < needed * cost) {
+        cost = fit.cost;
+        best = kind;
+      }
+    }
+    set_interpolation(study_, best);
+    return best != before;
+  }
+
+  static double raw_cost(const FitResult& fit) {
+    double sum = 0;
+    for (const auto& r : fit.residual) sum += r.squaredNorm();
+    return sum;
+  }
+
+  // ---- verdict ----
+  void decide(SearchResult& found) {
+    const Closure closure = test_closure(study_, found.chosen, found.whitening);
+    const double noise = study_.sensor_noise() / study_.measured_std();
+    const bool named = !found.chosen.choices.empty();
+    const double before = found.baseline.left_out_gap, after = found.chosen.left_out_gap;
+    const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > options_.minimum_gain;
+    closed_ = closed_share(before, after, noise);
+    out_.gap_left_out_before = before;
+    out_.gap_left_out_after = after;
+    shape_ = closure.shape;
+    if (!named) {
+      out_.verdict = structure || !found.baseline.ran() ? "unknown-effect" : "nothing-missing";
+    } else if (structure && std::isfinite(before) && closed_ < 0.95) {
+      // The names patch a shape that none of them has.
+      out_.verdict = "unknown-effect";
+      withdrawn_ = found.chosen.name();
+      for (auto& remark : found.remarks) if (remark.empty()) remark = "fits worse";
+      found.rivals.insert(found.rivals.begin(), found.chosen);
+      found.remarks.insert(found.remarks.begin(), "nearest, but leaves a repeatable force: " + closure.shape);
+      found.chosen = found.baseline;
+      found.steps.clear();
+    } else {
+      out_.verdict = found.ties.empty() ? "explained" : "ambiguous";
+    }
+    left_ = structure && named;
+  }
+
+  std::vector<FreeRun> runs(const Candidate& c, const std::vector<Record>& records) const {
+    std::vector<FreeRun> out;
+    for (const auto& r : records) out.push_back(free_run(study_, *c.system, c.fit.theta, r, std::max(1, c.fit.substeps)));
+    return out;
+  }
+
+  std::vector<Record> train_records() const {
+    std::vector<Record> out;
+    for (const auto& d : study_.train) out.push_back(d.record);
+    return out;
+  }
+
+  /// Opens the test record once. It can only take a name back, never choose one.
+  void validate_on_test(SearchResult& found) {
+    const auto train = train_records();
+    auto before_test = runs(found.baseline, study_.test), after_test = runs(found.chosen, study_.test);
+    if (!found.chosen.choices.empty()) {
+      out_.test_p_value = test_p_value(before_test, after_test);
+      if (!confirmed(before_test, after_test)) {
+        out_.warnings.push_back("the named " + found.chosen.name() +
+                                " did not lower the gap on the test record: the name is withdrawn");
+        withdrawn_ = found.chosen.name();
+        found.rivals.insert(found.rivals.begin(), found.chosen);
+        found.remarks.insert(found.remarks.begin(), "not confirmed by the test record");
+        found.chosen = found.baseline;
+        found.steps.clear();
+        after_test = before_test;
+        const Closure closure = test_closure(study_, found.baseline, found.whitening);
+        const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > options_.minimum_gain;
+        out_.verdict = structure ? "unknown-effect" : "nothing-missing";
+        shape_ = closure.shape;
+        out_.gap_left_out_after = out_.gap_left_out_before;
+      }
+    }
+    const auto before_train = runs(found.baseline, train), after_train = runs(found.chosen, train);
+    const double share = input_noise_share(after_train);
+    out_.baseline_train = pool_gap(before_train, share);
+    out_.baseline_test = pool_gap(before_test, share);
+    out_.final_train = pool_gap(after_train, share);
+    out_.final_test = pool_gap(after_test, share);
+    name_steps(found, train, share);
+  }
+
+  /// The test may take a name back: where the gap did not fall, or fell by what chance does easily.
+  bool confirmed(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+    const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
+    if (!std::isfinite(last.value)) return false;
+    if (!std::isfinite(first.value)) return true;
+    return last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2;
+  }
+
+  double test_p_value(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+    std::vector<double> a, b;
+    for (std::size_t r = 0; r < before.size(); ++r) {
+      const auto channel = study_.test[r][study_.output()];
+      if (!after[r].cause.empty()) return 1;
+      if (!before[r].cause.empty()) return 0;
+      for (Eigen::Index i = before[r].lead; i < before[r].model.size(); ++i) {
+        a.push_back(channel[static_cast<std::size_t>(i)] - before[r].model[i]);
+        b.push_back(channel[static_cast<std::size_t>(i)] - after[r].model[i]);
+      }
+    }
+    return p_value_of_lower_error(a, b, bootstrap_block(study_), options_.seed);
+  }
+
+  void name_steps(const SearchResult& found, const std::vector<Record>& train, double share) {
+    for (std::size_t i = 0; i < found.steps.size(); ++i) {
+      const Candidate& model = found.steps[i];
+      const Effect& effect = *found.steps[i].choices.back().effect;
+      NamedEffect named;
+      named.name = effect.name;
+      named.family = effect.family;
+      named.formula = effect.formula;
+      named.sentence = effect.sentence;
+      named.where = describe_residual(study_, i == 0 ? found.baseline : found.steps[i - 1]);
+      named.parameters = own_parameters(found.chosen, effect);
+      named.gap_train = pool_gap(runs(model, train), share).value;
+      named.gap_test = pool_gap(runs(model, study_.test), share).value;
+      named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
+      if (i + 1 == found.steps.size()) named.indistinguishable = found.ties;
+      out_.effects.push_back(std::move(named));
+    }
+  }
+
+  /// The entry's parameters from the final model, under their own short names.
+  static std::vector<Parameter> own_parameters(const Candidate& final_model, const Effect& effect) {
+    std::vector<Parameter> out;
+    const Model model = fitted(final_model);
+    for (const auto& p : effect.parameters) {
+      Parameter row = *model.find(p.name);
+      if (row.name.rfind(effect.name + "_", 0) == 0) row.name = row.name.substr(effect.name.size() + 1);
+      out.push_back(row);
+    }
+    return out;
+  }
+
+  static Model fitted(const Candidate& c) {
+    Model model = c.system->model();
+    for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      model.parameters[i].value = c.fit.theta[k];
+      model.parameters[i].std = c.fit.covariance.rows() > k ? std::sqrt(std::max(0.0, c.fit.covariance(k, k))) : NAN;
+    }
+    return model;
+  }
+
+  // ---- show ----
+  void show(SearchResult& found) {
+    out_.baseline = fitted(found.baseline);
+    out_.final = fitted(found.chosen);
+    out_.where = describe_residual(study_, found.baseline);
+    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+      const Candidate& c = found.rivals[i];
+      out_.rivals.push_back({c.name(), std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)) , c.log_likelihood,
+                             improvement_p_value(found.baseline, c), found.remarks[i]});
+      out_.rivals.back().gap = raw_gap(c);
+    }
+    if (!found.left_aside.empty()) {
+      std::string list;
+      for (const auto& name : found.left_aside) list += (list.empty() ? "" : ", ") + name;
+      out_.warnings.push_back("not tried, since beside the baseline's own terms this record cannot show them: " + list);
+    }
+    check_bounds(found.chosen);
+    check_by_sundials(found.chosen);
+    for (const auto& d : study_.train) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, d.record, "train"));
+    for (const auto& r : study_.test) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "test"));
+    out_.map = residual_map(study_, found.baseline, found.chosen);
+    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
+    out_.solver = study_.imposed ? "none: the motion is imposed"
+                                 : "fixed RK4, " + std::to_string(found.chosen.fit.substeps) + " substeps per sample";
+    out_.noise_model = found.whitening.ar.empty()
+                           ? "white residual"
+                           : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
+                                 " on means of " + std::to_string(found.whitening.average) + " rows";
+    out_.sentence = sentence(found);
+  }
+
+  double raw_gap(const Candidate& c) const {
+    double squares = 0, rows = 0;
+    for (const auto& r : c.fit.residual) {
+      squares += r.squaredNorm();
+      rows += static_cast<double>(r.size());
+    }
+    return std::sqrt(squares / rows) / study_.measured_std();
+  }
+
+  void check_bounds(const Candidate& c) {
+    const auto& table = c.system->model().parameters;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
+        out_.warnings.push_back("parameter " + table[i].name + " sits at its bound " + std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
+  }
+
+  /// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
+  void check_by_sundials(const Candidate& c) {
+    if (study_.imposed || !c.ran()) return;
+    const auto& record = study_.train.front().record;
+    const auto& segment = c.fit.segments.front();
+    const Eigen::Index rows = std::min<Eigen::Index>(record.rows(), 2000);
+    SimulateOptions options;
+    options.solver = Solver::fixed;
+    options.substeps = c.fit.substeps;
+    const std::span<const double> theta(c.fit.theta.data(), static_cast<std::size_t>(c.fit.theta.size()));
+    const Excitation part = slice(study_.train.front().excitation, 0, rows, 16);
+    const Run fast = simulate(*c.system, theta, part, segment.x0, options);
+    options.solver = Solver::bdf;
+    options.rtol = 1e-7;
+    const Run reference = simulate(*c.system, theta, part, segment.x0, options);
+    out_.check_solver = reference.summary.solver;
+    if (fast.summary.completed && reference.summary.completed)
+      out_.check_error = (fast.x.col(0) - reference.x.col(0)).cwiseAbs().maxCoeff() / study_.measured_std();
+    else
+      out_.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
+  }
+
+  std::string sentence(const SearchResult& found) const {
+    char text[160];
+    if (out_.verdict == "explained" || out_.verdict == "ambiguous") {
+      std::string names;
+      for (const auto& e : out_.effects) names += (names.empty() ? "" : " and ") + e.name;
+      const double share = closed_share(out_.baseline_test.value, out_.final_test.value, out_.final_test.floor);
+      std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
+                    100 * std::clamp(share, 0.0, 1.0));
+      std::string out = out_.verdict == "ambiguous" ? names + " or another of equal simplicity that this record cannot tell from it" : names;
+      if (!std::isfinite(out_.baseline_test.value)) return out + ": the baseline cannot be run on the test record, the final model can";
+      return out + text + (left_ ? "; a small repeatable force is left (" + shape_ + ")" : "");
+    }
+    if (out_.verdict == "nothing-missing")
+      return "no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond chance";
+    return "something repeatable is missing (" + (shape_.empty() ? std::string("the baseline cannot be run") : shape_) +
+           ") that no entry of the catalogue explains" + (withdrawn_.empty() ? "" : "; nearest: " + withdrawn_);
+  }
+
+  const DiscoverOptions& options_;
+  const std::vector<Effect>& catalogue_;
+  Model model_;
+  Study study_;
+  Candidate baseline_;
+  Discovery out_;
+  double closed_ = 0;
+  bool left_ = false;
+  std::string shape_, withdrawn_;
+};
+
+}  // namespace
+
+void validate(const DiscoverOptions& o) {
+  auto refuse = [](const std::string& field, const std::string& range, double got) {
+    throw InputError("discover: " + field + ": expected " + range + ", got " + std::to_string(got), {}, Fault::usage);
+  };
+  if (!(o.alpha > 0 && o.alpha < 0.5)) refuse("alpha", "0 < alpha < 0.5", o.alpha);
+  if (!(o.minimum_gain >= 0 && o.minimum_gain < 1)) refuse("minimum_gain", "0 <= minimum_gain < 1", o.minimum_gain);
+  if (o.max_effects < 1) refuse("max_effects", ">= 1", o.max_effects);
+  if (o.blocks < 3) refuse("blocks", ">= 3", o.blocks);
+  if (!(o.holdout >= 0 && o.holdout < 0.9)) refuse("holdout", "0 <= holdout < 0.9", o.holdout);
+  if (o.threads < 0) refuse("threads", ">= 0", o.threads);
+}
+
+Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
+                   const std::vector<Record>& test, const DiscoverOptions& options) {
+  validate(options);
+  const auto begin = std::chrono::steady_clock::now();
+  Discovery out = Spine(baseline, catalogue, train, test, options).run();
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
+}  // namespace lunid

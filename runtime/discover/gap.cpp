@@ -1,0 +1,126 @@
+#include "discover/gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
+double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta,
+                           const Record& record, const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
+                           const SimulateOptions& options) {
+  const double noise = record.channel("F").noise;
+  if (!(noise > 0)) return 0;
+  double squares = 0;
+  constexpr int draws = 2;
+  for (int draw = 0; draw < draws; ++draw) {
+    Philox random(study.options->seed, static_cast<std::uint64_t>(1000 + draw));
+    Eigen::VectorXd force = Eigen::Map<const Eigen::VectorXd>(record["F"].data(), record.rows());
+    for (auto& f : force) f += noise * random.normal();
+    const Excitation noisy(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
+                           study.interpolation);
+    const Run run = simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, noisy, x0, options);
+    if (!run.summary.completed) return 0;
+    squares += (run.x.col(0) - nominal.x.col(0)).tail(record.rows() - lead).squaredNorm();
+  }
+  return squares / draws;
+}
+
+void add_floor(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
+               const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
+  const double noise = data.record.channel("y").noise;
+  out.floor_squares = noise * noise * static_cast<double>(out.rows);
+  const auto sensitivities = simulate_sensitivities(
+      system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, state.x0, options);
+  if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
+    const Eigen::MatrixXd d = sensitivities.dy.rightCols(system.states()).bottomRows(out.rows);
+    // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
+    const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
+    const double extra = fitted * (d * state.covariance).cwiseProduct(d).sum();
+    if (std::isfinite(extra)) out.floor_squares += extra;
+  }
+  out.input_squares = input_noise_squares(study, system, theta, data.record, state.x0, run, out.lead, options);
+}
+
+void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
+  out.model = imposed_force(system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
+  const double noise = record.channel("F").noise;
+  out.floor_squares = noise * noise * static_cast<double>(out.rows);
+}
+
+}  // namespace
+
+Eigen::Index lead_in(const Record& record, double omega) {
+  const auto rows = static_cast<double>(record.rows());
+  const double periods = omega > 0 ? 2 * 2 * M_PI / omega / record.dt() : rows;
+  return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(periods, 0.05 * rows)));
+}
+
+FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
+                 int substeps) {
+  FreeRun out;
+  out.lead = lead_in(record, study.omega);
+  out.rows = record.rows() - out.lead;
+  const bool imposed = system.model().imposed_motion;
+  if (imposed) {
+    force_run(system, theta, record, out);
+  } else {
+    const FitData data = fit_data(study, record);
+    const StateEstimate state = estimate_state(system, theta, data, 0, out.lead, substeps);
+    SimulateOptions options;
+    options.solver = Solver::fixed;
+    options.substeps = substeps;
+    options.cancelled = study.options->cancelled;
+    const Run run =
+        simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, state.x0, options);
+    out.model = run.x.col(0);
+    if (!run.summary.completed) {
+      out.stopped_at = run.summary.stopped_at;
+      out.cause = run.summary.cause;
+    } else {
+      add_floor(study, system, theta, data, state, run, options, out);
+    }
+  }
+  const auto channel = record[imposed ? "F" : "y"];
+  const Eigen::Map<const Eigen::VectorXd> measured(channel.data(), record.rows());
+  const Eigen::VectorXd tail = measured.tail(out.rows);
+  out.squares = (tail - out.model.tail(out.rows)).squaredNorm();
+  out.variance = (tail.array() - tail.mean()).square().sum();
+  out.model.head(out.lead).setConstant(NAN);
+  return out;
+}
+
+Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
+  Gap gap;
+  double squares = 0, variance = 0, floor = 0, rows = 0;
+  for (const auto& r : runs) {
+    squares += r.squares;
+    variance += r.variance;
+    floor += r.floor_squares + input_share * r.input_squares;
+    rows += static_cast<double>(r.rows);
+    if (!r.cause.empty() && gap.cause.empty()) {
+      gap.cause = r.cause;
+      gap.stopped_at = r.stopped_at;
+    }
+  }
+  gap.value = std::sqrt(squares / variance);
+  gap.floor = std::sqrt(floor / variance);
+  // The noise level is known to about 5 % (noise_level), and the record has finitely many rows.
+  gap.floor_std = gap.floor * std::sqrt(0.05 * 0.05 + 0.5 / std::max(1.0, rows));
+  return gap;
+}
+
+double input_noise_share(const std::vector<FreeRun>& train) {
+  double excess = 0, input = 0;
+  for (const auto& r : train) {
+    excess += r.squares - r.floor_squares;
+    input += r.input_squares;
+  }
+  return input > 0 && std::isfinite(excess) ? std::clamp(excess / input, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace lunid

@@ -1,0 +1,31 @@
+#pragma once
+// The gap of a free run (DESIGN section 4): first state from a lead-in alone, never re-initialised.
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// Rows whose motion gives the first state: two periods or 5 % of the rows, whichever is less, never under 5.
+Eigen::Index lead_in(const Record& record, double omega);
+
+/// One record beside the free run of a model.
+struct FreeRun {
+  Eigen::Index lead = 0;
+  Eigen::VectorXd model;       ///< displacement (force with imposed motion); NaN in the lead-in and after a stop
+  double squares = 0;          ///< sum of squared errors after the lead-in; NaN when the run stopped
+  double variance = 0;         ///< sum of squared deviations of the measured output from its mean, same rows
+  double floor_squares = 0;    ///< what sensor noise and first-state error alone would leave
+  double input_squares = 0;    ///< what the force channel's noise would add, were it not felt by the system
+  Eigen::Index rows = 0;
+  double stopped_at = 0;
+  std::string cause;
+};
+FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
+                 int substeps);
+
+/// Pooled gap over records. `input_share`: the part of the force channel's noise that the system did not feel, 0..1.
+Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);
+
+/// The share of the force channel's noise that the residual shows (0: the system felt it, or there is none).
+double input_noise_share(const std::vector<FreeRun>& train);
+
+}  // namespace lunid

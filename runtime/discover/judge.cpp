@@ -1,0 +1,148 @@
+#include "discover/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover/gap.hpp"
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+namespace {
+
+Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts) {
+  Eigen::Index rows = 0;
+  for (const auto& p : parts) rows += p.size();
+  Eigen::VectorXd out(rows);
+  Eigen::Index at = 0;
+  for (const auto& p : parts) {
+    out.segment(at, p.size()) = p;
+    at += p.size();
+  }
+  return out;
+}
+
+std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+/// Leaves a part out: three pieces all over the record, so that a drift does not fall into one part. The lead-in stays,
+/// since the first state is estimated there.
+std::vector<FitData> without_part(const Study& study, int part, int parts) {
+  std::vector<FitData> out = study.train;
+  for (auto& data : out) {
+    const Eigen::Index lead = lead_in(data.record, study.omega);
+    const Eigen::Index rows = data.record.rows(), pieces = static_cast<Eigen::Index>(parts) * 3;
+    data.use.assign(static_cast<std::size_t>(rows), 1);
+    for (Eigen::Index i = lead; i < rows; ++i)
+      if ((i * pieces / rows) % parts == part) data.use[static_cast<std::size_t>(i)] = 0;
+  }
+  return out;
+}
+
+}  // namespace
+
+Whitening residual_colour(const Study& study, const Candidate& candidate) {
+  Whitening whitening;
+  const double dt = study.train.front().record.dt();
+  const double upper = study.imposed ? 0 : upper_frequency(study);
+  if (upper > 0) whitening.average = std::max(1, static_cast<int>(M_PI / dt / (6 * upper)));
+  Eigen::Index shortest = candidate.fit.residual.front().size();
+  for (const auto& r : candidate.fit.residual) shortest = std::min(shortest, r.size());
+  whitening.average = std::max(1, std::min(whitening.average, static_cast<int>(shortest / 200)));
+  std::vector<Eigen::VectorXd> means;
+  for (const auto& r : candidate.fit.residual) {
+    Eigen::VectorXd mean;
+    whiten(r, {}, {whitening.average, {}}, mean);
+    means.push_back(mean);
+  }
+  const Eigen::VectorXd all = join(means);
+  const int order = std::min<int>(20, static_cast<int>(all.size() / 20));
+  const AutoregressiveFit ar = fit_autoregression(view(all), order);
+  whitening.ar = ar.coefficients;
+  if (whitening.ar.empty()) whitening.average = 1;
+  return whitening;
+}
+
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening) {
+  if (!candidate.ran()) return;
+  FitResult whitened = candidate.fit;
+  if (whitening.average > 1 || !whitening.ar.empty()) {
+    FitOptions options;
+    options.max_iterations = 15;
+    options.whitening = whitening;
+    options.substeps = candidate.fit.substeps;
+    options.cancelled = study.options->cancelled;
+    FitResult refit = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
+    if (std::isfinite(refit.cost)) whitened = std::move(refit);
+  }
+  std::vector<Eigen::VectorXd> parts;
+  for (std::size_t r = 0; r < whitened.residual.size(); ++r) {
+    Eigen::VectorXd part;
+    whiten(whitened.residual[r], {}, whitening, part);
+    parts.push_back(part);
+  }
+  candidate.innovations = join(parts);
+  candidate.likelihood_cost = candidate.innovations.squaredNorm();
+  const auto n = static_cast<double>(candidate.innovations.size());
+  candidate.log_likelihood = -0.5 * n * (std::log(2 * M_PI * candidate.likelihood_cost / n) + 1);
+  candidate.fit = std::move(whitened);
+}
+
+void run_left_out(const Study& study, Candidate& candidate, const Whitening& whitening) {
+  candidate.left_out_gap = INFINITY;
+  if (!candidate.ran()) return;
+  const int parts = study.options->blocks;
+  std::vector<Eigen::VectorXd> residual;
+  for (const auto& data : study.train) residual.push_back(Eigen::VectorXd::Zero(data.record.rows()));
+  for (int part = 0; part < parts; ++part) {
+    const auto data = without_part(study, part, parts);
+    FitOptions options;
+    options.max_iterations = 6;
+    options.tolerance = 1e-4;
+    options.substeps = candidate.fit.substeps;
+    options.whitening = whitening;
+    options.cancelled = study.options->cancelled;
+    const FitResult fit = fit_trajectory(*candidate.system, candidate.fit.theta, data, options);
+    if (!std::isfinite(fit.cost)) return;
+    for (std::size_t r = 0; r < data.size(); ++r)
+      for (Eigen::Index i = 0; i < residual[r].size(); ++i)
+        if (!data[r].use[static_cast<std::size_t>(i)]) residual[r][i] = fit.residual[r][i];
+  }
+  candidate.left_out = join(residual);
+  candidate.left_out_gap =
+      std::sqrt(candidate.left_out.squaredNorm() / static_cast<double>(candidate.left_out.size())) /
+      study.measured_std();
+}
+
+double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
+  const double added = larger.parameters() - smaller.parameters();
+  const double freedom = static_cast<double>(larger.innovations.size()) - larger.parameters() - 2;
+  if (!(larger.likelihood_cost < smaller.likelihood_cost) || added <= 0 || freedom <= 0) return 1;
+  const double f = (smaller.likelihood_cost - larger.likelihood_cost) / added / (larger.likelihood_cost / freedom);
+  return f_tail(f, added, freedom);
+}
+
+double vuong_z(const Candidate& a, const Candidate& b) {
+  const auto n = static_cast<double>(a.innovations.size());
+  const double scale = n / std::min(a.likelihood_cost, b.likelihood_cost);
+  const Eigen::VectorXd difference =
+      0.5 * scale * (b.innovations.array().square() - a.innovations.array().square()).matrix();
+  const double correction = 0.5 * (a.parameters() - b.parameters()) * std::log(n);
+  const double variance = long_run_variance(view(difference));
+  if (!(variance > 0)) return 0;
+  return (difference.sum() - correction) / std::sqrt(n * variance);
+}
+
+Eigen::Index bootstrap_block(const Study& study) {
+  const auto& record = study.train.front().record;
+  const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 1;
+  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * period), 5, std::max<Eigen::Index>(5, record.rows() / 20));
+}
+
+double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after) {
+  if (after.left_out.size() == 0) return 1;
+  if (before.left_out.size() == 0) return 0;
+  return p_value_of_lower_error(view(before.left_out), view(after.left_out), bootstrap_block(study),
+                                study.options->seed);
+}
+
+}  // namespace lunid

@@ -1,0 +1,30 @@
+#pragma once
+// How candidates are compared: a likelihood with the noise's colour, and free runs over left-out blocks.
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// The colour of a candidate's residual: means over rows down to six times the motion's upper frequency, then an
+/// autoregression chosen by BIC. White residuals are left as they are.
+Whitening residual_colour(const Study& study, const Candidate& candidate);
+
+/// Refits under the whitening and fills innovations, likelihood_cost and log_likelihood.
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening);
+
+/// Refits without each of options->blocks interleaved parts of the training records and fills left_out, left_out_gap.
+void run_left_out(const Study& study, Candidate& candidate, const Whitening& whitening);
+
+/// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.
+double improvement_p_value(const Candidate& smaller, const Candidate& larger);
+
+/// z-score of "a is closer to the truth than b" from the innovations (Vuong 1989, Econometrica 57, 307), Schwarz'
+/// correction for the number of parameters, long-run variance by Newey-West.
+double vuong_z(const Candidate& a, const Candidate& b);
+
+/// p-value that the left-out error of `after` is not below that of `before` (block bootstrap).
+double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after);
+
+/// Block length [rows] for bootstraps: two periods of the motion.
+Eigen::Index bootstrap_block(const Study& study);
+
+}  // namespace lunid

@@ -1,0 +1,21 @@
+#pragma once
+// Where a model and its data disagree: on the force, along the measured motion.
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// Force that a model leaves unexplained along the smoothed measured motion of training record `index` [N].
+Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, std::size_t index);
+
+/// One sentence that an engineer would say: for which displacements or velocities the residual force is larger than its
+/// noise, its parity in y and in v, how much of it a function of (y, v) explains.
+std::string describe_residual(const Study& study, const Candidate& candidate);
+
+/// Mean residual force over the (y, v) plane before and after, cells without data NaN.
+ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after);
+
+/// Measured, baseline and final runs and forces of one record, for figures.
+Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
+                   const std::string& role);
+
+}  // namespace lunid

@@ -1,0 +1,38 @@
+#pragma once
+// Independent jobs on a few threads; the first exception is rethrown on the caller's thread.
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace lunid {
+
+/// Runs job(0) ... job(count - 1), each once, on `threads` threads (0: all cores). Results must go to slots of their
+/// own, so that they do not depend on the number of threads.
+inline void parallel_for(int count, int threads, const std::function<void(int)>& job) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int workers = std::min(count, threads > 0 ? threads : cores);
+  std::atomic<int> next{0};
+  std::exception_ptr failure;
+  std::mutex guard;
+  auto work = [&] {
+    for (int i = next++; i < count; i = next++) {
+      try {
+        job(i);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        if (!failure) failure = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  std::vector<std::thread> pool;
+  for (int i = 1; i < workers; ++i) pool.emplace_back(work);
+  work();
+  for (auto& t : pool) t.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace lunid

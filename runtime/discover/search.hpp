@@ -1,0 +1,29 @@
+#pragma once
+// Which effects: sets of catalogue entries grown from the baseline, fitted on the trajectory, the simplest kept.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "discover/judge.hpp"
+
+namespace lunid {
+
+struct SearchResult {
+  Whitening whitening;
+  Candidate baseline;                 ///< judged, with left-out runs
+  Candidate chosen;                   ///< the baseline itself when nothing is named
+  std::vector<Candidate> steps;       ///< models between baseline and chosen, one effect more each; the last is chosen
+  std::vector<Candidate> rivals;      ///< judged sets that were not chosen, best first
+  std::vector<std::string> remarks;   ///< for each rival: why not
+  std::vector<std::string> ties;      ///< rivals of equal simplicity that the record cannot tell from the chosen set
+  std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline
+  double p_value = 1;                 ///< of the chosen set against the baseline, corrected for the search
+  int tried = 0;                      ///< start points over which the p-value is corrected
+};
+
+/// Searches the catalogue for what `baseline` (fitted) lacks. Changes the pool: main thread only; fits run on threads.
+SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
+                    const std::vector<Effect>& catalogue,
+                    const std::function<void(const std::string&, double)>& progress);
+
+}  // namespace lunid

@@ -1,0 +1,196 @@
+#include "discover/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lunid {
+
+namespace {
+
+Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+
+void check_record(const Record& record, bool imposed) {
+  const SourceSpan where{record.name(), 0, 0};
+  if (record.rows() < 30)
+    throw InputError("discover: expected at least 30 rows in a record, got " + std::to_string(record.rows()) +
+                         "; a motion of a few periods is needed to tell one effect from another",
+                     where, Fault::data);
+  for (const char* name : {"F", "y"})
+    if (!record.has(name))
+      throw InputError(std::string("discover: the record has no channel '") + name +
+                           "'; name its column, e.g. --columns \"" + name + "=header [unit]\"",
+                       where, Fault::data);
+  const auto y = record["y"];
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  if (!(*high > *low))
+    throw InputError("discover: the displacement is constant (" + std::to_string(*low) +
+                         " m in every row); nothing can be learned from a record without motion",
+                     where, Fault::data);
+  const auto f = record["F"];
+  const auto [least, most] = std::minmax_element(f.begin(), f.end());
+  if (imposed && !(*most > *least))
+    throw InputError("discover: imposed motion: the force is constant; it is what the model has to predict", where,
+                     Fault::data);
+}
+
+/// y v a from the displacement and F, all through one kernel, so that m*a + f(y, v) = F stays true for linear terms.
+Record smoothed(const Record& record, const SavitzkyGolay& kernel) {
+  const auto y = record["y"];
+  auto channel = [](const char* name, const char* unit, Eigen::VectorXd values) {
+    Channel c;
+    c.name = c.source = name;
+    c.unit = unit;
+    c.values = std::move(values);
+    c.derived = true;
+    return c;
+  };
+  std::vector<Channel> channels;
+  channels.push_back(channel("F", "N", savitzky_golay(record["F"], record.dt(), 0, kernel)));
+  channels.push_back(channel("y", "m", savitzky_golay(y, record.dt(), 0, kernel)));
+  channels.push_back(channel("v", "m/s", savitzky_golay(y, record.dt(), 1, kernel)));
+  channels.push_back(channel("a", "m/s^2", savitzky_golay(y, record.dt(), 2, kernel)));
+  return Record(record.name(), record.start(), record.dt(), std::move(channels));
+}
+
+/// Which straight or curved line through its neighbours predicts a sample of the force best.
+Interpolation guess_interpolation(const std::vector<Record>& records) {
+  double hold = 0, line = 0, cubic = 0, power = 0;
+  for (const auto& record : records) {
+    const auto f = record["F"];
+    const double spread = standard_deviation(f);
+    for (std::size_t i = 3; i + 3 < f.size(); ++i) {
+      hold += std::pow(f[i] - f[i - 1], 2);
+      line += std::pow(f[i] - 0.5 * (f[i - 1] + f[i + 1]), 2);
+      cubic += std::pow(f[i] - (9 * (f[i - 1] + f[i + 1]) - f[i - 3] - f[i + 3]) / 16, 2);
+      power += spread * spread;
+    }
+  }
+  if (!(power > 0)) return Interpolation::linear;
+  if (cubic < line && cubic < hold) return cubic > 1e-4 * power ? Interpolation::band_limited : Interpolation::cubic;
+  return line <= hold ? Interpolation::linear : Interpolation::hold;
+}
+
+FitData force_data(const Record& record, Eigen::Index edge) {
+  FitData data{record, {}, std::vector<std::uint8_t>(static_cast<std::size_t>(record.rows()), 1)};
+  edge = std::min(edge, record.rows() / 10);
+  for (Eigen::Index i = 0; i < edge; ++i)
+    data.use[static_cast<std::size_t>(i)] = data.use[data.use.size() - 1 - static_cast<std::size_t>(i)] = 0;
+  return data;
+}
+
+}  // namespace
+
+double Study::measured_std() const {
+  double sum = 0;
+  Eigen::Index rows = 0;
+  for (const auto& d : train) {
+    const double s = standard_deviation(d.record[output()]);
+    sum += s * s * static_cast<double>(d.record.rows());
+    rows += d.record.rows();
+  }
+  return std::sqrt(sum / static_cast<double>(rows));
+}
+
+double Study::sensor_noise() const {
+  double sum = 0;
+  Eigen::Index rows = 0;
+  for (const auto& d : train) {
+    const double s = d.record.channel(output()).noise;
+    sum += s * s * static_cast<double>(d.record.rows());
+    rows += d.record.rows();
+  }
+  return std::sqrt(sum / static_cast<double>(rows));
+}
+
+Study prepare(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+              const DiscoverOptions& options) {
+  if (train.empty()) throw InputError("discover: expected at least one training record, got none", {}, Fault::usage);
+  Study study;
+  study.options = &options;
+  study.imposed = baseline.imposed_motion;
+  std::vector<Record> kept;
+  for (const auto& record : train) {
+    check_record(record, study.imposed);
+    if (!test.empty()) {
+      kept.push_back(record);
+      continue;
+    }
+    const auto rows = static_cast<Eigen::Index>(std::floor(static_cast<double>(record.rows()) * (1 - options.holdout)));
+    kept.push_back(record.slice(0, rows));
+    study.test.push_back(record.slice(rows, record.rows() - rows));
+    check_record(kept.back(), study.imposed);
+  }
+  if (test.empty())
+    study.warnings.push_back("no test record given: the last " +
+                             std::to_string(static_cast<int>(std::lround(options.holdout * 100))) +
+                             " % of each record is held out and opened once, after the verdict");
+  for (const auto& record : test) {
+    check_record(record, study.imposed);
+    study.test.push_back(record);
+  }
+  for (const auto& record : kept) {
+    const Record moved = derive_motion(record);
+    study.omega = std::max(study.omega, dominant_frequency(moved["y"], moved.dt()));
+    study.train.push_back({moved, {}, {}});
+    if (study.imposed) {
+      study.smooth.push_back(moved);
+      study.force.push_back(force_data(moved, 0));
+    } else {
+      const SavitzkyGolay kernel = choose_savitzky_golay(moved["y"], moved.channel("y").noise, 2);
+      study.smooth.push_back(smoothed(moved, kernel));
+      study.force.push_back(force_data(study.smooth.back(), kernel.half_width));
+    }
+  }
+  for (auto& record : study.test) record = derive_motion(record);
+  set_interpolation(study, study.imposed ? Interpolation::linear : guess_interpolation(kept));
+  return study;
+}
+
+FitData fit_data(const Study& study, const Record& record) {
+  FitData data{record, {}, {}};
+  if (!study.imposed) data.excitation = Excitation(record.start(), record.dt(), record["F"], study.interpolation);
+  return data;
+}
+
+void set_interpolation(Study& study, Interpolation interpolation) {
+  study.interpolation = interpolation;
+  for (auto& data : study.train) data = fit_data(study, data.record);
+}
+
+double upper_frequency(const Study& study) {
+  double highest = 0;
+  for (const auto& record : study.smooth) {
+    const double v = standard_deviation(record["v"]);
+    if (v > 0) highest = std::max(highest, standard_deviation(record["a"]) / v);
+  }
+  return highest;
+}
+
+RecordScales scales(const Study& study, double residual_std) {
+  RecordScales s{};
+  s.y_max = -INFINITY;
+  s.y_min = INFINITY;
+  double force = 0, rows = 0, y2 = 0, v2 = 0;
+  for (const auto& record : study.smooth) {
+    const auto y = as_vector(record["y"]), v = as_vector(record["v"]), f = as_vector(record["F"]);
+    s.y_max = std::max(s.y_max, y.maxCoeff());
+    s.y_min = std::min(s.y_min, y.minCoeff());
+    s.v_max = std::max(s.v_max, v.cwiseAbs().maxCoeff());
+    const auto n = static_cast<double>(y.size());
+    y2 += (y.array() - y.mean()).square().sum();
+    v2 += v.squaredNorm();
+    force += (f.array() - f.mean()).square().sum();
+    rows += n;
+  }
+  s.y_std = std::sqrt(y2 / rows);
+  s.v_std = std::sqrt(v2 / rows);
+  s.force_std = std::max(std::sqrt(force / rows), residual_std);
+  s.residual_std = residual_std;
+  s.omega = study.omega;
+  s.stiffness = s.force_std / s.y_std;
+  return s;
+}
+
+}  // namespace lunid

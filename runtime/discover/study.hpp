@@ -1,0 +1,40 @@
+#pragma once
+// What discovery knows of its data: training records cut and checked, their smoothed motion, scales and noise.
+#include <vector>
+
+#include "discover/discover.hpp"
+#include "simulate/fit.hpp"
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+struct Study {
+  const DiscoverOptions* options = nullptr;
+  bool imposed = false;
+  std::vector<FitData> train;
+  std::vector<Record> test;
+  std::vector<Record> smooth;      ///< training records with y v a F through one Savitzky-Golay kernel
+  std::vector<FitData> force;      ///< the same for fits of the force; edges of the kernel left out
+  std::vector<std::string> warnings;
+  double omega = 0;                ///< dominant angular frequency [rad/s]
+  Interpolation interpolation = Interpolation::linear;
+
+  const std::string output() const { return imposed ? "F" : "y"; }
+  double measured_std() const;     ///< of the output, over the training records
+  double sensor_noise() const;     ///< of the output, over the training records
+};
+
+/// Cuts the holdout, checks the records (rows, motion, force, channels) and smooths them. Throws InputError.
+Study prepare(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+              const DiscoverOptions& options);
+
+/// The force between the samples for all training records.
+void set_interpolation(Study& study, Interpolation interpolation);
+FitData fit_data(const Study& study, const Record& record);
+
+/// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
+double upper_frequency(const Study& study);
+
+RecordScales scales(const Study& study, double residual_std);
+
+}  // namespace lunid

@@ -1,0 +1,111 @@
+// What the terminal shows: every number with its meaning (DESIGN section 4).
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "discover/discover.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// "20.9(3)" style: the value with one or two digits of its standard deviation in brackets.
+std::string value_with_std(const Parameter& p) {
+  char text[96];
+  if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) {
+    std::snprintf(text, sizeof text, "%.4g", p.value);
+    return text;
+  }
+  const int exponent = static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), p.std))));
+  const int last = static_cast<int>(std::floor(std::log10(p.std)));
+  int decimals = exponent - last;
+  if (decimals < 0) decimals = 0;
+  const bool scientific = exponent < -3 || exponent > 5;
+  const double scale = scientific ? std::pow(10.0, exponent) : 1;
+  const int places = std::max(0, scientific ? decimals : -last);
+  const auto digits = std::lround(p.std / scale * std::pow(10.0, places));
+  if (scientific)
+    std::snprintf(text, sizeof text, "%.*f(%ld)e%d", places, p.value / scale, digits, exponent);
+  else
+    std::snprintf(text, sizeof text, "%.*f(%ld)", places, p.value, digits);
+  return text;
+}
+
+std::string list(const std::vector<Parameter>& table) {
+  std::string out;
+  for (const auto& p : table) {
+    out += (out.empty() ? "" : ", ") + p.name + " = " + value_with_std(p);
+    if (!p.unit.empty()) out += " " + p.unit;
+  }
+  return out.empty() ? "no parameters" : out;
+}
+
+std::string gap(const Gap& g) {
+  char text[160];
+  if (std::isfinite(g.value))
+    std::snprintf(text, sizeof text, "%.3g", g.value);
+  else
+    std::snprintf(text, sizeof text, "none (stopped at t = %.4g s: %s)", g.stopped_at, g.cause.c_str());
+  return text;
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+std::string rivals(const Discovery& d) {
+  std::string out;
+  std::size_t shown = 0;
+  for (const auto& r : d.rivals) {
+    if (shown++ == 3) break;
+    out += (out.empty() ? "" : " | ") + r.name + " " + number(r.gap) + (r.remark.empty() ? "" : " (" + r.remark + ")");
+  }
+  if (d.rivals.size() > 3) out += " | " + std::to_string(d.rivals.size() - 3) + " more";
+  return out;
+}
+
+}  // namespace
+
+std::string to_terminal(const Discovery& d) {
+  std::ostringstream out;
+  auto line = [&](const char* head, const std::string& text) {
+    char label[16];
+    std::snprintf(label, sizeof label, "%-11s", head);
+    out << label << text << '\n';
+  };
+  for (const auto& c : d.comparisons) {
+    const auto rows = c.t.size();
+    char text[128];
+    std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", c.role.c_str(), static_cast<long>(rows),
+                  c.t[rows - 1] - c.t[0], static_cast<double>(rows - 1) / (c.t[rows - 1] - c.t[0]));
+    line("record", c.record + text);
+  }
+  for (const auto& w : d.warnings) line("note", w);
+  line("baseline", list(d.baseline.parameters));
+  line("gap", "train " + gap(d.baseline_train) + "   test " + gap(d.baseline_test) + "   (noise alone: train " +
+                  number(d.final_train.floor) + ", test " + number(d.final_test.floor) + ")");
+  line("where", d.where);
+  if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train)");
+  double train = d.baseline_train.value, test = d.baseline_test.value;
+  for (const auto& e : d.effects) {
+    line("named", e.name + "  " + e.formula + ", " + list(e.parameters));
+    line("", "gap  train " + number(train) + " -> " + number(e.gap_train) + "   test " + number(test) + " -> " + number(e.gap_test));
+    if (!e.indistinguishable.empty()) {
+      std::string names;
+      for (const auto& n : e.indistinguishable) names += (names.empty() ? "" : ", ") + n;
+      line("", "this record cannot tell it from: " + names);
+    }
+    train = e.gap_train;
+    test = e.gap_test;
+  }
+  line("equation", d.final.equation());
+  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " + number(d.gap_left_out_after) +
+                  "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
+  line("verdict", d.verdict + ": " + d.sentence);
+  return out.str();
+}
+
+}  // namespace lunid

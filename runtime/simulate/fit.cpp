@@ -1,0 +1,510 @@
+#include "simulate/fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace lunid {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Normal equations over theta with each segment's first state eliminated.
+struct Normal {
+  double cost = infinity;
+  Eigen::Index rows = 0;
+  Eigen::MatrixXd a;                      ///< theta x theta (before elimination)
+  Eigen::VectorXd b;
+  std::vector<Eigen::MatrixXd> ax, axx;   ///< per segment: theta x n, n x n
+  std::vector<Eigen::VectorXd> bx;
+  std::string cause;                      ///< why a run failed
+};
+
+
+using Grid = std::shared_ptr<const Eigen::VectorXd>;
+
+Grid grid_of(const Excitation& excitation, int substeps) {
+  return std::make_shared<const Eigen::VectorXd>(excitation.refined(substeps));
+}
+
+/// A part of an excitation on the refined grid of the whole record, so that cutting does not change the force between
+/// the samples.
+Excitation cut_out(const Excitation& excitation, const Grid& grid, Eigen::Index first, Eigen::Index count,
+                   int substeps) {
+  const double t0 = excitation.t0() + excitation.dt() * static_cast<double>(first);
+  const double per = 2.0 * substeps / excitation.dt(), origin = excitation.t0();
+  return Excitation(t0, excitation.dt(), count, [grid, per, origin](double t) {
+    const double position = std::clamp((t - origin) * per, 0.0, static_cast<double>(grid->size() - 1));
+    const auto i = std::min<Eigen::Index>(static_cast<Eigen::Index>(position + 1e-6), grid->size() - 1);
+    const double part = position - static_cast<double>(i);
+    if (part < 1e-6 || i + 1 >= grid->size()) return (*grid)[i];
+    return (*grid)[i] + part * ((*grid)[i + 1] - (*grid)[i]);
+  });
+}
+
+bool used(const FitData& data, Eigen::Index row) {
+  return data.use.empty() || data.use[static_cast<std::size_t>(row)] != 0;
+}
+
+std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& data, Eigen::Index length) {
+  std::vector<FitSegment> segments;
+  for (std::size_t r = 0; r < data.size(); ++r) {
+    const Eigen::Index rows = data[r].record.rows();
+    const Eigen::Index parts = length <= 0 ? 1 : std::max<Eigen::Index>(1, rows / length);
+    for (Eigen::Index k = 0; k < parts; ++k) {
+      const Eigen::Index first = rows * k / parts, last = rows * (k + 1) / parts;
+      segments.push_back({static_cast<int>(r), first, last - first, measured_state(system, data[r].record, first)});
+    }
+  }
+  return segments;
+}
+
+class Problem {
+ public:
+  Problem(const System& system, const std::vector<FitData>& data, const FitOptions& options, int substeps)
+      : system_(system), data_(data), options_(options) {
+    run_options_.solver = Solver::fixed;
+    run_options_.substeps = substeps;
+    run_options_.cancelled = options.cancelled;
+  }
+
+  bool imposed() const { return system_.model().imposed_motion; }
+
+  void prepare(const std::vector<FitSegment>& segments) {
+    excitations_.clear();
+    if (imposed()) return;
+    std::vector<Grid> grids;
+    for (const auto& d : data_) grids.push_back(grid_of(d.excitation, run_options_.substeps));
+    for (const auto& s : segments) {
+      const auto r = static_cast<std::size_t>(s.record);
+      excitations_.push_back(cut_out(data_[r].excitation, grids[r], s.first, s.count, run_options_.substeps));
+    }
+  }
+
+  /// Residual of every record at (theta, first states), and the normal equations when asked for.
+  Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives,
+                  std::vector<Eigen::VectorXd>* residual = nullptr) {
+    Normal normal;
+    normal.cost = 0;
+    const Eigen::Index p = system_.parameters();
+    normal.a.setZero(p, p);
+    normal.b.setZero(p);
+    if (residual) {
+      residual->clear();
+      for (const auto& d : data_) residual->push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
+    }
+    for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s)
+      add(theta, segments[s], s, derivatives, residual, normal);
+    return normal;
+  }
+
+  long runs = 0;
+
+ private:
+  void add(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives,
+           std::vector<Eigen::VectorXd>* residual, Normal& normal) {
+    const FitData& data = data_[static_cast<std::size_t>(segment.record)];
+    const Eigen::Index p = system_.parameters();
+    Eigen::VectorXd error;
+    Eigen::MatrixXd jacobian;
+    if (!run(theta, segment, index, data, derivatives, error, jacobian, normal)) return;
+    if (residual) {
+      auto& out = (*residual)[static_cast<std::size_t>(segment.record)];
+      out.segment(segment.first, segment.count) = error;
+    }
+    std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
+    for (Eigen::Index i = 0; i < segment.count; ++i) keep[static_cast<std::size_t>(i)] = used(data, segment.first + i);
+    Eigen::VectorXd whitened;
+    whiten(error, keep, options_.whitening, whitened);
+    normal.rows += std::count(keep.begin(), keep.end(), 1) / options_.whitening.average;
+    error = std::move(whitened);
+    if (derivatives) {
+      Eigen::MatrixXd columns(error.size(), jacobian.cols());
+      for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
+        whiten(jacobian.col(j), keep, options_.whitening, whitened);
+        columns.col(j) = whitened;
+      }
+      jacobian = std::move(columns);
+    }
+    normal.cost += error.squaredNorm();
+    if (!derivatives) return;
+    const auto jt = jacobian.leftCols(p);
+    normal.a.noalias() += jt.transpose() * jt;
+    normal.b.noalias() += jt.transpose() * error;
+    if (imposed()) return;
+    const auto jx = jacobian.rightCols(jacobian.cols() - p);
+    normal.ax.push_back(jt.transpose() * jx);
+    normal.axx.push_back(jx.transpose() * jx);
+    normal.bx.push_back(jx.transpose() * error);
+  }
+
+  /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); false when the run failed.
+  bool run(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, const FitData& data,
+           bool derivatives, Eigen::VectorXd& error, Eigen::MatrixXd& jacobian, Normal& normal) {
+    ++runs;
+    const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
+    if (imposed()) {
+      const auto force = data.record["F"];
+      const Eigen::VectorXd model = imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr);
+      error = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())) - model;
+      if (!error.allFinite()) return fail(normal, "the model's force is not finite");
+      return true;
+    }
+    const auto y = data.record["y"].subspan(static_cast<std::size_t>(segment.first),
+                                            static_cast<std::size_t>(segment.count));
+    const Eigen::Map<const Eigen::VectorXd> measured(y.data(), segment.count);
+    if (derivatives) {
+      SensitivityRun r = simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_);
+      if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
+      if (!r.dy.allFinite()) return fail(normal, "the sensitivities are not finite");
+      error = measured - r.run.x.col(0);
+      jacobian = std::move(r.dy);
+    } else {
+      const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
+      if (!r.summary.completed) return fail(normal, r.summary.cause);
+      error = measured - r.x.col(0);
+    }
+    return true;
+  }
+
+  static bool fail(Normal& normal, std::string cause) {
+    normal.cost = infinity;
+    normal.cause = std::move(cause);
+    return false;
+  }
+
+  const System& system_;
+  const std::vector<FitData>& data_;
+  const FitOptions& options_;
+  SimulateOptions run_options_;
+  std::vector<Excitation> excitations_;
+};
+
+/// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m, double tolerance = 1e-12) {
+  if (m.rows() == 0) return m;
+  Eigen::VectorXd scale = m.diagonal().cwiseMax(0).cwiseSqrt();
+  for (auto& s : scale) s = s > 0 ? 1 / s : 0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const double largest = inverse.cwiseAbs().maxCoeff();
+  for (auto& value : inverse) value = value > tolerance * largest ? 1 / value : 0;
+  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
+         scale.asDiagonal();
+}
+
+struct Step {
+  Eigen::VectorXd theta;
+  std::vector<Eigen::VectorXd> x0;
+};
+
+/// The damped Gauss-Newton step; rows of frozen parameters are left out.
+Step damped_step(const Normal& normal, double lambda, const std::vector<std::uint8_t>& frozen) {
+  Eigen::MatrixXd a = normal.a;
+  Eigen::VectorXd b = normal.b;
+  a.diagonal() *= 1 + lambda;
+  std::vector<Eigen::MatrixXd> inverse;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s) {
+    Eigen::MatrixXd axx = normal.axx[s];
+    axx.diagonal() *= 1 + lambda;
+    inverse.push_back(pseudo_inverse(axx));
+    a.noalias() -= normal.ax[s] * inverse[s] * normal.ax[s].transpose();
+    b.noalias() -= normal.ax[s] * (inverse[s] * normal.bx[s]);
+  }
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    if (frozen[static_cast<std::size_t>(i)]) {
+      a.row(i).setZero();
+      a.col(i).setZero();
+      b[i] = 0;
+    }
+  Step step;
+  step.theta = pseudo_inverse(a, 1e-13) * b;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s)
+    step.x0.push_back(inverse[s] * (normal.bx[s] - normal.ax[s].transpose() * step.theta));
+  return step;
+}
+
+/// J'J of theta with first states projected out.
+Eigen::MatrixXd schur(const Normal& normal) {
+  Eigen::MatrixXd a = normal.a;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s)
+    a.noalias() -= normal.ax[s] * pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose();
+  return a;
+}
+
+struct Bounds {
+  Eigen::VectorXd min, max;
+  explicit Bounds(const Model& model) {
+    const auto n = static_cast<Eigen::Index>(model.parameters.size());
+    min.resize(n);
+    max.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& p = model.parameters[static_cast<std::size_t>(i)];
+      min[i] = p.min;
+      max[i] = p.max;
+    }
+  }
+};
+
+/// Parameters that may not move: fixed ones, and those at a bound that the gradient pushes against.
+std::vector<std::uint8_t> frozen(const Model& model, const Bounds& bounds, const Eigen::VectorXd& theta,
+                                 const Eigen::VectorXd& descent, std::vector<std::uint8_t>* at_bound) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(theta.size()), 0);
+  if (at_bound) at_bound->assign(out.size(), 0);
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    const bool held = (theta[i] <= bounds.min[i] && descent[i] <= 0) || (theta[i] >= bounds.max[i] && descent[i] >= 0);
+    if (held && at_bound) (*at_bound)[static_cast<std::size_t>(i)] = 1;
+    out[static_cast<std::size_t>(i)] = held || model.parameters[static_cast<std::size_t>(i)].fixed;
+  }
+  return out;
+}
+
+/// Covariance, ranks and residuals at the solution.
+void finish(Problem& problem, const System& system, const Normal& normal, FitResult& result) {
+  const Eigen::Index p = system.parameters();
+  result.rows = normal.rows;
+  problem.evaluate(result.theta, result.segments, false, &result.residual);
+  result.information = schur(normal);
+  Eigen::VectorXd full = normal.a.diagonal();
+  result.unseen.assign(static_cast<std::size_t>(p), 0);
+  Eigen::MatrixXd information = result.information;
+  Eigen::Index free = 0;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!(information(i, i) > 1e-10 * full[i])) result.unseen[k] = 1;
+    if (result.at_bound[k] || system.model().parameters[k].fixed) {
+      information.row(i).setZero();
+      information.col(i).setZero();
+    } else {
+      ++free;
+    }
+  }
+  const double states = system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2;
+  const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
+  result.covariance = pseudo_inverse(information) * (normal.cost / freedom);
+}
+
+FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
+                   const FitOptions& options, std::vector<FitSegment> segments, int substeps) {
+  const Bounds bounds(system.model());
+  Problem problem(system, data, options, substeps);
+  problem.prepare(segments);
+  FitResult result;
+  result.substeps = substeps;
+  result.theta = start.cwiseMax(bounds.min).cwiseMin(bounds.max);
+  result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
+  Normal normal = problem.evaluate(result.theta, segments, true);
+  double lambda = 1e-4;
+  result.stopped = "iterations";
+  if (!std::isfinite(normal.cost)) {
+    result.cost = infinity;
+    result.segments = std::move(segments);
+    result.stopped = "free run: " + normal.cause;
+    result.runs = problem.runs;
+    return result;
+  }
+  for (; result.iterations < options.max_iterations && !result.converged; ++result.iterations) {
+    bool improved = false;
+    for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
+      auto hold = frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
+      Step step = damped_step(normal, lambda, hold);
+      Eigen::VectorXd theta = (result.theta + step.theta).cwiseMax(bounds.min).cwiseMin(bounds.max);
+      if (!theta.allFinite()) { lambda = lambda * 10 + 1e-6; continue; }
+      std::vector<FitSegment> trial = segments;
+      for (std::size_t s = 0; s < step.x0.size(); ++s) trial[s].x0 += step.x0[s];
+      bool finite = true;
+      for (const auto& t : trial) finite = finite && t.x0.allFinite();
+      if (!finite) { lambda = lambda * 10 + 1e-6; continue; }
+      Normal next = problem.evaluate(theta, trial, false);
+      if (next.cost < normal.cost) {
+        const double drop = (normal.cost - next.cost) / normal.cost;
+        Normal full = problem.evaluate(theta, trial, true);
+        if (!std::isfinite(full.cost)) { lambda = lambda * 10 + 1e-6; continue; }
+        result.theta = std::move(theta);
+        segments = std::move(trial);
+        normal = std::move(full);
+        improved = true;
+        lambda = std::max(lambda * 0.1, 1e-12);
+        if (drop < options.tolerance) {
+          result.converged = true;
+          result.stopped = "relative drop of the cost below " + std::to_string(options.tolerance);
+        }
+      } else {
+        lambda = lambda * 10 + 1e-9;
+      }
+    }
+    if (!improved) {
+      result.converged = true;
+      result.stopped = "no step lowers the cost";
+    }
+  }
+  frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
+  result.cost = normal.cost;
+  result.segments = std::move(segments);
+  finish(problem, system, normal, result);
+  result.runs = problem.runs;
+  return result;
+}
+
+int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data) {
+  if (system.model().imposed_motion) return 1;
+  int most = 1;
+  for (const auto& d : data) {
+    const Eigen::Index rows = std::min<Eigen::Index>(d.record.rows(), 400);
+    const Eigen::Index first = (d.record.rows() - rows) / 2;
+    std::vector<double> values(d.record["y"].begin(), d.record["y"].end());
+    const int chosen = choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())},
+                                       slice(d.excitation, first, rows, 8), measured_state(system, d.record, first), 1e-4);
+    most = std::max(most, chosen);
+  }
+  return std::min(most, 64);
+}
+
+void check(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data) {
+  if (theta.size() != system.parameters())
+    throw InputError("fit_trajectory: theta: expected " + std::to_string(system.parameters()) + " values, got " +
+                     std::to_string(theta.size()));
+  if (!theta.allFinite()) throw InputError("fit_trajectory: theta: every first guess must be a finite number");
+  if (data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
+  for (const auto& d : data)
+    if (!d.use.empty() && static_cast<Eigen::Index>(d.use.size()) != d.record.rows())
+      throw InputError("fit_trajectory: use: expected one entry per row of the record");
+}
+
+}  // namespace
+
+void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use, const Whitening& whitening,
+            Eigen::VectorXd& out) {
+  if (whitening.average == 1 && whitening.ar.empty()) {
+    out = column;
+    for (Eigen::Index i = 0; i < out.size(); ++i)
+      if (!use.empty() && !use[static_cast<std::size_t>(i)]) out[i] = 0;
+    return;
+  }
+  const Eigen::Index average = whitening.average, rows = column.size() / average;
+  const auto order = static_cast<Eigen::Index>(whitening.ar.size());
+  Eigen::VectorXd mean(rows);
+  std::vector<std::uint8_t> keep(static_cast<std::size_t>(rows), 1);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    mean[i] = column.segment(i * average, average).mean();
+    for (Eigen::Index j = 0; j < average && !use.empty(); ++j)
+      if (!use[static_cast<std::size_t>(i * average + j)]) keep[static_cast<std::size_t>(i)] = 0;
+  }
+  out.setZero(rows);
+  Eigen::Index history = 0;  // rows in use without a break before this one
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if (!keep[static_cast<std::size_t>(i)]) { history = 0; continue; }
+    if (history++ < order) continue;
+    out[i] = mean[i];
+    for (Eigen::Index j = 0; j < order; ++j) out[i] -= whitening.ar[static_cast<std::size_t>(j)] * mean[i - 1 - j];
+  }
+}
+
+void validate(const FitOptions& o) {
+  auto refuse = [](const std::string& what) { throw InputError("fit_trajectory: " + what); };
+  if (o.segment < 0) refuse("segment: expected >= 0 rows, got " + std::to_string(o.segment));
+  if (o.max_iterations < 1) refuse("max_iterations: expected >= 1, got " + std::to_string(o.max_iterations));
+  if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + std::to_string(o.tolerance));
+  if (o.whitening.average < 1) refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
+  if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
+}
+
+Excitation slice(const Excitation& excitation, Eigen::Index first, Eigen::Index count, int substeps) {
+  return cut_out(excitation, grid_of(excitation, substeps), first, count, substeps);
+}
+
+Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row) {
+  Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
+  const Channel& y = record.channel("y");
+  const Eigen::Index width = std::min<Eigen::Index>(record.rows(), 201);
+  const Eigen::Index first = std::clamp<Eigen::Index>(row - width / 2, 0, record.rows() - width);
+  const auto part = record["y"].subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
+  const SavitzkyGolay options = choose_savitzky_golay(part, y.noise, 0);
+  x0[0] = savitzky_golay(part, record.dt(), 0, options)[row - first];
+  x0[1] = record["v"][static_cast<std::size_t>(row)];
+  const auto& states = system.model().states;
+  for (std::size_t i = 0; i < states.size(); ++i) x0[static_cast<Eigen::Index>(2 + i)] = states[i].initial;
+  return x0;
+}
+
+FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                         const FitOptions& options) {
+  validate(options);
+  check(system, theta, data);
+  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data);
+  return minimise(system, theta, data, options, cut(system, data, options.segment), substeps);
+}
+
+FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                            const FitOptions& options) {
+  validate(options);
+  check(system, theta, data);
+  if (system.model().imposed_motion) return fit_trajectory(system, theta, data, options);
+  Eigen::Index longest = 0, length = 0;
+  for (const auto& d : data) {
+    longest = std::max(longest, d.record.rows());
+    const double omega = dominant_frequency(d.record["y"], d.record.dt());
+    const double period = omega > 0 ? 2 * M_PI / omega / d.record.dt() : static_cast<double>(d.record.rows());
+    length = std::max(length, static_cast<Eigen::Index>(2 * period));
+  }
+  length = std::clamp<Eigen::Index>(length, 20, longest);
+  FitOptions stage = options;
+  stage.substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data);
+  stage.whitening = {};
+  stage.tolerance = std::max(options.tolerance, 1e-3);
+  stage.max_iterations = std::min(options.max_iterations, 12);
+  Eigen::VectorXd current = theta;
+  const Eigen::Index last = options.segment > 0 ? options.segment : longest;
+  for (; length < last; length *= 5) {
+    stage.segment = length;
+    const FitResult fit = fit_trajectory(system, current, data, stage);
+    if (std::isfinite(fit.cost)) current = fit.theta;
+  }
+  FitOptions final_stage = options;
+  final_stage.substeps = stage.substeps;
+  return fit_trajectory(system, current, data, final_stage);
+}
+
+StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                             Eigen::Index first, Eigen::Index count, int substeps) {
+  StateEstimate out;
+  FitOptions options;
+  options.substeps = substeps;
+  const std::vector<FitData> one{data};
+  Problem alone(system, one, options, substeps);
+  std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first)}};
+  alone.prepare(segments);
+  Normal normal = alone.evaluate(theta, segments, true);
+  std::vector<std::uint8_t> hold(static_cast<std::size_t>(theta.size()), 1);
+  double lambda = 1e-6;
+  for (int iteration = 0; iteration < 30 && std::isfinite(normal.cost); ++iteration) {
+    const Step step = damped_step(normal, lambda, hold);
+    auto trial = segments;
+    trial[0].x0 += step.x0[0];
+    Normal next = alone.evaluate(theta, trial, true);
+    if (!(next.cost < normal.cost)) {
+      lambda = lambda * 10 + 1e-9;
+      if (lambda > 1e6) break;
+      continue;
+    }
+    const bool done = normal.cost - next.cost < 1e-9 * normal.cost;
+    segments = trial;
+    normal = std::move(next);
+    lambda *= 0.1;
+    if (done) break;
+  }
+  out.x0 = segments[0].x0;
+  out.converged = std::isfinite(normal.cost);
+  if (out.converged) {
+    out.residual_variance = normal.cost / std::max<double>(1, static_cast<double>(count - 2));
+    out.covariance = pseudo_inverse(normal.axx[0]) * out.residual_variance;
+  }
+  return out;
+}
+
+}  // namespace lunid

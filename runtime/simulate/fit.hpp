@@ -1,0 +1,94 @@
+#pragma once
+// Parameters refined on the trajectory: least squares on the displacement of free runs, by exact sensitivities.
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "record/record.hpp"
+#include "simulate/simulate.hpp"
+
+namespace lunid {
+
+/// A record with the force between its samples, and the rows that the fit may see.
+struct FitData {
+  Record record;
+  Excitation excitation;
+  std::vector<std::uint8_t> use;  ///< one entry per row, 0: left out of the fit (still simulated); empty: all used
+};
+
+/// The colour of the residual: means over `average` rows, then the innovations e_t - sum ar_i e_(t-i) (generalised
+/// least squares with an autoregressive noise; Cochrane & Orcutt 1949). The default leaves the residual as it is.
+struct Whitening {
+  int average = 1;
+  std::vector<double> ar;
+};
+
+/// Applies a whitening to one column; rows out of use (and those that lack their history) become 0. `out` has
+/// column.size() / average rows.
+void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use, const Whitening& whitening,
+            Eigen::VectorXd& out);
+
+struct FitOptions {
+  Eigen::Index segment = 0;   ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
+  int max_iterations = 40;    ///< >= 1
+  double tolerance = 1e-7;    ///< relative drop of the cost at which the fit stops, > 0
+  int substeps = 0;           ///< per sample; 0: chosen by halving the step at the start
+  Whitening whitening;        ///< what is done to the residual before it is squared
+  const std::atomic<bool>* cancelled = nullptr;
+};
+/// Throws InputError naming option, value and the admissible range.
+void validate(const FitOptions& options);
+
+/// One free run of the fit and its first state.
+struct FitSegment {
+  int record = 0;
+  Eigen::Index first = 0, count = 0;
+  Eigen::VectorXd x0;
+};
+
+struct FitResult {
+  Eigen::VectorXd theta;
+  std::vector<FitSegment> segments;
+  std::vector<Eigen::VectorXd> residual;  ///< per record: measured - model [m] (force [N] with imposed motion), rows out of use too
+  double cost = 0;           ///< sum of squared (whitened) residuals
+  Eigen::Index rows = 0;     ///< rows in the cost
+  Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost
+  Eigen::MatrixXd covariance;   ///< pseudo-inverse of information times cost / degrees of freedom; 0 rows at bounds
+  std::vector<std::uint8_t> at_bound;   ///< parameter sits at a bound that holds it
+  std::vector<std::uint8_t> unseen;     ///< parameter that the data do not excite (rank)
+  bool converged = false;
+  std::string stopped;       ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
+  int iterations = 0;
+  long runs = 0;
+  int substeps = 1;
+};
+
+/// Levenberg-Marquardt with bounds (projected, active set; Nocedal & Wright 2006, chapters 10 and 16) on free runs
+/// from estimated first states, which are eliminated per segment (Schur complement). `theta` is the start, bounds come
+/// from the model's table. With imposed motion the residual is that of the force and segments are not used.
+/// Throws InputError for wrong sizes; a fit that cannot simulate its start returns converged = false and infinite cost.
+FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                         const FitOptions& options = {});
+
+/// The same from a rough start: short free runs first (two periods), then longer ones up to the whole record, so that a
+/// wrong first guess does not lock into a neighbouring phase (multiple shooting; Bock 1983).
+FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                            const FitOptions& options = {});
+
+/// First state estimated on the rows [first, first + count) alone with theta fixed.
+struct StateEstimate {
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd covariance;
+  double residual_variance = 0;  ///< of the rows used
+  bool converged = false;
+};
+StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data, Eigen::Index first,
+                             Eigen::Index count, int substeps);
+
+/// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
+Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);
+
+/// The part of an excitation over rows [first, first + count), the force between its samples unchanged.
+Excitation slice(const Excitation& excitation, Eigen::Index first, Eigen::Index count, int substeps);
+
+}  // namespace lunid
