@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "statistics/fit_measures.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
@@ -19,7 +19,7 @@ void extend(std::vector<double>& a, double reflection) {
 
 AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, Criterion criterion) {
   AutoregressiveFit best;
-  best.mean = mean(x);
+  best.mean = moments::mean(x);
   const auto n = static_cast<Eigen::Index>(x.size());
   if (n == 0) return best;
   Eigen::VectorXd forward = Eigen::Map<const Eigen::VectorXd>(x.data(), n).array() - best.mean;

@@ -1,12 +1,10 @@
 #include "statistics/bootstrap.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "expr/error.hpp"
 #include "statistics/correlation.hpp"
-#include "statistics/fit_measures.hpp"
 #include "statistics/philox.hpp"
 
 namespace lunid {
@@ -21,58 +19,31 @@ std::uint64_t number_of_draws(Eigen::Index blocks) {
   return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(100'000'000 / std::max<Eigen::Index>(blocks, 1)), 1999, 9999);
 }
 
-/// Sums of the scores over all blocks of a length, on the ring of the first rows (a whole number of blocks).
+/// Sums of a series over all blocks of a length, on the ring of its first rows (a whole number of blocks).
 struct BlockSums {
   Eigen::Index length = 1, count = 0;  ///< of a block; of blocks in the data
-  Eigen::MatrixXd sums;                ///< row i: of the block that starts at row i
-  Eigen::VectorXd mean;                ///< of a block's sum
+  Eigen::VectorXd sums;                ///< entry i: of the block that starts at row i
 };
 
-BlockSums block_sums(const Eigen::MatrixXd& scores, Eigen::Index length) {
-  BlockSums result;
-  result.length = length;
-  result.count = scores.rows() / length;
+BlockSums block_sums(const Eigen::VectorXd& x, Eigen::Index length) {
+  BlockSums result{length, x.size() / length, {}};
   const Eigen::Index rows = result.count * length;
-  result.sums.resize(rows, scores.cols());
-  for (Eigen::Index c = 0; c < scores.cols(); ++c) {
-    double sum = scores.col(c).head(length).sum();
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      result.sums(i, c) = sum;
-      // A running sum loses digits; it is formed afresh at each whole block.
-      if ((i + 1) % length == 0) sum = i + 1 < rows ? scores.col(c).segment(i + 1, length).sum() : 0;
-      else sum += scores((i + length) % rows, c) - scores(i, c);
-    }
+  result.sums.resize(rows);
+  double sum = x.head(length).sum();
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    result.sums[i] = sum;
+    // A running sum loses digits; it is formed afresh at each whole block.
+    if ((i + 1) % length == 0) sum = i + 1 < rows ? x.segment(i + 1, length).sum() : 0;
+    else sum += x[(i + length) % rows] - x[i];
   }
-  result.mean = result.sums.colwise().mean();
   return result;
 }
 
-/// Hotelling's T^2 of the chosen blocks about `centre`; directions without variation are left out.
-double hotelling(const BlockSums& blocks, const std::vector<Eigen::Index>& starts, const Eigen::VectorXd& centre) {
-  const Eigen::Index q = blocks.sums.cols(), m = static_cast<Eigen::Index>(starts.size());
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(q);
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(q, q);
-  for (Eigen::Index start : starts) {
-    const Eigen::VectorXd d = blocks.sums.row(start).transpose() - centre;
-    mean += d;
-    square += d * d.transpose();
-  }
-  mean /= static_cast<double>(m);
-  const Eigen::MatrixXd covariance = square / static_cast<double>(m) - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const Eigen::VectorXd along = eigen.eigenvectors().transpose() * mean;
-  const double least = 1e-10 * std::max(eigen.eigenvalues().maxCoeff(), 0.0);
-  double sum = 0;
-  for (Eigen::Index i = 0; i < q; ++i)
-    if (eigen.eigenvalues()[i] > least) sum += along[i] * along[i] / eigen.eigenvalues()[i];
-  return static_cast<double>(m - 1) * sum;
-}
-
-/// Signed t of one column.
+/// t of the mean of the chosen blocks about `centre`.
 double studentised(const BlockSums& blocks, const std::vector<Eigen::Index>& starts, double centre) {
   double sum = 0, square = 0;
   for (Eigen::Index start : starts) {
-    const double d = blocks.sums(start, 0) - centre;
+    const double d = blocks.sums[start] - centre;
     sum += d;
     square += d * d;
   }
@@ -86,13 +57,6 @@ std::vector<Eigen::Index> blocks_of_the_data(const BlockSums& blocks) {
   std::vector<Eigen::Index> starts;
   for (Eigen::Index i = 0; i < blocks.count; ++i) starts.push_back(i * blocks.length);
   return starts;
-}
-
-Eigen::Index length_for(const Eigen::MatrixXd& scores, Eigen::Index least) {
-  Eigen::Index length = std::max<Eigen::Index>(least, 1);
-  for (Eigen::Index c = 0; c < scores.cols(); ++c)
-    length = std::max(length, choose_block_length(span_of(scores.col(c))));
-  return std::min(length, std::max<Eigen::Index>(scores.rows() / fewest_blocks, 1));
 }
 
 }  // namespace
@@ -150,28 +114,6 @@ Eigen::Index choose_block_length(std::span<const double> x) {
   return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::ceil(length)), 1, most);
 }
 
-double p_value_of_zero_mean(const Eigen::Ref<const Eigen::MatrixXd>& scores, Eigen::Index block_length,
-                            std::uint64_t seed) {
-  if (scores.rows() < fewest_rows) return 1;
-  std::vector<Eigen::Index> varying;
-  for (Eigen::Index c = 0; c < scores.cols(); ++c)
-    if (scores.col(c).maxCoeff() > scores.col(c).minCoeff()) varying.push_back(c);
-  if (varying.empty()) return 1;
-  Eigen::MatrixXd scaled(scores.rows(), static_cast<Eigen::Index>(varying.size()));
-  for (Eigen::Index c = 0; c < scaled.cols(); ++c) {
-    const Eigen::VectorXd column = scores.col(varying[static_cast<std::size_t>(c)]);
-    scaled.col(c) = column / column.cwiseAbs().maxCoeff();
-  }
-  const BlockSums blocks = block_sums(scaled, length_for(scaled, block_length));
-  const double found = hotelling(blocks, blocks_of_the_data(blocks), Eigen::VectorXd::Zero(scaled.cols()));
-  const BlockBootstrap bootstrap(blocks.sums.rows(), blocks.length, seed);
-  const std::uint64_t draws = number_of_draws(blocks.count) / 5;  // an eigenvalue problem each
-  std::uint64_t beyond = 0;
-  for (std::uint64_t draw = 0; draw < draws; ++draw)
-    beyond += hotelling(blocks, bootstrap.starts(draw), blocks.mean) >= found;
-  return static_cast<double>(beyond + 1) / static_cast<double>(draws + 1);
-}
-
 double p_value_of_lower_error(std::span<const double> before, std::span<const double> after,
                               Eigen::Index block_length, std::uint64_t seed) {
   if (before.size() != after.size())
@@ -182,18 +124,17 @@ double p_value_of_lower_error(std::span<const double> before, std::span<const do
   const Eigen::ArrayXd b = Eigen::Map<const Eigen::ArrayXd>(after.data(), n);
   if (!b.allFinite()) return 1;
   if (!a.allFinite()) return 1e-4;
-  Eigen::MatrixXd drop = a.square() - b.square();
+  Eigen::VectorXd drop = a.square() - b.square();
   const double scale = n > 0 ? drop.cwiseAbs().maxCoeff() : 0;
   if (n < fewest_rows || !(scale > 0)) return 1;
   drop /= scale;
-  const BlockSums blocks = block_sums(drop, length_for(drop, block_length));
-  const double found = studentised(blocks, blocks_of_the_data(blocks), 0);
-  const BlockBootstrap bootstrap(blocks.sums.rows(), blocks.length, seed);
-  const std::uint64_t draws = number_of_draws(blocks.count);
-  std::uint64_t beyond = 0;
-  for (std::uint64_t draw = 0; draw < draws; ++draw)
-    beyond += studentised(blocks, bootstrap.starts(draw), blocks.mean[0]) >= found;
-  return static_cast<double>(beyond + 1) / static_cast<double>(draws + 1);
+  const Eigen::Index least = std::max(block_length, choose_block_length(span_of(drop)));
+  const BlockSums blocks = block_sums(drop, std::clamp<Eigen::Index>(least, 1, n / fewest_blocks));
+  const double found = studentised(blocks, blocks_of_the_data(blocks), 0), centre = blocks.sums.mean();
+  const BlockBootstrap bootstrap(blocks.sums.size(), blocks.length, seed);
+  MonteCarlo chance(number_of_draws(blocks.count));
+  while (chance.more()) chance.add(studentised(blocks, bootstrap.starts(chance.draws()), centre) >= found);
+  return chance.p_value();
 }
 
 }  // namespace lunid

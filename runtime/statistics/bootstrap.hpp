@@ -24,19 +24,35 @@ class BlockBootstrap {
   std::uint64_t seed_;
 };
 
+/// A p-value by simulation: the share of draws that go beyond what was found. It stops at 50 of them, when the value is
+/// known well enough (Besag & Clifford 1991, Biometrika 78, 301), and never says less than 1 / (most + 1).
+class MonteCarlo {
+ public:
+  explicit MonteCarlo(std::uint64_t most) : most_(most) {}
+  bool more() const { return draws_ < most_ && beyond_ < enough; }
+  std::uint64_t draws() const { return draws_; }
+  void add(bool beyond) {
+    ++draws_;
+    beyond_ += beyond;
+  }
+  double p_value() const {
+    if (beyond_ >= enough) return static_cast<double>(beyond_) / static_cast<double>(draws_);
+    return static_cast<double>(beyond_ + 1) / static_cast<double>(draws_ + 1);
+  }
+
+ private:
+  static constexpr std::uint64_t enough = 50;
+  std::uint64_t most_, draws_ = 0, beyond_ = 0;
+};
+
 /// The block length that a series' own correlation calls for. (Politis & White 2004, Econometric Rev. 23, 53, with
 /// Patton's correction of 2009.) Between 1 and rows / 20.
 Eigen::Index choose_block_length(std::span<const double> x);
 
-/// Probability of data so far from zero mean if the mean of every column of `scores` is zero: Hotelling's statistic of
-/// block sums against its block bootstrap. `block_length` is a least length, 0 for none: longer blocks are taken where
-/// the scores are correlated for longer. Columns without variation do not count. 1 with fewer than 40 rows.
-double p_value_of_zero_mean(const Eigen::Ref<const Eigen::MatrixXd>& scores, Eigen::Index block_length,
-                            std::uint64_t seed);
-
 /// Probability of a drop of the mean squared error as large as that from `before` to `after` (errors of two runs on the
 /// same rows) if there were none: studentised block bootstrap of the differences of squares, one-sided, never below
-/// 1e-4. `block_length` as above. An error that is not finite is one without bound.
+/// 1e-4. `block_length` is a least length, 0 for none: longer blocks are taken where the differences are correlated for
+/// longer, up to a twentieth of the rows. 1 with fewer than 40 rows. An error that is not finite is one without bound.
 double p_value_of_lower_error(std::span<const double> before, std::span<const double> after,
                               Eigen::Index block_length, std::uint64_t seed);
 

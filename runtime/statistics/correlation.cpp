@@ -7,7 +7,7 @@
 #include "expr/error.hpp"
 #include "statistics/autoregression.hpp"
 #include "statistics/distributions.hpp"
-#include "statistics/fit_measures.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
@@ -20,7 +20,7 @@ double autocovariance(const Eigen::VectorXd& x, Eigen::Index lag) {
 
 Eigen::VectorXd centred(std::span<const double> x) {
   const Eigen::Map<const Eigen::VectorXd> values(x.data(), static_cast<Eigen::Index>(x.size()));
-  return values.array() - mean(x);
+  return values.array() - moments::mean(x);
 }
 
 }  // namespace

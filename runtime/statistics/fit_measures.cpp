@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "expr/error.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
@@ -17,19 +17,6 @@ void check_lengths(std::span<const double> measured, std::span<const double> mod
 
 }  // namespace
 
-double mean(std::span<const double> x) {
-  double sum = 0;
-  for (double value : x) sum += value;
-  return x.empty() ? 0 : sum / static_cast<double>(x.size());
-}
-
-double standard_deviation(std::span<const double> x) {
-  const double centre = mean(x);
-  double sum = 0;
-  for (double value : x) sum += (value - centre) * (value - centre);
-  return x.empty() ? 0 : std::sqrt(sum / static_cast<double>(x.size()));
-}
-
 double rmse(std::span<const double> measured, std::span<const double> model) {
   check_lengths(measured, model);
   double sum = 0;
@@ -40,7 +27,7 @@ double rmse(std::span<const double> measured, std::span<const double> model) {
 double nrmse(std::span<const double> measured, std::span<const double> model) {
   const double error = rmse(measured, model);
   if (error == 0) return 0;
-  return error / standard_deviation(measured);
+  return error / moments::standard_deviation(measured);
 }
 
 double r_squared(std::span<const double> measured, std::span<const double> model) {

@@ -1,11 +1,10 @@
 #pragma once
 // Distances of a model from a measurement. All spans of one length; a value that is not finite gives NaN.
+#include <cstddef>
 #include <span>
 
 namespace lunid {
 
-double mean(std::span<const double> x);                ///< 0 when empty
-double standard_deviation(std::span<const double> x);  ///< about the mean, divided by the number of rows
 double rmse(std::span<const double> measured, std::span<const double> model);
 /// RMSE over the standard deviation of the measurement; infinite for a constant one that is not met.
 double nrmse(std::span<const double> measured, std::span<const double> model);

@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "expr/error.hpp"
-#include "statistics/bootstrap.hpp"
+#include "statistics/dependence.hpp"
+#include "statistics/moments.hpp"
 #include "statistics/residual_tests.hpp"
 
 namespace lunid {
 namespace {
 
 constexpr int descriptions = 3;
-constexpr std::size_t fewest_in_cell = 8;  // a plane takes three
+constexpr std::size_t fewest_in_cell = 12;  // a plane takes three, the past three more
 
 /// Cell numbers along one axis: equally many values in each, on either side of 0.
 std::vector<int> cells_along(std::span<const double> x, int per_side) {
@@ -30,17 +31,22 @@ std::vector<int> cells_along(std::span<const double> x, int per_side) {
   return cells;
 }
 
-/// Where the motion last turned, which way it went, and how large it was, of late.
+/// Where the motion last turned, where it was and how large it was of late; of the rows before each row.
 Eigen::MatrixXd describe_past(std::span<const double> y, std::span<const double> v, double period) {
   const auto n = static_cast<Eigen::Index>(y.size());
-  Eigen::MatrixXd past(n, descriptions);
   const double forget = 1 - std::exp(-1 / std::max(period, 1.0));
-  double turned = y[0], direction = 0, amplitude = std::abs(y[0]);
+  const auto first = std::clamp<std::size_t>(static_cast<std::size_t>(period), 1, y.size());
+  double turned = y[0], middle = 0, amplitude = 0;
+  for (double value : y.first(first)) {
+    middle += value / static_cast<double>(first);
+    amplitude += std::abs(value) / static_cast<double>(first);
+  }
+  Eigen::MatrixXd past(n, descriptions);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    past.row(i) << turned, direction, amplitude;  // of the rows before this one
-    if (k > 0 && (v[k] > 0) != (v[k - 1] > 0)) turned = y[k];
-    direction += forget * (v[k] > 0 ? 1 - direction : -1 - direction);
+    if (k > 0 && (v[k] > 0) != (v[k - 1] > 0)) turned = y[k - 1];
+    past.row(i) << turned, middle, amplitude;
+    middle += forget * (y[k] - middle);
     amplitude += forget * (std::abs(y[k]) - amplitude);
   }
   return past;
@@ -48,7 +54,7 @@ Eigen::MatrixXd describe_past(std::span<const double> y, std::span<const double>
 
 /// Rows of each cell that holds enough of them.
 std::vector<std::vector<Eigen::Index>> fill_cells(std::span<const double> y, std::span<const double> v) {
-  const int per_side = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(y.size()) / 30) / 2), 2, 10);
+  const int per_side = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(y.size()) / 60) / 2), 2, 10);
   const std::vector<int> along_y = cells_along(y, per_side), along_v = cells_along(v, per_side);
   std::vector<std::vector<Eigen::Index>> cells(static_cast<std::size_t>(4 * per_side * per_side));
   for (std::size_t i = 0; i < y.size(); ++i)
@@ -57,9 +63,33 @@ std::vector<std::vector<Eigen::Index>> fill_cells(std::span<const double> y, std
   return cells;
 }
 
-/// Columns rid of their plane in y and v within each cell; rows outside all cells become 0.
-Eigen::MatrixXd within_cells(const Eigen::MatrixXd& columns, std::span<const double> y, std::span<const double> v) {
-  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+/// The residual less a smooth function of y and v (and steps at 0): its noise, with its colour, which the planes of the
+/// cells would spoil. Where the function is too smooth, what it leaves makes the test more careful.
+Eigen::VectorXd noise_of(const Eigen::VectorXd& residual, std::span<const double> y, std::span<const double> v) {
+  constexpr int degree = 3;
+  const Eigen::Map<const Eigen::ArrayXd> displacement(y.data(), residual.size()), velocity(v.data(), residual.size());
+  const Eigen::MatrixXd in_y = legendre(displacement / std::max(displacement.abs().maxCoeff(), 1e-300), degree);
+  const Eigen::MatrixXd in_v = legendre(velocity / std::max(velocity.abs().maxCoeff(), 1e-300), degree);
+  Eigen::MatrixXd columns(residual.size(), (degree + 1) * (degree + 2) / 2 + 2);
+  Eigen::Index column = 0;
+  for (int i = 0; i <= degree; ++i)
+    for (int j = 0; i + j <= degree; ++j) columns.col(column++) = in_y.col(i).cwiseProduct(in_v.col(j));
+  columns.col(column++) = displacement.sign();
+  columns.col(column++) = velocity.sign();
+  return residual - columns * columns.colPivHouseholderQr().solve(residual);
+}
+
+/// What is left of the residual within the cells, and the past's functions in each.
+struct Within {
+  Eigen::VectorXd residual;
+  std::vector<Projection> past;
+  double contrast = 0;  ///< root mean square of what is left of the past, largest of its descriptions
+};
+
+Within within_cells(const Eigen::VectorXd& residual, const Eigen::MatrixXd& past, std::span<const double> y,
+                    std::span<const double> v) {
+  Within result{Eigen::VectorXd::Zero(residual.size()), {}, 0};
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(descriptions);
   for (const auto& cell : fill_cells(y, v)) {
     const auto count = static_cast<Eigen::Index>(cell.size());
     Eigen::MatrixXd plane(count, 3);
@@ -67,14 +97,16 @@ Eigen::MatrixXd within_cells(const Eigen::MatrixXd& columns, std::span<const dou
       const auto row = static_cast<std::size_t>(cell[static_cast<std::size_t>(i)]);
       plane.row(i) << 1, y[row], v[row];
     }
-    const Eigen::MatrixXd values = columns(cell, Eigen::all);
-    const Eigen::MatrixXd fitted = plane * plane.colPivHouseholderQr().solve(values);
-    left(cell, Eigen::all) = values - fitted;
+    const Eigen::MatrixXd basis = orthonormal_beside(plane, Eigen::MatrixXd(count, 0));
+    const Eigen::VectorXd r = residual(cell);
+    result.residual(cell) = r - basis * (basis.transpose() * r);
+    const Eigen::MatrixXd history = past(cell, Eigen::all);
+    squares += (history - basis * (basis.transpose() * history)).colwise().squaredNorm().transpose();
+    result.past.push_back({cell, orthonormal_beside(history, plane)});
   }
-  return left;
+  result.contrast = std::sqrt(squares.maxCoeff() / static_cast<double>(residual.size()));
+  return result;
 }
-
-double variance(const Eigen::VectorXd& x) { return (x.array() - x.mean()).square().mean(); }
 
 }  // namespace
 
@@ -85,24 +117,17 @@ Memory memory(std::span<const double> residual, std::span<const double> y, std::
                      std::to_string(y.size()) + " and " + std::to_string(v.size()) + " rows");
   Memory result;
   const auto n = static_cast<Eigen::Index>(residual.size());
-  if (n < 100) return result;
-  Eigen::MatrixXd columns(n, 1 + descriptions);
-  columns.col(0) = Eigen::Map<const Eigen::VectorXd>(residual.data(), n);
-  columns.rightCols(descriptions) = describe_past(y, v, period);
-  const double total = variance(columns.col(0));
-  if (!(total > 0)) return result;
-  const Eigen::MatrixXd left = within_cells(columns, y, v);
-  const Eigen::VectorXd r = left.col(0);
-  Eigen::MatrixXd past = left.rightCols(descriptions);
-  for (int k = 0; k < descriptions; ++k) {
-    const double of_past = variance(columns.col(1 + k));
-    if (of_past > 0) result.contrast = std::max(result.contrast, past.col(k).squaredNorm() / static_cast<double>(n) / of_past);
-  }
-  result.within = r.squaredNorm() / static_cast<double>(n) / total;
-  const Eigen::VectorXd fitted = past * past.colPivHouseholderQr().solve(r);
-  result.explained = fitted.squaredNorm() / static_cast<double>(n) / total;
-  result.p_value = p_value_of_zero_mean(past.array().colwise() * r.array(),
-                                        std::max(block_length, static_cast<Eigen::Index>(std::ceil(period))), seed);
+  const double total = static_cast<double>(n) * std::pow(moments::standard_deviation(residual), 2);
+  const double size = moments::standard_deviation(y);
+  if (n < 100 || !(total > 0) || !(size > 0)) return result;
+  const Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(residual.data(), n);
+  const Within within = within_cells(r, describe_past(y, v, period), y, v);
+  const Eigen::Index block = std::max(block_length, static_cast<Eigen::Index>(std::ceil(period)));
+  const Dependence found = dependence(within.residual, noise_of(r, y, v), within.past, block, seed);
+  result.within = within.residual.squaredNorm() / total;
+  result.explained = std::max(found.explained - found.by_chance, 0.0) / total;
+  result.p_value = found.p_value;
+  result.contrast = within.contrast / size;
   return result;
 }
 

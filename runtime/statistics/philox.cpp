@@ -50,8 +50,15 @@ double Philox::normal() {
 }
 
 std::uint64_t Philox::below(std::uint64_t n) {
-  // Values beyond the last whole multiple of n are drawn again.
-  const std::uint64_t last = UINT64_MAX - (UINT64_MAX % n + 1) % n;
+  if (n <= UINT32_MAX) {  // by a product (Lemire 2019): the remainder tells the few words to draw again
+    const auto range = static_cast<std::uint32_t>(n);
+    for (;;) {
+      const std::uint64_t product = static_cast<std::uint64_t>(bits()) * range;
+      const auto low = static_cast<std::uint32_t>(product);
+      if (low >= range || low >= static_cast<std::uint32_t>(-range) % range) return product >> 32;
+    }
+  }
+  const std::uint64_t last = UINT64_MAX - (UINT64_MAX % n + 1) % n;  // end of the last whole multiple of n
   for (;;) {
     const std::uint64_t high = bits(), value = high << 32 | bits();
     if (value <= last) return value % n;

@@ -1,17 +1,17 @@
 #include "statistics/residual_tests.hpp"
 
 #include <Eigen/QR>
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "expr/error.hpp"
-#include "statistics/bootstrap.hpp"
-#include "statistics/fit_measures.hpp"
+#include "statistics/dependence.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
-
-constexpr int degree = 5;
 
 Eigen::Map<const Eigen::VectorXd> map_of(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
@@ -23,50 +23,44 @@ void check_lengths(std::span<const double> a, std::span<const double> b) {
                      " rows");
 }
 
-/// Legendre polynomials 0 .. degree of s in [-1, 1], one in each column.
-Eigen::MatrixXd legendre(const Eigen::ArrayXd& s) {
-  Eigen::MatrixXd p(s.size(), degree + 1);
-  p.col(0).setOnes();
-  p.col(1) = s;
-  for (int k = 1; k < degree; ++k)
-    p.col(k + 1) = ((2 * k + 1) * s * p.col(k).array() - k * p.col(k - 1).array()) / (k + 1);
-  return p;
+/// Does the residual follow `columns` beyond what `nuisance` explains?
+Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& columns, const Eigen::MatrixXd& nuisance,
+                  Eigen::Index block_length, std::uint64_t seed) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(residual.size()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  const Eigen::VectorXd left = residual - nuisance * nuisance.colPivHouseholderQr().solve(residual);
+  const Eigen::VectorXd noise = left.array() - left.mean();
+  return dependence(left, noise, {{rows, orthonormal_beside(columns, nuisance)}}, block_length, seed);
 }
+
+double share(const Dependence& found, double square) { return std::max(found.explained - found.by_chance, 0.0) / square; }
 
 }  // namespace
 
 Parity parity(std::span<const double> residual, std::span<const double> x, Eigen::Index block_length,
               std::uint64_t seed) {
   check_lengths(residual, x);
-  Parity result;
-  if (residual.empty()) return result;
+  constexpr int degree = 5;
   const Eigen::VectorXd r = map_of(residual);
-  const double largest = map_of(x).cwiseAbs().maxCoeff(), square = r.squaredNorm();
-  if (!(largest > 0) || !(square > 0)) return result;
-  const Eigen::MatrixXd p = legendre(map_of(x).array() / largest);
-  // Jointly, because the data need not be symmetric about 0.
-  const Eigen::VectorXd coefficients = p.colPivHouseholderQr().solve(r);
-  Eigen::VectorXd part[2] = {Eigen::VectorXd::Zero(r.size()), Eigen::VectorXd::Zero(r.size())};
-  Eigen::MatrixXd scores[2] = {Eigen::MatrixXd(r.size(), 3), Eigen::MatrixXd(r.size(), 3)};
-  for (int k = 0; k <= degree; ++k) {
-    part[k % 2] += coefficients[k] * p.col(k);
-    scores[k % 2].col(k / 2) = p.col(k).cwiseProduct(r);
-  }
-  result.even = part[0].squaredNorm() / square;
-  result.odd = part[1].squaredNorm() / square;
-  result.even_p_value = p_value_of_zero_mean(scores[0], block_length, seed);
-  result.odd_p_value = p_value_of_zero_mean(scores[1], block_length, seed);
-  return result;
+  const double largest = residual.empty() ? 0 : map_of(x).cwiseAbs().maxCoeff(), square = r.squaredNorm();
+  if (!(largest > 0) || !(square > 0)) return {};
+  const Eigen::ArrayXd scaled = map_of(x).array() / largest;
+  const Eigen::MatrixXd p = legendre(scaled, degree);
+  Eigen::MatrixXd even(r.size(), 4), odd(r.size(), 4);
+  even << p.col(0), p.col(2), p.col(4), scaled.abs().matrix();
+  odd << p.col(1), p.col(3), p.col(5), scaled.sign().matrix();
+  const Dependence on_even = beside(r, even, odd, block_length, seed), on_odd = beside(r, odd, even, block_length, seed);
+  return {share(on_odd, square), share(on_even, square), on_odd.p_value, on_even.p_value};
 }
 
 Correlation correlation(std::span<const double> a, std::span<const double> b, Eigen::Index block_length,
                         std::uint64_t seed) {
   check_lengths(a, b);
-  const double scale = standard_deviation(a) * standard_deviation(b);
+  const double scale = moments::standard_deviation(a) * moments::standard_deviation(b);
   if (!(scale > 0)) return {};
-  const Eigen::VectorXd product =
-      (map_of(a).array() - mean(a)) * (map_of(b).array() - mean(b)) / scale;
-  return {product.mean(), p_value_of_zero_mean(product, block_length, seed)};
+  const Eigen::VectorXd first = map_of(a).array() - moments::mean(a), second = map_of(b).array() - moments::mean(b);
+  const double coefficient = first.dot(second) / static_cast<double>(a.size()) / scale;
+  return {coefficient, beside(first, second, Eigen::MatrixXd::Ones(second.size(), 1), block_length, seed).p_value};
 }
 
 ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y, std::span<const double> v,

@@ -7,8 +7,9 @@
 
 namespace lunid {
 
-/// Shares of the residual's mean square that odd and even functions of x explain (together at most 1), and the
-/// probability of as much by chance. Functions: Legendre polynomials to degree 5 of x / max |x|; a constant is even.
+/// Shares of the residual's mean square that odd and even functions of x explain, less what chance explains, and the
+/// probability of as much by chance. Functions: Legendre polynomials to degree 5 of x / max |x|, sign(x) and |x|; a
+/// constant is even. Each kind counts for what it explains beside the other one.
 struct Parity {
   double odd = 0, even = 0;
   double odd_p_value = 1, even_p_value = 1;
@@ -25,14 +26,15 @@ Correlation correlation(std::span<const double> a, std::span<const double> b, Ei
                         std::uint64_t seed);
 
 /// Does the residual differ at equal (y, v) according to what came before? The (y, v) plane is cut into cells (0 is
-/// an edge in both); within each, the residual and three descriptions of the past (the displacement at the last
-/// reversal, the low-passed direction of motion, the low-passed amplitude; over one period each) are rid of their
-/// plane in y and v; what is left of the residual is tested for correlation with what is left of the past.
+/// an edge in both). Within each, the residual and three descriptions of the past (the displacement at the last
+/// reversal; displacement and amplitude low-passed over a period) are rid of their plane in y and v; what is left of
+/// the residual is tested for dependence on what is left of the past, in each cell for itself.
 struct Memory {
   double within = 0;     ///< share of the residual's variance that is left within cells: noise, and memory if any
-  double explained = 0;  ///< share of the residual's variance that the past explains
+  double explained = 0;  ///< share of the residual's variance that the past explains, less what chance explains
   double p_value = 1;
-  /// How far the past differs at equal (y, v), 0 (one steady cycle: memory cannot be seen) .. 1.
+  /// How far the past differs at equal (y, v): standard deviation over that of y. Near 0 in one steady cycle, where
+  /// memory cannot be told from a dependence on y and v.
   double contrast = 0;
 };
 /// `period`: of the motion, in rows.

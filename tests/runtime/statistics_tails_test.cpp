@@ -1,0 +1,135 @@
+// Tail probabilities against closed forms and tables; random numbers against published answers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+namespace {
+
+void expect_relative(double got, double want, double tolerance = 1e-11) {
+  EXPECT_NEAR(got / want, 1, tolerance) << got << " for " << want;
+}
+
+TEST(Tails, Normal) {
+  expect_relative(normal_tail(1.959963984540054), 0.025, 1e-13);  // any table of quantiles
+  expect_relative(normal_tail(10), 7.619853024160527e-24, 1e-12);
+  expect_relative(normal_tail(-1), 0.841344746068543, 1e-13);
+  for (double p : {1e-300, 1e-10, 0.025, 0.3, 0.5, 0.975, 1 - 1e-9}) {
+    const double z = normal_quantile(p);
+    expect_relative(p < 0.5 ? normal_tail(-z) : normal_tail(z), std::min(p, 1 - p), 1e-10);
+  }
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-14);
+  EXPECT_TRUE(std::isinf(normal_quantile(0)));
+  EXPECT_TRUE(std::isnan(normal_quantile(1.5)));
+}
+
+TEST(Tails, ChiSquare) {
+  // Two degrees of freedom: exp(-x/2); 2m: exp(-x/2) sum (x/2)^k / k!.
+  for (double x : {1e-3, 0.5, 2.0, 30.0, 700.0}) expect_relative(chi_square_tail(x, 2), std::exp(-x / 2));
+  for (double x : {0.5, 9.0, 60.0}) {
+    double term = std::exp(-x / 2), sum = 0;
+    for (int k = 0; k < 10; ++k) {
+      sum += term;
+      term *= x / 2 / (k + 1);
+    }
+    expect_relative(chi_square_tail(x, 20), sum);
+  }
+  // One: the two-sided normal tail.
+  for (double z : {0.1, 1.0, 5.0}) expect_relative(chi_square_tail(z * z, 1), 2 * normal_tail(z));
+  // Tables: upper 5 % points.
+  expect_relative(chi_square_tail(18.307038053275146, 10), 0.05);
+  expect_relative(chi_square_tail(124.34211340400407, 100), 0.05);
+  EXPECT_EQ(chi_square_tail(0, 3), 1);
+  // A large number of degrees of freedom: Wilson and Hilferty's normal approximation is right to 1e-4 there.
+  const double k = 1e6, z = 2;
+  EXPECT_NEAR(chi_square_tail(k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3), k), normal_tail(z), 1e-6);
+}
+
+TEST(Tails, F) {
+  // Two degrees of freedom above: (1 + 2 f / d)^(-d/2).
+  for (double f : {0.01, 1.0, 20.0})
+    for (double d : {3.0, 40.0, 5e4}) expect_relative(f_tail(f, 2, d), std::pow(1 + 2 * f / d, -d / 2), 1e-9);
+  // One above: the two-sided t.
+  expect_relative(f_tail(9, 1, 7), 2 * t_tail(3, 7));
+  expect_relative(f_tail(3.325834530413011, 5, 10), 0.05);  // tables
+  expect_relative(f_tail(4.102821, 2, 10), 0.05, 1e-6);
+  // 1/F has the degrees of freedom exchanged.
+  expect_relative(f_tail(0.4, 6, 9) + f_tail(2.5, 9, 6), 1, 1e-13);
+  EXPECT_EQ(f_tail(0, 3, 4), 1);
+  EXPECT_EQ(f_tail(INFINITY, 3, 4), 0);
+}
+
+TEST(Tails, T) {
+  for (double t : {0.0, 0.3, 2.0, 50.0}) {
+    expect_relative(t_tail(t, 1), 0.5 - std::atan(t) / M_PI, 1e-10);                         // Cauchy
+    expect_relative(t_tail(t, 2), 0.5 - 0.5 * t / std::sqrt(2 + t * t), 1e-9);               // closed form
+    EXPECT_NEAR(t_tail(-t, 5), 1 - t_tail(t, 5), 1e-15);
+  }
+  expect_relative(t_tail(2.2281388519862744, 10), 0.025);  // closed form for even degrees of freedom
+  expect_relative(t_tail(1.5, 1e7), normal_tail(1.5), 1e-6);
+  EXPECT_EQ(t_tail(INFINITY, 3), 0);
+}
+
+TEST(Tails, Beta) {
+  for (double x : {0.01, 0.5, 0.9}) {
+    expect_relative(beta_lower(x, 3.5, 1), std::pow(x, 3.5), 1e-13);
+    expect_relative(beta_lower(x, 1, 3.5), 1 - std::pow(1 - x, 3.5), 1e-12);
+    expect_relative(beta_lower(x, 2, 2), x * x * (3 - 2 * x), 1e-13);
+  }
+  EXPECT_EQ(beta_lower(0, 2, 3), 0);
+  EXPECT_EQ(beta_lower(1, 2, 3), 1);
+  expect_relative(gamma_lower(3, 2) + gamma_upper(3, 2), 1, 1e-14);
+}
+
+TEST(Philox, GivesTheKnownAnswers) {
+  // Random123, tests/kat_vectors, philox4x32 with 10 rounds.
+  EXPECT_EQ(Philox::block({0, 0, 0, 0}, {0, 0}), (Philox::Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(Philox::block({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+            (Philox::Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(Philox::block({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Philox::Counter{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(Philox, StreamsAreTheirOwn) {
+  Philox a(7, 1), b(7, 1), c(7, 2), d(8, 1);
+  bool differ = false;
+  for (int i = 0; i < 100; ++i) {
+    const double x = a.normal();
+    EXPECT_EQ(x, b.normal());
+    differ = differ || (x != c.normal() && x != d.normal());
+  }
+  EXPECT_TRUE(differ);
+}
+
+TEST(Philox, HasTheMomentsOfItsDistributions) {
+  Philox random(1, 0);
+  const int n = 200000;
+  double u1 = 0, u2 = 0, z1 = 0, z2 = 0, z4 = 0;
+  std::vector<int> counts(7);
+  for (int i = 0; i < n; ++i) {
+    const double u = random.uniform(), z = random.normal();
+    ASSERT_GT(u, 0);
+    ASSERT_LT(u, 1);
+    u1 += u / n;
+    u2 += u * u / n;
+    z1 += z / n;
+    z2 += z * z / n;
+    z4 += z * z * z * z / n;
+    ++counts[random.below(7)];
+  }
+  // Four standard deviations of each mean.
+  EXPECT_NEAR(u1, 0.5, 4 * std::sqrt(1.0 / 12 / n));
+  EXPECT_NEAR(u2, 1.0 / 3, 4 * std::sqrt(4.0 / 45 / n));
+  EXPECT_NEAR(z1, 0, 4 / std::sqrt(n));
+  EXPECT_NEAR(z2, 1, 4 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(z4, 3, 4 * std::sqrt(96.0 / n));
+  double chi = 0;
+  for (int count : counts) chi += std::pow(count - n / 7.0, 2) / (n / 7.0);
+  EXPECT_GT(chi_square_tail(chi, 6), 1e-4);
+}
+
+}  // namespace
+}  // namespace lunid
