@@ -6,6 +6,9 @@
 namespace lunid {
 namespace {
 
+/// States beyond this are cut to it, so that powers of them stay finite.
+constexpr double huge = 1e50;
+
 /// The summands of the restoring force at chosen states.
 class Terms {
  public:
@@ -41,7 +44,7 @@ double barrier(Terms& terms, double t, Eigen::VectorXd x, double far) {
   };
   if (!outward(far)) return 0;
   double least = std::abs(far);
-  for (int i = 0; i < 400; ++i) {
+  while (least > 1e-30) {
     const double next = least * 0.9;
     if (!outward(side * next)) {
       double low = next, high = least;
@@ -53,7 +56,7 @@ double barrier(Terms& terms, double t, Eigen::VectorXd x, double far) {
     }
     least = next;
   }
-  return least;
+  return least;  // no way back at all
 }
 
 /// The term that pushes most in the direction `sign`.
@@ -83,15 +86,21 @@ std::string mass_fault(const System& system, std::span<const double> theta, doub
          " m/s; it must stay above 0";
 }
 
-std::string explosion_cause(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x) {
+std::string explosion_cause(const System& system, std::span<const double> theta, double t, Eigen::VectorXd x,
+                            double dt) {
+  x = x.cwiseMin(huge).cwiseMax(-huge);
   if (const std::string fault = mass_fault(system, theta, t, x); !fault.empty()) return fault;
   const Model& model = system.model();
   Terms terms(system, theta);
-  terms.sum(t, x);
-  for (std::size_t i = 0; i < terms.values.size(); ++i)
-    if (!std::isfinite(terms.values[i]))
-      return "the term " + to_text(terms.expressions[i]) + " has no finite value at y = " + short_number(x[0]) +
-             " m, v = " + short_number(x[1]) + " m/s";
+  Eigen::VectorXd next = x;
+  next[0] += dt * x[1];
+  for (const Eigen::VectorXd& at : {x, next}) {
+    terms.sum(t, at);
+    for (std::size_t i = 0; i < terms.values.size(); ++i)
+      if (!std::isfinite(terms.values[i]))
+        return "the term " + to_text(terms.expressions[i]) + " has no finite value at y = " + short_number(at[0]) +
+               " m, v = " + short_number(at[1]) + " m/s";
+  }
   Eigen::VectorXd still = x;
   still[1] = 0;
   if (const double y = barrier(terms, t, still, x[0]); y > 0) {

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <numbers>
 
-#include "simulate/simulate.hpp"
+#include "simulate/run.hpp"
 
 namespace lunid {
 namespace {
@@ -97,12 +97,15 @@ double sextic(const VectorXd& f, double position) {
   return value;
 }
 
+/// A time nearer to a sample than this part of the interval is on it: a held force has jumped.
+constexpr double on_sample = 1e-9;
+
 /// Parts per sample of the grid on which at() reads a band-limited force.
 constexpr int at_substeps = 8;
 
 void check(double t0, double dt, Index rows) {
-  if (!std::isfinite(t0)) throw InputError("excitation: t0: expected a finite value");
-  if (!(dt > 0) || !std::isfinite(dt)) throw InputError("excitation: dt: expected > 0, got " + std::to_string(dt));
+  if (!std::isfinite(t0)) throw InputError("excitation: t0: expected a finite value, got " + number(t0));
+  if (!(dt > 0) || !std::isfinite(dt)) throw InputError("excitation: dt: expected > 0, got " + number(dt));
   if (rows < 2) throw InputError("excitation: expected 2 rows or more, got " + std::to_string(rows));
 }
 
@@ -139,7 +142,7 @@ Excitation::Excitation(double t0, double dt, std::span<const double> force, Inte
   for (Index i = 0; i < rows_; ++i)
     if (!std::isfinite(force[i]))
       throw InputError("excitation: force: row " + std::to_string(i + 1) + ": expected a finite value, got " +
-                       std::to_string(force[i]));
+                       number(force[i]));
   source_->t0 = t0;
   source_->dt = dt;
   source_->rows = rows_;
@@ -168,7 +171,7 @@ double Excitation::at(double t) const {
   const Index row = std::min<Index>(static_cast<Index>(position), f.size() - 2);
   const double fraction = position - static_cast<double>(row);
   switch (interpolation_) {
-    case Interpolation::hold: return fraction < 1 ? f[row] : f[row + 1];
+    case Interpolation::hold: return fraction < 1 - on_sample ? f[row] : f[row + 1];
     case Interpolation::linear: return f[row] + fraction * (f[row + 1] - f[row]);
     case Interpolation::cubic: return local_cubic(f, row, fraction);
     case Interpolation::band_limited: return sextic(source_->grid(at_substeps), position * 2 * at_substeps);

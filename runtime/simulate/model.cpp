@@ -132,6 +132,13 @@ void check_values(const Model& model) {
   }
 }
 
+/// sum + term, written as a difference where the term is negative.
+Expr plus(Expr sum, Expr term) {
+  if (term.op() == Op::neg) return sum - term.arguments()[0];
+  if (term.is_constant() && term.value() < 0) return sum - -term.value();
+  return sum + term;
+}
+
 std::string state_line(const InternalState& z, Format format) {
   const std::string name = to_text(z.symbol, format);
   std::string line = format == Format::latex ? "\\dot{" + name + "}" : "d" + name + "/dt";
@@ -173,7 +180,9 @@ void Model::set_values(const std::vector<double>& theta) {
 
 std::string Model::equation(Format format) const {
   const Expr a = pool->channel("a");
-  const Expr left = mass.is_constant(0) ? restoring : mass * a + restoring;
+  Expr left = mass.is_constant(0) ? restoring : mass * a;
+  if (!mass.is_constant(0))  // one sum, without a pair of parentheses round the restoring force
+    for (const Expr& term : summands(restoring)) left = plus(left, term);
   std::string text = to_text(left, format) + " = " + to_text(pool->channel("F"), format);
   for (const InternalState& z : states) text += "\n" + state_line(z, format);
   return text;

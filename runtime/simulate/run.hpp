@@ -22,8 +22,10 @@ Run empty_run(const System& system, const Excitation& excitation);
 /// Why there is no motion from x0: "" when the effective mass is positive there.
 std::string mass_fault(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x);
 
-/// Why a run exploded, from the last finite state: what grows beyond where, and the term at its root.
-std::string explosion_cause(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x);
+/// Why a run exploded, from the last finite state and the time to the next: what grows beyond where, and the term at
+/// its root.
+std::string explosion_cause(const System& system, std::span<const double> theta, double t, Eigen::VectorXd x,
+                            double dt);
 /// What chatters.
 std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
 

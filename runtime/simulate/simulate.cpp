@@ -80,7 +80,7 @@ void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutc
   summary.stopped_at = outcome.stopped_at;
   summary.cause = outcome.stop == Stop::too_many_events
                       ? chatter_cause(*problem.dynamics, outcome.event, problem.max_events)
-                      : explosion_cause(system, problem.theta, outcome.stopped_at, outcome.last);
+                      : explosion_cause(system, problem.theta, outcome.stopped_at, outcome.last, problem.dt);
 }
 
 /// A run that cannot begin, or nothing.

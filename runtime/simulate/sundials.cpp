@@ -16,6 +16,12 @@ constexpr double reached_fraction = 1e-10;
 /// |y| beyond this many times its largest value on the samples counts as an explosion when the integrator gives up.
 constexpr double runaway = 100;
 
+/// Thrown out of the integrator when the displacement passes the bound.
+struct Exploded {
+  double t;
+  VectorXd x;
+};
+
 /// A model in its present mode.
 class ModalOde : public Ode {
  public:
@@ -43,6 +49,7 @@ class ModalOde : public Ode {
 
   void rate(double t, const double* x, double* f) override {
     if ((++calls_ & (cancel_interval - 1)) == 0) check_cancelled(options_.cancelled);
+    if (bound > 0 && !(std::abs(x[0]) <= bound)) throw Exploded{t, Eigen::Map<const VectorXd>(x, n_)};
     modes.rate(drive(t), x, f);
   }
 
@@ -66,6 +73,7 @@ class ModalOde : public Ode {
   }
 
   ModeMachine modes;
+  double bound = 0;  ///< on |y|; 0: none
   double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
 
  private:
@@ -117,7 +125,7 @@ class SundialsRun {
       : system_(system), theta_(theta), excitation_(excitation), options_(options),
         ode_(system, theta, excitation, x0, options), x_(x0), now_(ode_.modes.observation()),
         run_(empty_run(system, excitation)), t_(excitation.t0()) {
-    bound_ = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
+    ode_.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
     run_.summary.solver = options.solver == Solver::bdf     ? "CVODE BDF"
                           : options.solver == Solver::adams ? "CVODE Adams"
                                                             : "ARKODE explicit 5(4)";
@@ -161,15 +169,24 @@ class SundialsRun {
     largest_ = std::max(largest_, std::abs(x_[0]));
   }
 
-  /// Integrates to a sample through all events on the way; false when the run stops.
   bool reach(double to) {
+    try {
+      return reach_through_events(to);
+    } catch (const Exploded& place) {
+      t_ = place.t;
+      x_ = place.x;
+      return explode();
+    }
+  }
+
+  /// Integrates to a sample through all events on the way; false when the run stops.
+  bool reach_through_events(double to) {
     while (to - t_ > reached_fraction * excitation_.dt()) {
       const double from = t_;
       const bool sliding = ode_.modes.sliding();
       const Integrator::Result result = integrator_->advance(to, t_, x_);
       if (sliding) run_.summary.stuck += t_ - from;
       if (result == Integrator::Result::failed) return fail();
-      if (bound_ > 0 && !(std::abs(x_[0]) <= bound_)) return explode();
       if (result == Integrator::Result::reached) break;
       if (!happen()) return false;
     }
@@ -202,7 +219,7 @@ class SundialsRun {
     return false;
   }
 
-  bool explode() { return stop(explosion_cause(system_, theta_, t_, x_)); }
+  bool explode() { return stop(explosion_cause(system_, theta_, t_, x_, excitation_.dt())); }
 
   bool fail() {
     if (!x_.allFinite() || std::abs(x_[0]) > runaway * largest_) return explode();
@@ -217,7 +234,7 @@ class SundialsRun {
   VectorXd x_;
   Observation now_;
   Run run_;
-  double t_, bound_ = 0, largest_ = 0;
+  double t_, largest_ = 0;
   std::unique_ptr<Integrator> integrator_;
 };
 

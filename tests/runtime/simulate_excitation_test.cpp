@@ -1,0 +1,116 @@
+// The force between its samples.
+#include "simulate_models.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::fault_of;
+using testing::model_of;
+using testing::state;
+using testing::theta_of;
+using testing::with_substeps;
+
+std::vector<double> samples_of(const std::function<double(double)>& f, int rows, double dt) {
+  std::vector<double> force(rows);
+  for (int i = 0; i < rows; ++i) force[i] = f(dt * i);
+  return force;
+}
+
+TEST(Excitation, RefinedGridMeetsTheSamplesAndAt) {
+  const auto force = samples_of([](double t) { return std::sin(3 * t) + t; }, 60, 0.05);
+  for (const Interpolation kind :
+       {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited}) {
+    const Excitation excitation(2, 0.05, force, kind);
+    const Eigen::VectorXd grid = excitation.refined(3);
+    ASSERT_EQ(grid.size(), 2 * 59 * 3 + 1);
+    for (Eigen::Index i = 0; i < grid.size(); ++i) {
+      if (i % 6 == 0) {
+        EXPECT_EQ(grid[i], force[i / 6]);
+      }
+      // band-limited at() reads a grid of its own by six points: 1e-7 of the force
+      EXPECT_NEAR(excitation.at(2 + 0.05 * (static_cast<double>(i) + 1e-9) / 6), grid[i], 1e-6) << to_string(kind) << i;
+    }
+    EXPECT_EQ(excitation.at(-5), force.front());
+    EXPECT_EQ(excitation.at(500), force.back());
+  }
+}
+
+TEST(Excitation, KindsDoWhatTheySay) {
+  const std::vector<double> force{0, 1, 8, 27, 64, 125};  // i^3
+  EXPECT_EQ(Excitation(0, 1, force, Interpolation::hold).at(2.9), 8);
+  EXPECT_EQ(Excitation(0, 1, force, Interpolation::hold).at(3), 27);
+  EXPECT_DOUBLE_EQ(Excitation(0, 1, force, Interpolation::linear).at(2.5), 17.5);
+  for (const double t : {0.3, 1.5, 2.5, 4.7})  // four points reproduce a cubic
+    EXPECT_NEAR(Excitation(0, 1, force, Interpolation::cubic).at(t), t * t * t, 1e-12);
+  EXPECT_DOUBLE_EQ(Excitation(0, 1, 6, [](double t) { return std::exp(t); }).at(1.3), std::exp(1.3));
+}
+
+// Away from the ends, the windowed sinc is exact to 1e-6 up to 0.87 of the Nyquist frequency; three samples per period
+// are 0.67 of it. The cubic is off by a tenth there, straight lines by half.
+TEST(Excitation, BandLimitedReconstructsAMultisineOfThreeSamplesPerPeriod) {
+  const auto f = [](double t) {
+    return std::sin(2 * std::numbers::pi * t / 3 + 0.4) + 0.7 * std::sin(2 * std::numbers::pi * t / 4.37);
+  };
+  const auto force = samples_of(f, 400, 1);
+  const auto worst = [&](Interpolation kind, double from, double to) {
+    const Excitation excitation(0, 1, force, kind);
+    double error = 0;
+    for (double t = from; t < to; t += 0.37) error = std::max(error, std::abs(excitation.at(t) - f(t)));
+    return error;
+  };
+  EXPECT_LT(worst(Interpolation::band_limited, 40, 359), 1e-5);
+  EXPECT_GT(worst(Interpolation::cubic, 40, 359), 0.1);
+  EXPECT_GT(worst(Interpolation::linear, 40, 359), 0.4);
+  // near the ends nothing rings: the error stays a part of the force that fades within some samples
+  EXPECT_LT(worst(Interpolation::band_limited, 0, 10), 0.5);
+  EXPECT_LT(worst(Interpolation::band_limited, 10, 20), 0.02);
+}
+
+TEST(Excitation, BandLimitedDoesNotRingAtEndsAndOffsets) {
+  const auto ramp = samples_of([](double t) { return 5 + 3 * t; }, 50, 1);
+  const Eigen::VectorXd grid = Excitation(0, 1, ramp, Interpolation::band_limited).refined(2);
+  for (Eigen::Index i = 0; i < grid.size(); ++i) EXPECT_NEAR(grid[i], 5 + 3 * 0.25 * static_cast<double>(i), 1e-11);
+}
+
+// A free run on a force of 3 samples per period: the choice between the samples decides the gap.
+TEST(Excitation, BandLimitedRunIsFarCloserToTheTruthThanStraightLines) {
+  const auto f = [](double t) { return std::sin(20.9 * t) + 0.5 * std::sin(14.3 * t + 1) + 0.3 * std::sin(5.2 * t); };
+  const System system(model_of("1", "1.2*v + 350*y"));
+  const int rows = 400;
+  const auto force = samples_of(f, rows, 0.1);
+  const lunid::Run truth = simulate(system, {}, Excitation(0, 0.1, rows, f), state({0, 0}), with_substeps(32));
+  const auto gap = [&](Interpolation kind) {
+    const lunid::Run run = simulate(system, {}, Excitation(0, 0.1, force, kind), state({0, 0}), with_substeps(32));
+    const auto error = (run.x.col(0) - truth.x.col(0)).tail(300);  // the start-up error at the end has decayed
+    const auto y = truth.x.col(0).tail(300);
+    return error.norm() / y.norm();
+  };
+  EXPECT_GT(gap(Interpolation::linear), 0.1);
+  EXPECT_LT(gap(Interpolation::band_limited), 0.02 * gap(Interpolation::linear));
+}
+
+TEST(Excitation, PartKeepsTheForceBetweenSamples) {
+  const auto force = samples_of([](double t) { return std::sin(2 * t) + std::cos(0.3 * t * t); }, 80, 1);
+  for (const Interpolation kind : {Interpolation::hold, Interpolation::cubic, Interpolation::band_limited}) {
+    const Excitation whole(0, 1, force, kind), part = whole.part(10, 30);
+    EXPECT_EQ(part.t0(), 10);
+    EXPECT_EQ(part.rows(), 30);
+    EXPECT_EQ((part.refined(4) - whole.refined(4).segment(80, 233)).cwiseAbs().maxCoeff(), 0);
+    EXPECT_EQ(part.at(12.3), whole.at(12.3));
+    EXPECT_EQ(part.part(5, 4).at(16.2), whole.at(16.2));
+  }
+}
+
+TEST(Excitation, FaultsNameTheValue) {
+  const std::vector<double> one{1}, bad{1, 2, std::nan("")}, good{1, 2, 3};
+  EXPECT_EQ(fault_of([&] { Excitation(0, 1, one); }), "excitation: expected 2 rows or more, got 1");
+  EXPECT_EQ(fault_of([&] { Excitation(0, 1, bad); }), "excitation: force: row 3: expected a finite value, got nan");
+  EXPECT_EQ(fault_of([&] { Excitation(0, 0, good); }), "excitation: dt: expected > 0, got 0");
+  EXPECT_EQ(fault_of([&] { Excitation(std::nan(""), 1, good); }), "excitation: t0: expected a finite value, got nan");
+  EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).refined(0); }), "excitation: substeps: expected >= 1, got 0");
+  EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).part(1, 3); }),
+            "excitation: rows 2 to 4 are not within its 3 rows");
+}
+
+}  // namespace
+}  // namespace lunid
