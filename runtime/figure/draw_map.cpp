@@ -59,15 +59,15 @@ class MapPainter {
     Box box{std::max(low.x, plot.left), std::max(low.y, plot.bottom), std::min(high.x, plot.right),
             std::min(high.y, plot.top)};
     if (!(box.width() > 0.0 && box.height() > 0.0)) return;
+    // Cells reach a little under the next ones, right and above, so that no viewer shows seams.
+    box.right = std::min(box.right + 0.3, plot.right);
+    box.top = std::min(box.top + 0.3, plot.top);
     const double value = map_.z(row, run.begin);
     if (std::isnan(value)) {
       canvas_.rectangle(box, look_.palette.no_data);
       hatch(canvas_, look_, plan_, box);
       return;
     }
-    // Neighbours overlap a little, so that no viewer shows seams; the next cells cover the overlap.
-    const bool last = run.end == map_.z.cols() || std::isnan(map_.z(row, run.end));
-    if (!last) box.right = std::min(box.right + 0.3, plot.right);
     canvas_.rectangle(box, colour(value));
   }
 

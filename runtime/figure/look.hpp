@@ -36,6 +36,10 @@ std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, doub
 /// `text`, cut with an ellipsis where it is wider than `width`.
 std::string shortened(TextMeter& meter, const std::string& text, double size, bool bold, double width);
 
+/// `text` as one line of valid UTF-8: other bytes become "?", control characters spaces. Column names of a measured
+/// record come in any encoding, and text libraries crash on bad bytes.
+std::string printable(const std::string& text);
+
 /// The size, not under 0.75 of `size`, at which `text` fits `width`.
 double fitting_size(TextMeter& meter, const std::string& text, double size, double width);
 

@@ -97,16 +97,23 @@ class AxesPainter {
     Vector middle = edge.from;
     middle[edge.along] = 0.0;
     const Point p = view_.on_paper(middle);
-    TextStyle style = centred(look_.axis_text);
-    if (edge.along == 2) {
-      style.vertical = true;
-      canvas_.text({p.x - reach - 0.9 * look_.axis_text, p.y}, plan.title, style);
-      return;
-    }
+    if (edge.along == 2) return upright_title(plan, p, reach);
+    const TextStyle style = centred(look_.axis_text);
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
     const double x = std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
     canvas_.text({x, std::max(p.y + away * edge.outward.y, 0.8 * look_.axis_text)}, plan.title, style);
+  }
+
+  /// The title of z: above the lower end of its edge, where labels of the other axes are.
+  void upright_title(const AxisPlan& plan, Point middle, double reach) {
+    const double half_edge = 0.5 * view_.size[2] * view_.scale * view_.up[2];
+    const double room = view_.extent.y - 60.0;
+    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, room));
+    style.vertical = true;
+    const double half = 0.5 * meter_.width(plan.title, style.size, false);
+    const double y = std::max(middle.y, middle.y - half_edge + half + look_.tick_text);
+    canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
   }
 
   TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }

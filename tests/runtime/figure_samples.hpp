@@ -11,7 +11,7 @@
 namespace samples {
 
 using namespace lunid::figure;
-inline const double nan = std::nan("");
+inline const double missing = std::nan("");
 
 /// A folder of this process, removed with it unless LUNID_KEEP_FIGURES names another to keep.
 class Folder {
@@ -97,7 +97,7 @@ inline HeatMap residual_map(double scale) {
       const double y = map.x[static_cast<std::size_t>(i)] / 3.2e-3, v = map.y[static_cast<std::size_t>(j)] / 0.11;
       const double r = std::hypot(y, v);
       const bool visited = r < 0.97 && r > 0.22 && !(y > 0.3 && v > 0.45 && v < 0.6);
-      map.z(j, i) = visited ? scale * (31.0 * y * y * y + 2.0 * std::sin(40.0 * y + 25.0 * v)) : nan;
+      map.z(j, i) = visited ? scale * (31.0 * y * y * y + 2.0 * std::sin(40.0 * y + 25.0 * v)) : missing;
     }
   map.colour = {"residual force", "N"};
   map.colour.min = -32.0;
@@ -150,10 +150,10 @@ inline Figure forces() {
   loops.x = {"displacement y", "m"};
   loops.y = {"restoring force", "N"};
   for (const auto& [label, role, style, reach] :
-       {std::tuple{"measured", Role::measured, Style::line, 1.0}, {"final", Role::final, Style::dashed, 0.985}}) {
+       {std::tuple{"measured", Role::measured, Style::line, 1.0}, {"final", Role::final, Style::dashed, 0.93}}) {
     Series s{label, {}, {}, style, role, 1.0};
     for (int i = 0; i <= 1000; ++i) {
-      const double phase = 0.0314159 * 2.0 * i, y = 3e-3 * (0.6 + 0.0004 * i) * std::sin(phase);
+      const double phase = 0.0062832 * 2.0 * i, y = 3e-3 * (0.8 + 0.0002 * i) * std::sin(phase);
       s.x.push_back(y * reach);
       s.y.push_back(2.1e4 * y + 9.0e8 * y * y * y + 9.0 * std::cos(phase));
     }
@@ -172,7 +172,7 @@ inline Figure rivals() {
   Bars bars;
   bars.name = {"cubic_stiffness", "sinusoidal_stiffness", "clearance", "one_sided_stop", "coulomb_friction", "quadratic_drag"};
   bars.set = {{"train", {0.051, 0.078, 0.19, 0.22, 0.31, 0.305}, {0.002, 0.004, 0.02, 0.01, 0.012, 0.01}, Role::final},
-              {"test", {0.062, 0.088, 0.24, nan, 0.42, 0.41}, {0.003, 0.005, 0.02, nan, 0.02, 0.01}, Role::baseline}};
+              {"test", {0.062, 0.088, 0.24, missing, 0.42, 0.41}, {0.003, 0.005, 0.02, missing, 0.02, 0.01}, Role::baseline}};
   p.bars = bars;
   p.lines = {{"noise alone", 0.05, true, Style::dashed, Role::measured}};
   figure.panels = {p};
@@ -185,8 +185,8 @@ inline Figure spectra() {
   figure.columns = 2;
   Panel p;
   p.title = "Residual spectrum";
-  p.x = {"frequency", "Hz", nan, nan, Scale::log};
-  p.y = {"force", "N/Hz^0.5", nan, nan, Scale::log};
+  p.x = {"frequency", "Hz", missing, missing, Scale::log};
+  p.y = {"force", "N/Hz^0.5", missing, missing, Scale::log};
   Series before{"baseline", {}, {}, Style::line, Role::baseline, 1.0}, after{"final", {}, {}, Style::dashed, Role::final, 1.0};
   for (double f = 0.5; f < 400.0; f *= 1.03) {
     before.x.push_back(f);
@@ -225,7 +225,7 @@ inline SurfaceFigure surface() {
     for (int i = 0; i < n; ++i) {
       const double y = figure.grid_x[static_cast<std::size_t>(i)], v = figure.grid_y[static_cast<std::size_t>(j)];
       const double r = std::hypot(y / 3e-3, v / 0.1);
-      figure.surface(j, i) = r > 1.12 ? nan : force(y, v);
+      figure.surface(j, i) = r > 1.12 ? missing : force(y, v);
     }
   Cloud cloud{"samples", {}, {}, {}, Role::measured};
   for (int i = 0; i < 700; ++i) {

@@ -8,6 +8,7 @@
 #include <vtkPen.h>
 #include <vtkTextProperty.h>
 
+#include "figure/look.hpp"
 #include "figure/module/font.hpp"
 
 namespace lunid::figure {
@@ -60,7 +61,7 @@ void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle&
   property->SetJustification(along + 1);
   property->SetVerticalJustification(beside + 1);
   context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)), static_cast<float>(std::round(anchor.y * scale_)),
-                      text.c_str());
+                      printable(text).c_str());
 }
 
 }  // namespace lunid::figure

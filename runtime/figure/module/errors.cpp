@@ -1,5 +1,6 @@
 #include "figure/module/errors.hpp"
 
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -36,7 +37,11 @@ std::string what_happened(std::string text) {
 
 }  // namespace
 
-CapturedErrors::CapturedErrors() { vtkOutputWindow::SetInstance(vtkNew<Collector>()); }
+CapturedErrors::CapturedErrors() {
+  // VTK's log prints the same complaints a second time, past the output window.
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  vtkOutputWindow::SetInstance(vtkNew<Collector>());
+}
 
 CapturedErrors::~CapturedErrors() { vtkOutputWindow::SetInstance(nullptr); }
 

@@ -41,6 +41,8 @@ class VtkRenderer : public Renderer {
     } catch (const std::exception& e) {
       const std::string cause = errors.first();
       drawing.error = e.what() + (cause.empty() ? cause : " (" + cause + ")");
+    } catch (...) {
+      drawing.error = "the drawing library failed without a reason";
     }
     return drawing;
   }

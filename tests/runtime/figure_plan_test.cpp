@@ -1,0 +1,307 @@
+// Axes, curves and layout, drawn on paper that only remembers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "figure/draw.hpp"
+#include "figure/surface_view.hpp"
+#include "figure_samples.hpp"
+
+namespace {
+
+using namespace samples;
+
+/// Letters of one width; close to the real face, and the same on every machine.
+class Typewriter : public TextMeter {
+ public:
+  double width(const std::string& text, double size, bool bold) override {
+    const auto letters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
+    return static_cast<double>(letters) * size * (bold ? 0.62 : 0.56);
+  }
+};
+
+struct Written {
+  std::string text;
+  Box box;
+};
+
+class Recorder : public Canvas {
+ public:
+  void polyline(std::span<const Point> points, Colour, double) override { lines.emplace_back(points.begin(), points.end()); }
+  void polygon(std::span<const Point> corners, Colour) override { areas.emplace_back(corners.begin(), corners.end()); }
+  void discs(std::span<const Point> centres, double, Colour) override { dots.insert(dots.end(), centres.begin(), centres.end()); }
+  void text(Point anchor, const std::string& text, const TextStyle& style) override {
+    if (text.empty()) return;
+    double w = Typewriter().width(text, style.size, style.bold), h = 0.8 * style.size;
+    if (style.vertical) std::swap(w, h);
+    const double left = anchor.x - 0.5 * (style.across + 1) * w, bottom = anchor.y - 0.5 * (style.upward + 1) * h;
+    texts.push_back({text, {left, bottom, left + w, bottom + h}});
+  }
+  std::vector<Stroke> lines, areas;
+  std::vector<Point> dots;
+  std::vector<Written> texts;
+};
+
+Recorder drawn(const Figure& figure) {
+  const Look look(figure.theme);
+  Typewriter meter;
+  Recorder recorder;
+  draw_figure(recorder, meter, look, plan_figure(meter, look, figure));
+  return recorder;
+}
+
+void expect_legible(const std::vector<Written>& texts, Point extent, const std::string& name) {
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const Box& a = texts[i].box;
+    EXPECT_TRUE(a.left >= -0.5 && a.bottom >= -0.5 && a.right <= extent.x + 0.5 && a.top <= extent.y + 0.5)
+        << name << ": '" << texts[i].text << "' leaves the page: " << a.left << " " << a.bottom << " " << a.right << " " << a.top;
+    for (std::size_t j = 0; j < i; ++j) {
+      const Box& b = texts[j].box;
+      const bool overlap = a.left < b.right && b.left < a.right && a.bottom < b.top && b.bottom < a.top;
+      EXPECT_FALSE(overlap) << name << ": '" << texts[i].text << "' covers '" << texts[j].text << "'";
+    }
+  }
+}
+
+std::vector<std::pair<std::string, Figure>> all_samples() {
+  return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()}, {"spectra", spectra()}};
+}
+
+TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {
+  for (const auto& [name, figure] : all_samples()) {
+    Typewriter meter;
+    const Look look(figure.theme);
+    expect_legible(drawn(figure).texts, plan_figure(meter, look, figure).extent, name);
+  }
+}
+
+TEST(FigureLayout, a_surface_keeps_its_labels_apart_from_every_side) {
+  Typewriter meter;
+  for (double azimuth = -180.0; azimuth < 180.0; azimuth += 25.0) {
+    SurfaceFigure figure = surface();
+    figure.azimuth = azimuth;
+    const Look look(figure.theme);
+    const SurfaceView view = plan_surface(meter, look, figure);
+    Recorder recorder;
+    draw_surface_axes(recorder, meter, look, figure, view);
+    expect_legible(recorder.texts, view.extent, "azimuth " + std::to_string(azimuth));
+  }
+}
+
+TEST(FigureLayout, the_projection_is_orthonormal_and_the_box_fits) {
+  Typewriter meter;
+  const SurfaceFigure figure = surface();
+  const SurfaceView view = plan_surface(meter, Look(figure.theme), figure);
+  const auto dot = [](const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  // Products of cosines: a few units in the last place.
+  EXPECT_NEAR(dot(view.right, view.up), 0.0, 1e-15);
+  EXPECT_NEAR(dot(view.right, view.toward), 0.0, 1e-15);
+  EXPECT_NEAR(dot(view.up, view.up), 1.0, 1e-15);
+  const Point low = view.on_paper(view.in_box(-3e-3, -0.1, view.z.range.low));
+  EXPECT_GT(low.x, 0.0);
+  EXPECT_GT(low.y, 0.0);
+}
+
+TEST(FigureLayout, plots_of_a_column_and_of_a_row_are_in_line) {
+  Typewriter meter;
+  const Figure figure = histories();
+  const FigurePlan plan = plan_figure(meter, Look(figure.theme), figure);
+  ASSERT_EQ(plan.panels.size(), 3u);
+  EXPECT_EQ(plan.panels[0].plot.left, plan.panels[1].plot.left);
+  EXPECT_EQ(plan.panels[1].plot.bottom, plan.panels[2].plot.bottom);
+  EXPECT_NEAR(plan.panels[1].plot.width(), plan.panels[2].plot.width(), 1e-9);
+  EXPECT_NEAR(plan.panels[0].plot.right, plan.panels[2].plot.right, 1e-9);
+}
+
+TEST(FigureLayout, panels_with_one_legend_show_it_once) {
+  const Recorder recorder = drawn(histories());
+  const auto count = [&](const std::string& text) {
+    return std::count_if(recorder.texts.begin(), recorder.texts.end(), [&](const Written& w) { return w.text == text; });
+  };
+  EXPECT_EQ(count("measured"), 1);
+  EXPECT_EQ(count("final"), 1);
+}
+
+TEST(FigureLayout, maps_with_the_same_colours_share_one_bar) {
+  const Recorder recorder = drawn(maps());
+  const auto bars = std::count_if(recorder.texts.begin(), recorder.texts.end(),
+                                  [](const Written& w) { return w.text == "residual force [N]"; });
+  EXPECT_EQ(bars, 1);
+}
+
+TEST(FigureLayout, a_legend_stands_where_no_curve_goes) {
+  Figure figure;
+  Panel p;
+  p.series = {{"parabola", {}, {}, Style::line, Role::first, 1.0}};
+  for (int i = 0; i <= 100; ++i) {
+    p.series[0].x.push_back(i);
+    p.series[0].y.push_back((i - 50.0) * (i - 50.0));
+  }
+  figure.panels = {p};
+  Typewriter meter;
+  const Look look(figure.theme);
+  const FigurePlan plan = plan_figure(meter, look, figure);
+  const PanelPlan& panel = plan.panels[0];
+  // Both upper corners hold an arm of the parabola.
+  ASSERT_TRUE(panel.legend.place == Legend::bottom_right || panel.legend.place == Legend::bottom_left);
+  for (const Stroke& stroke : series_strokes(panel, p.series[0].x, p.series[0].y))
+    EXPECT_TRUE(clip(stroke, panel.legend.box).empty());
+  figure.panels[0].series[0].y.assign(101, 0.0);
+  for (std::size_t i = 0; i < 101; ++i) figure.panels[0].series[0].y[i] = i % 2 ? 1.0 : -1.0;
+  EXPECT_EQ(plan_figure(meter, look, figure).panels[0].legend.place, Legend::above);
+}
+
+TEST(FigureLayout, a_zoom_scales_to_what_it_shows) {
+  Typewriter meter;
+  const Figure figure = histories();
+  const FigurePlan plan = plan_figure(meter, Look(figure.theme), figure);
+  EXPECT_LT(plan.panels[2].y.range.high, 1e-3);  // the envelope there is under 0.7 mm
+  EXPECT_GT(plan.panels[0].y.range.high, 3e-3);
+  // One prefix for one quantity in all of a figure.
+  EXPECT_EQ(plan.panels[2].y.title, "displacement y [mm]");
+}
+
+TEST(FigureLayout, too_small_a_page_is_refused) {
+  Typewriter meter;
+  Figure figure = histories();
+  figure.size = {5.0, 3.0, 250};
+  EXPECT_THROW(plan_figure(meter, Look(figure.theme), figure), std::invalid_argument);
+}
+
+TEST(FigureTicks, the_prefix_follows_the_values) {
+  const auto title = [](const std::string& unit, double largest) { return scaled_unit(unit, largest).unit; };
+  EXPECT_EQ(title("m", 3e-3), "mm");
+  EXPECT_EQ(title("m", 3e-6), "µm");
+  EXPECT_EQ(title("m", 0.5), "m");
+  EXPECT_EQ(title("N", 2.1e4), "kN");
+  EXPECT_EQ(title("N/m", 2.1e6), "MN/m");
+  EXPECT_EQ(title("N s/m", 2.1e4), "kN s/m");
+  EXPECT_EQ(title("m/s", 2e-3), "mm/s");
+  EXPECT_EQ(title("s", 5e4), "s");          // no kiloseconds
+  EXPECT_EQ(title("m^2", 3e-7), "10⁻⁹ m²");  // a prefix would be squared
+  EXPECT_EQ(title("N/m^3", 1e9), "GN/m³");
+  EXPECT_EQ(title("", 0.05), "");
+  EXPECT_EQ(title("", 3e7), "10⁶");
+  EXPECT_EQ(title("mm", 0.02), "mm");
+}
+
+TEST(FigureTicks, labels_are_values_over_the_factor) {
+  const AxisPlan plan = plan_axis({"y", "m"}, {-3.1e-3, 3.1e-3}, 4);
+  EXPECT_EQ(plan.title, "y [mm]");
+  ASSERT_GE(plan.ticks.size(), 2u);
+  for (const Tick& tick : plan.ticks) {
+    std::string label = tick.label;
+    if (label.starts_with("−")) label.replace(0, std::string("−").size(), "-");
+    EXPECT_NEAR(std::stod(label) * 1e-3, tick.value, 1e-15);
+    EXPECT_GE(plan.place(tick.value), 0.0);
+    EXPECT_LE(plan.place(tick.value), 1.0);
+  }
+}
+
+TEST(FigureTicks, every_axis_has_two_labels_or_more) {
+  for (double low = -1.0; low < 1.0; low += 0.0737)
+    for (const double length : {1e-9, 0.013, 1.0, 64.0, 3e5})
+      for (const int wanted : {1, 2, 3, 8}) {
+        const AxisPlan plan = plan_axis({"q", ""}, {low * length, (low + 1.0) * length}, wanted);
+        EXPECT_GE(plan.ticks.size(), 2u) << low << " " << length << " " << wanted;
+        EXPECT_LE(plan.ticks.size(), 22u) << low << " " << length << " " << wanted;
+      }
+}
+
+TEST(FigureTicks, a_small_range_far_from_zero_has_distinct_labels) {
+  const AxisPlan plan = plan_axis({"t", "s"}, {1000.0, 1000.004}, 4);
+  for (std::size_t i = 1; i < plan.ticks.size(); ++i) EXPECT_NE(plan.ticks[i].label, plan.ticks[i - 1].label);
+}
+
+TEST(FigureTicks, log_axes_label_decades) {
+  const AxisPlan plan = plan_axis({"f", "Hz", missing, missing, Scale::log}, {0.5, 400.0}, 4);
+  std::vector<std::string> labels;
+  for (const Tick& tick : plan.ticks)
+    if (!tick.label.empty()) labels.push_back(tick.label);
+  EXPECT_EQ(labels, (std::vector<std::string>{"10⁰", "10¹", "10²"}));
+  EXPECT_TRUE(std::isnan(plan.place(-1.0)));
+}
+
+TEST(FigureCurve, thinning_keeps_the_extremes_and_the_ends) {
+  Stroke stroke;
+  for (int i = 0; i < 100000; ++i) stroke.push_back({i * 1e-3, std::sin(0.7 * i) + (i == 54321 ? 5.0 : 0.0)});
+  const Stroke thinned = thin(stroke, 0.25);
+  // At most four points in each of the 400 columns.
+  EXPECT_LE(thinned.size(), 1600u);
+  const auto higher = [](Point a, Point b) { return a.y < b.y; };
+  EXPECT_EQ(std::max_element(thinned.begin(), thinned.end(), higher)->y, std::max_element(stroke.begin(), stroke.end(), higher)->y);
+  EXPECT_EQ(std::min_element(thinned.begin(), thinned.end(), higher)->y, std::min_element(stroke.begin(), stroke.end(), higher)->y);
+  EXPECT_EQ(thinned.front().x, stroke.front().x);
+  EXPECT_EQ(thinned.back().x, stroke.back().x);
+  EXPECT_TRUE(std::is_sorted(thinned.begin(), thinned.end(), [](Point a, Point b) { return a.x < b.x; }));
+}
+
+TEST(FigureCurve, nan_breaks_a_line) {
+  Figure figure;
+  Panel p;
+  p.series = {{"", {0, 1, 2, 3, 4, 5}, {0, 1, missing, 3, 4, 5}, Style::line, Role::first, 1.0}};
+  figure.panels = {p};
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, Look(figure.theme), figure);
+  const auto strokes = series_strokes(plan.panels[0], p.series[0].x, p.series[0].y);
+  ASSERT_EQ(strokes.size(), 2u);
+  EXPECT_EQ(strokes[0].size(), 2u);
+  EXPECT_EQ(strokes[1].size(), 3u);
+}
+
+TEST(FigureCurve, clipping_cuts_at_the_frame) {
+  const Box box{0, 0, 10, 10};
+  const auto parts = clip({{-5, 5}, {5, 5}, {5, 20}, {8, 20}, {8, 5}}, box);
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].front().x, 0.0);
+  EXPECT_EQ(parts[0].back().y, 10.0);
+  EXPECT_EQ(parts[1].front().y, 10.0);
+  EXPECT_EQ(parts[1].back().y, 5.0);
+  EXPECT_TRUE(clip({{20, 20}, {30, 30}}, box).empty());
+}
+
+TEST(FigureCurve, dashes_lie_on_the_line_and_leave_gaps) {
+  const Stroke line{{0, 0}, {30, 40}, {60, 0}};
+  for (const Style style : {Style::dashed, Style::dotted, Style::dash_dot}) {
+    double ink = 0.0;
+    for (const Stroke& part : dash({line}, style, 1.0))
+      for (std::size_t i = 1; i < part.size(); ++i) {
+        ink += std::hypot(part[i].x - part[i - 1].x, part[i].y - part[i - 1].y);
+        const double expected = part[i].x <= 30.0 ? part[i].x * 4.0 / 3.0 : (60.0 - part[i].x) * 4.0 / 3.0;
+        EXPECT_NEAR(part[i].y, expected, 1e-9);
+      }
+    EXPECT_GT(ink, 30.0);
+    EXPECT_LT(ink, 80.0);  // the line is 100 long
+  }
+  EXPECT_EQ(dash({line}, Style::line, 1.0).size(), 1u);
+}
+
+TEST(FigureCurve, points_are_dropped_only_where_another_stands) {
+  const std::vector<Point> points{{1, 1}, {1.01, 1.01}, {5, 5}, {50, 5}};
+  const auto kept = thin_cloud(points, {0, 0, 10, 10}, 0.5);
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[1].x, 5.0);
+}
+
+TEST(FigureColours, the_maps_run_from_one_end_to_the_other) {
+  EXPECT_EQ(map_colour(0.0, true).blue, 77);
+  EXPECT_EQ(map_colour(0.5, true).red, map_colour(0.5, true).blue);  // neutral middle
+  EXPECT_EQ(map_colour(7.0, false).red, 253);
+  // Light sequential end: luminance grows all along.
+  double before = -1.0;
+  for (double p = 0.0; p <= 1.0; p += 0.05) {
+    const Colour c = map_colour(p, false);
+    const double light = 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
+    EXPECT_GT(light, before);
+    before = light;
+  }
+}
+
+TEST(FigureText, bad_bytes_become_question_marks) {
+  EXPECT_EQ(printable("y [\xb5m]"), "y [?m]");
+  EXPECT_EQ(printable("y [µm] \xe2\x82"), "y [µm] ??");
+  EXPECT_EQ(printable("two\nlines"), "two lines");
+  EXPECT_EQ(printable("\xed\xa0\x80"), "???");  // a lone surrogate
+}
+
+}  // namespace
