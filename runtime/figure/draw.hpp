@@ -12,6 +12,9 @@ struct FigurePlan {
   std::vector<PanelPlan> panels;
 };
 
+/// The look of a figure: its theme, and smaller text where its columns are narrow.
+Look look_for(const Figure& figure);
+
 /// Plans a valid figure. Throws std::invalid_argument when its size leaves no room for the data.
 FigurePlan plan_figure(TextMeter& meter, const Look& look, const Figure& figure);
 

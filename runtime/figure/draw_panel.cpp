@@ -117,15 +117,22 @@ class PanelPainter {
     return {.size = size, .colour = look_.palette.ink, .across = across, .upward = upward};
   }
 
+  /// The middle of a plot's side, moved so that a text of this half length stays within the cell.
+  static double centred(double from, double to, double half, double low, double high) {
+    const double middle = 0.5 * (from + to);
+    return 2.0 * half > high - low ? 0.5 * (low + high) : std::clamp(middle, low + half, high - half);
+  }
+
   void titles() {
     const Box& plot = plan_.plot;
     const double x_size = fitting_size(meter_, plan_.x.title, look_.axis_text, plan_.cell.width());
-    canvas_.text({0.5 * (plot.left + plot.right), plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
+    const double x_half = 0.5 * meter_.width(plan_.x.title, x_size, false);
+    const double x_middle = centred(plot.left, plot.right, x_half, plan_.cell.left, plan_.cell.right);
+    canvas_.text({x_middle, plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
     const double room = plan_.cell.height();
     const double y_size = fitting_size(meter_, plan_.y.title, look_.axis_text, room);
     const double half = 0.5 * meter_.width(plan_.y.title, y_size, false);
-    const double middle = std::clamp(0.5 * (plot.bottom + plot.top), std::min(plan_.cell.bottom + half, plan_.cell.top),
-                                     std::max(plan_.cell.top - half, plan_.cell.bottom));
+    const double middle = centred(plot.bottom, plot.top, half, plan_.cell.bottom, plan_.cell.top);
     TextStyle style = text(y_size, -1, 0);
     style.vertical = true;
     canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);

@@ -21,8 +21,8 @@ enum class Style { line, dashed, dotted, dash_dot, points, line_points };
 
 enum class Scale { linear, log };
 
-/// Where the legend goes. `automatic`: an empty corner of the panel, else a strip above it; panels with the same
-/// entries share one legend at the top of the figure.
+/// Where the legend goes. `automatic`: an empty corner of the panel, else a strip above it; what an earlier panel's
+/// legend says is not said again, and where all say the same one legend stands at the top of the figure.
 enum class Legend { automatic, top_left, top_right, bottom_left, bottom_right, above, none };
 
 enum class Theme { light, dark };

@@ -153,7 +153,7 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
   if (legend.entries.empty() || wanted == Legend::none) return;
   const auto above = [&] {
     legend.place = Legend::above;
-    legend.rows = legend_rows(meter, look, legend.entries, plan.plot.width());
+    legend.rows = legend_rows(meter, look, legend.entries, plan.cell.right - plan.plot.left);
   };
   if (wanted == Legend::above || (wanted == Legend::automatic && plan.panel->map)) return above();
   if (wanted != Legend::automatic) {

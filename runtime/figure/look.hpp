@@ -24,7 +24,10 @@ struct Look {
   double gap = 4.0;      ///< between a tick and its label, a swatch and its name
   double margin = 7.0;   ///< round the figure and between panels
 
-  explicit Look(Theme chosen) : theme(chosen), palette(figure::palette(chosen)) {}
+  /// `text_scale`: for many columns, smaller text.
+  explicit Look(Theme chosen, double text_scale = 1.0) : theme(chosen), palette(figure::palette(chosen)) {
+    for (double* size : {&tick_text, &axis_text, &legend_text, &title_text}) *size *= text_scale;
+  }
 };
 
 /// The height of a line of text of this size.

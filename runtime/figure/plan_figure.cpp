@@ -116,7 +116,7 @@ class Planner {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       PanelPlan p;
       p.panel = &figure_.panels[i];
-      if (!shared) p.legend.entries = legend_entries(*p.panel);
+      if (!shared && !said_before(i)) p.legend.entries = legend_entries(*p.panel);
       p.plot = {0.0, 0.0, std::max(40.0, guess), 100.0};
       p.colour_bar = p.panel->map.has_value();
       p.no_data = p.colour_bar && p.panel->map->z.hasNaN();
@@ -126,6 +126,15 @@ class Planner {
       }
       plan_.panels.push_back(std::move(p));
     }
+  }
+
+  /// Whether an earlier panel has the same legend.
+  bool said_before(std::size_t i) const {
+    const std::vector<LegendEntry> entries = legend_entries(figure_.panels[i]);
+    if (figure_.panels[i].legend != Legend::automatic) return false;
+    return std::any_of(figure_.panels.begin(), figure_.panels.begin() + static_cast<std::ptrdiff_t>(i), [&](const Panel& p) {
+      return p.legend != Legend::none && legend_entries(p) == entries;
+    });
   }
 
   void arrange() {
@@ -212,6 +221,11 @@ class Planner {
 };
 
 }  // namespace
+
+Look look_for(const Figure& figure) {
+  const double column = figure.size.width_cm / 2.54 * 72.0 / figure.columns;
+  return Look(figure.theme, std::clamp(column / 200.0, 0.75, 1.0));
+}
 
 FigurePlan plan_figure(TextMeter& meter, const Look& look, const Figure& figure) {
   return Planner(meter, look, figure).plan();

@@ -43,7 +43,7 @@ class Recorder : public Canvas {
 };
 
 Recorder drawn(const Figure& figure) {
-  const Look look(figure.theme);
+  const Look look = look_for(figure);
   Typewriter meter;
   Recorder recorder;
   draw_figure(recorder, meter, look, plan_figure(meter, look, figure));
@@ -64,14 +64,21 @@ void expect_legible(const std::vector<Written>& texts, Point extent, const std::
 }
 
 std::vector<std::pair<std::string, Figure>> all_samples() {
-  return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()}, {"spectra", spectra()}};
+  Figure mixed = histories(), narrow = rivals();
+  mixed.columns = 3;
+  mixed.panels.push_back(maps().panels[0]);
+  mixed.panels.push_back(spectra().panels[0]);
+  narrow.size.width_cm = 8.0;
+  narrow.panels[0].title = "A panel title that is rather long";
+  narrow.panels[0].note = "gap 0.31 → 0.05";
+  return {{"histories", histories()}, {"maps", maps()},   {"forces", forces()}, {"rivals", rivals()},
+          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow}};
 }
 
 TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {
   for (const auto& [name, figure] : all_samples()) {
     Typewriter meter;
-    const Look look(figure.theme);
-    expect_legible(drawn(figure).texts, plan_figure(meter, look, figure).extent, name);
+    expect_legible(drawn(figure).texts, plan_figure(meter, look_for(figure), figure).extent, name);
   }
 }
 
@@ -120,6 +127,17 @@ TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   };
   EXPECT_EQ(count("measured"), 1);
   EXPECT_EQ(count("final"), 1);
+}
+
+TEST(FigureLayout, a_legend_is_not_repeated_by_later_panels) {
+  Figure figure = histories();
+  figure.panels.push_back(spectra().panels[0]);
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, look_for(figure), figure);
+  EXPECT_NE(plan.panels[0].legend.place, Legend::none);
+  EXPECT_EQ(plan.panels[1].legend.place, Legend::none);
+  EXPECT_EQ(plan.panels[2].legend.place, Legend::none);
+  EXPECT_NE(plan.panels[3].legend.place, Legend::none);
 }
 
 TEST(FigureLayout, maps_with_the_same_colours_share_one_bar) {

@@ -102,6 +102,11 @@ std::string export_pdf(vtkRenderWindow& window, const Figure& figure) {
 
 }  // namespace
 
+void set_background(vtkRenderer& renderer, const Look& look) {
+  const Colour& paper = look.palette.background;
+  renderer.SetBackground(paper.red / 255.0, paper.green / 255.0, paper.blue / 255.0);
+}
+
 int pixels(double points, int dpi) {
   constexpr int most = 8192;  // more needs gigabytes in a software renderer
   const int count = static_cast<int>(std::lround(points * dpi / 72.0));
@@ -140,7 +145,7 @@ std::string window_as_png(vtkRenderWindow& window) {
 
 std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const bool raster = format == Format::png;
-  const Look look(figure.theme);
+  const Look look = look_for(figure);
   FontMeter meter;
   const FigurePlan plan = plan_figure(meter, look, figure);
   const Point extent = plan.extent;
@@ -148,6 +153,7 @@ std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const int dpi = raster ? figure.size.dpi : static_cast<int>(72 * vector_units);
   const auto window = display.window(pixels(extent.x, dpi), pixels(extent.y, dpi));
   vtkNew<vtkRenderer> renderer;
+  set_background(*renderer, look);
   window->AddRenderer(renderer);
   const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); }, scale);
   renderer->AddActor(drawn.actor);

@@ -4,11 +4,12 @@
 #include <string>
 #include <vtkSmartPointer.h>
 
-#include "figure/canvas.hpp"
+#include "figure/look.hpp"
 #include "figure/module/display.hpp"
 #include "figure/renderer.hpp"
 
 class vtkContextActor;
+class vtkRenderer;
 
 namespace lunid::figure {
 
@@ -25,6 +26,9 @@ std::string draw_chart(Display& display, const Figure& figure, Format format);
 
 /// What a window shows, as PNG. Throws std::runtime_error where all pixels are alike.
 std::string window_as_png(vtkRenderWindow& window);
+
+/// Fills what the figure leaves over: the last fraction of a pixel at its edges.
+void set_background(vtkRenderer& renderer, const Look& look);
 
 /// Pixels for `points`; throws std::runtime_error when the picture is too large to draw.
 int pixels(double points, int dpi);

@@ -20,6 +20,7 @@ std::string draw_surface(Display& display, const SurfaceFigure& figure) {
   vtkNew<vtkRenderer> paper, scene;
   paper->SetLayer(0);
   scene->SetLayer(1);
+  set_background(*paper, look);
   window->AddRenderer(paper);
   window->AddRenderer(scene);
   const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_surface_axes(canvas, meter, look, figure, view); },
