@@ -6,7 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
+#include <utility>
 
 #include "expr/error.hpp"
 
@@ -62,20 +62,27 @@ void write_directly(const std::string& path, std::string_view content) {
   write_all(output.descriptor(), content, path);
 }
 
+/// A new file beside `path`, with the usual mode (mkstemp's would be private), and its name.
+std::pair<int, std::string> open_beside(const std::string& path) {
+  constexpr int attempts = 1000;  // another thread or a killed run may hold a name
+  for (int i = 0; i < attempts; ++i) {
+    const std::string name = path + ".part" + std::to_string(::getpid()) + "_" + std::to_string(i);
+    const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) return {descriptor, name};
+    if (errno != EEXIST) break;
+  }
+  fail(path, errno);
+}
+
 }  // namespace
 
 void write_file_atomically(const std::string& path, std::string_view content) {
   if (is_special(path)) return write_directly(path, content);
-  std::string temporary = path + ".XXXXXX";
-  const int descriptor = ::mkostemp(temporary.data(), O_CLOEXEC);
-  if (descriptor < 0) fail(path, errno);
+  auto [descriptor, temporary] = open_beside(path);
   Output output(descriptor, temporary);
-  // mkostemp makes the file private; give it the mode of the file that it replaces, or the usual one.
   struct stat earlier {};
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  const mode_t mode = ::stat(path.c_str(), &earlier) == 0 ? earlier.st_mode & 07777 : 0666 & ~mask;
-  if (::fchmod(descriptor, mode) != 0) fail(path, errno);
+  if (::stat(path.c_str(), &earlier) == 0 && ::fchmod(descriptor, earlier.st_mode & 07777) != 0)
+    fail(path, errno);
   write_all(descriptor, content, path);
   if (::fsync(descriptor) != 0) fail(path, errno);
   if (output.close() != 0) fail(path, errno);

@@ -61,7 +61,8 @@ std::string list_headers(const std::vector<HeaderCell>& header) {
 }
 
 /// The column that `map` asks for.
-std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map, const SourceSpan& where) {
+std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map,
+                        const SourceSpan& where) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < header.size(); ++i) {
     if (header[i].text == map.header || header[i].name == map.header) return i;
@@ -74,8 +75,9 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
 }
 
 /// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
-std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
-                                        const Meaning& meaning, const SourceSpan& where) {
+std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header,
+                                        const std::vector<ColumnPlan>& plans, const Meaning& meaning,
+                                        const SourceSpan& where) {
   for (int strength : {2, 1}) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
@@ -101,8 +103,9 @@ void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where
   }
   const auto si = si_unit(unit);
   if (!si && plan.required)
-    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(),
-                     where, Fault::data);
+    throw InputError(
+        "column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(), where,
+        Fault::data);
   if (!si) {
     plan.unit = unit;
     warnings.push_back("column '" + plan.header.text + "': unknown unit '" + unit + "', taken as it is");
@@ -112,7 +115,8 @@ void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where
   plan.unit = si->unit;
   const Meaning* meaning = meaning_of(plan.channel);
   if (!meaning || fits(*meaning, si->unit)) return;
-  const std::string text = "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
+  const std::string text =
+      "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
   if (plan.channel == "t") throw InputError(text + ", expected s, ms, us or min", where, Fault::data);
   warnings.push_back(text);
 }
@@ -180,21 +184,24 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   for (const ColumnMap& map : options.columns) {
     const std::size_t i = find_header(header, map, where);
     if (plans[i].required)
-      throw InputError("column '" + header[i].text + "' is asked for twice, as '" + plans[i].channel + "' and '" +
-                           map.channel + "'",
+      throw InputError("column '" + header[i].text + "' is asked for twice, as '" + plans[i].channel +
+                           "' and '" + map.channel + "'",
                        where, Fault::data);
     assign(i, map.channel, map.unit);
   }
   for (const Meaning& meaning : meanings) {
-    const bool mapped = std::any_of(plans.begin(), plans.end(),
-                                    [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
+    const bool mapped = std::any_of(plans.begin(), plans.end(), [&](const ColumnPlan& p) {
+      return p.required && p.channel == meaning.channel;
+    });
     if (mapped) continue;
-    if (const auto i = find_meaning(header, plans, meaning, where)) assign(*i, std::string(meaning.channel), "");
+    if (const auto i = find_meaning(header, plans, meaning, where))
+      assign(*i, std::string(meaning.channel), "");
   }
   if (std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
-    throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
-                         "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
-                     where, Fault::data);
+    throw InputError(
+        "no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
+            "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
+        where, Fault::data);
   for (ColumnPlan& plan : plans)
     if (!plan.required) plan_extra(plan, plans, where, warnings);
   return plans;
@@ -217,9 +224,9 @@ std::vector<ColumnMap> parse_columns(std::string_view text) {
     const std::string_view item = trim(text.substr(begin, end - begin));
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos || equals == 0 || trim(item.substr(equals + 1)).empty())
-      throw InputError("columns: expected channel=header, such as \"t=time,y=disp [mm]\", got '" + std::string(item) +
-                           "'",
-                       {}, Fault::usage);
+      throw InputError(
+          "columns: expected channel=header, such as \"t=time,y=disp [mm]\", got '" + std::string(item) + "'",
+          {}, Fault::usage);
     maps.push_back(parse_column(item.substr(0, equals), item.substr(equals + 1)));
     for (std::size_t i = 0; i + 1 < maps.size(); ++i)
       if (maps[i].channel == maps.back().channel)

@@ -15,20 +15,22 @@ std::string known_units();
 struct HeaderCell {
   std::string text, name, unit;
 };
-/// Understands `name [unit]`, `name (unit)` and, where the unit is known or the name is a channel's, `name/unit`.
+/// Understands `name [unit]`, `name (unit)` and, where the unit is known or the name is a channel's,
+/// `name/unit`.
 HeaderCell split_header(std::string_view text);
 
 /// What becomes of a column of the file.
 struct ColumnPlan {
-  std::string channel;   ///< "" : the column is left out
+  std::string channel;  ///< "" : the column is left out
   HeaderCell header;
-  double factor = 1;     ///< to SI
-  std::string unit;      ///< SI unit
-  bool required = false; ///< a cell that is no number is an error; else the column is dropped with a warning
+  double factor = 1;      ///< to SI
+  std::string unit;       ///< SI unit
+  bool required = false;  ///< a cell that is no number is an error; else the column is dropped with a warning
 };
 
-/// Maps header cells to channels: by options.columns, else by name and the usual synonyms. Exactly one plan is "t".
-/// Throws InputError (Fault::data, at `where`): no time column, ambiguous or repeated names, unknown units.
+/// Maps header cells to channels: by options.columns, else by name and the usual synonyms. Exactly one plan
+/// is "t". Throws InputError (Fault::data, at `where`): no time column, ambiguous or repeated names, unknown
+/// units.
 std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
                                      const SourceSpan& where, std::vector<std::string>& warnings);
 

@@ -39,8 +39,8 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   std::vector<std::string> warnings;
   CsvTable table = parse_table(path, read_text(path), options, warnings);
   const auto is_time = [](const ColumnPlan& plan) { return plan.channel == "t"; };
-  const auto time = static_cast<std::size_t>(
-      std::find_if(table.plans.begin(), table.plans.end(), is_time) - table.plans.begin());
+  const auto time = static_cast<std::size_t>(std::find_if(table.plans.begin(), table.plans.end(), is_time) -
+                                             table.plans.begin());
   if (table.plans.size() < 2)
     throw InputError("expected a column of numbers beside the time", {path, table.header_line}, Fault::data);
   const TimeBase base = time_base(table, time, path, options.resample, warnings);

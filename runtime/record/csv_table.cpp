@@ -48,8 +48,10 @@ std::vector<std::string> split_cells(std::string_view line, char separator) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (line[i] == '"') {
-      if (quoted && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[i++];
-      else quoted = !quoted;
+      if (quoted && i + 1 < line.size() && line[i + 1] == '"')
+        cells.back() += line[i++];
+      else
+        quoted = !quoted;
     } else if (line[i] == separator && !quoted) {
       cells.emplace_back();
     } else {
@@ -114,7 +116,8 @@ std::string describe(const ColumnPlan& plan, const BadCells& bad) {
   const std::string& text = bad.first[0].text;
   const std::string column = "column '" + plan.header.text + "': ";
   if (has_decimal_comma(text))
-    return column + "decimal comma in '" + text + "': expected a decimal point; export the file with points, or replace the commas";
+    return column + "decimal comma in '" + text +
+           "': expected a decimal point; export the file with points, or replace the commas";
   std::string message = column + "expected a number, got '" + text + "'";
   if (bad.count == 1) return message;
   message += "; " + std::to_string(bad.count) + " such cells, the first in lines ";
@@ -149,9 +152,12 @@ class Parser {
     separator_ = find_separator(line);
     std::vector<std::string> cells = split_cells(line, separator_);
     if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
-    if (std::all_of(cells.begin(), cells.end(), [](const std::string& c) { return to_number(c) || has_decimal_comma(c); }))
-      fail("no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' first",
-           number);
+    if (std::all_of(cells.begin(), cells.end(),
+                    [](const std::string& c) { return to_number(c) || has_decimal_comma(c); }))
+      fail(
+          "no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' "
+          "first",
+          number);
     std::vector<HeaderCell> header;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (cells[i].empty()) fail("column " + std::to_string(i + 1) + " has no name", number);
@@ -195,7 +201,8 @@ class Parser {
       const bool good = error == std::errc() && (tail == end || *tail == separator_) && std::isfinite(value);
       if (!good) {
         tail = std::find(cursor, end, separator_);
-        if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty()) return;  // trailing separator
+        if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty())
+          return;  // trailing separator
       }
       if (i >= width) return wrong_length(line);
       const std::string_view cell{cursor, static_cast<std::size_t>(tail - cursor)};
@@ -222,7 +229,8 @@ class Parser {
     const bool whole = std::all_of(cells.begin(), cells.end(), [](const std::string& c) {
       return !c.empty() && c.find('.') == c.npos && to_number(c);
     });
-    std::string text = "expected " + std::to_string(table_.columns.size()) + " cells, got " + std::to_string(cells.size());
+    std::string text =
+        "expected " + std::to_string(table_.columns.size()) + " cells, got " + std::to_string(cells.size());
     if (separator_ == ',' && whole && cells.size() > table_.columns.size())
       text += "; the numbers seem to have decimal commas: export the file with decimal points";
     fail(text, lines_.number());
@@ -270,10 +278,12 @@ double PrintedDigits::resolution(double value) const {
 std::string read_text(const std::string& path) {
   const auto fail = [&](const std::string& message) { throw InputError(message, {path}, Fault::data); };
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail(errno == ENOENT ? "no such file" : "cannot read: " + std::string(std::strerror(errno)));
+  if (descriptor < 0)
+    fail(errno == ENOENT ? "no such file" : "cannot read: " + std::string(std::strerror(errno)));
   std::string text;
   struct stat info {};
-  if (::fstat(descriptor, &info) == 0 && info.st_size > 0) text.reserve(static_cast<std::size_t>(info.st_size) + 1);
+  if (::fstat(descriptor, &info) == 0 && info.st_size > 0)
+    text.reserve(static_cast<std::size_t>(info.st_size) + 1);
   constexpr std::size_t chunk = 1 << 22;
   for (;;) {
     const std::size_t used = text.size();

@@ -15,7 +15,8 @@ namespace {
 
 constexpr int most_order = 12;
 
-/// Fits polynomials over 2h+1 samples in the scaled position s = (i - h)/h, so that the fit is well conditioned.
+/// Fits polynomials over 2h+1 samples in the scaled position s = (i - h)/h, so that the fit is well
+/// conditioned.
 class Fit {
  public:
   Fit(int half_width, int order) : half_width_(half_width), order_(order) {
@@ -28,7 +29,9 @@ class Fit {
     solution_ = r.triangularView<Eigen::Upper>().solve(q.transpose());
   }
   /// Coefficients of the polynomial through a window of samples.
-  Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::VectorXd>& window) const { return solution_ * window; }
+  Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::VectorXd>& window) const {
+    return solution_ * window;
+  }
   /// Derivatives of the basis, per sample^derivative, `offset` samples from the middle.
   Eigen::VectorXd basis(int offset, int derivative) const {
     const double s = static_cast<double>(offset) / half_width_;
@@ -50,7 +53,9 @@ class Fit {
 };
 
 void validate(const SavitzkyGolay& options, int derivative, std::size_t rows) {
-  const auto fail = [](const std::string& text) { throw InputError("savitzky_golay: " + text, {}, Fault::study); };
+  const auto fail = [](const std::string& text) {
+    throw InputError("savitzky_golay: " + text, {}, Fault::study);
+  };
   if (derivative < 0) fail("derivative: expected >= 0, got " + std::to_string(derivative));
   if (options.order < derivative || options.order > most_order)
     fail("order: expected " + std::to_string(derivative) + " to " + std::to_string(most_order) + ", got " +
@@ -73,7 +78,8 @@ Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& x, const Eige
     return result;
   }
   const Eigen::Index length = power_of_two_above(8 * points), useful = length - points + 1;
-  const Eigen::VectorXcd filter = half_spectrum({w.data(), static_cast<std::size_t>(points)}, length).conjugate();
+  const Eigen::VectorXcd filter =
+      half_spectrum({w.data(), static_cast<std::size_t>(points)}, length).conjugate();
   for (Eigen::Index start = 0; start < count; start += useful) {
     const Eigen::Index rows = std::min(length, x.size() - start);
     // The level is taken off first, so that a large offset costs no digits; the filter's sum puts it back.
@@ -103,18 +109,20 @@ struct Signal {
   Eigen::Index length = 0;
 };
 
-/// The spectrum less the noise where it stands out of it by more than chance; elsewhere 0. (Where the signal is below
-/// the noise no filter gains by letting it pass, and the scatter of the difference would drown the sum.)
+/// The spectrum less the noise where it stands out of it by more than chance; elsewhere 0. (Where the signal
+/// is below the noise no filter gains by letting it pass, and the scatter of the difference would drown the
+/// sum.)
 Eigen::VectorXd signal_density(const Spectrum& spectrum, double noise_density) {
   const Eigen::Index bins = spectrum.density.size();
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(bins + 1), density = Eigen::VectorXd::Zero(bins);
   for (Eigen::Index k = 0; k < bins; ++k) sum[k + 1] = sum[k] + spectrum.density[k];
   const double independent = std::max(1.0, 0.5 * static_cast<double>(spectrum.segments));
   for (Eigen::Index k = 0; k < bins; ++k) {
-    const Eigen::Index reach = std::min<Eigen::Index>(4, bins / 8) + k / 8;  // broader where chance weighs more
+    const Eigen::Index reach =
+        std::min<Eigen::Index>(4, bins / 8) + k / 8;  // broader where chance weighs more
     const Eigen::Index first = std::max<Eigen::Index>(k - reach, 0), last = std::min(k + reach + 1, bins);
-    // Quantile 1 - 1e-4 of chi-square over its degrees of freedom (Wilson & Hilferty 1931); neighbouring bins of a
-    // Hann window share half of theirs.
+    // Quantile 1 - 1e-4 of chi-square over its degrees of freedom (Wilson & Hilferty 1931); neighbouring bins
+    // of a Hann window share half of theirs.
     const double dof = independent * static_cast<double>(last - first);
     const double threshold = std::pow(1 - 2 / (9 * dof) + 3.72 * std::sqrt(2 / (9 * dof)), 3);
     const double mean = (sum[last] - sum[first]) / static_cast<double>(last - first);
@@ -130,7 +138,8 @@ Signal analyse(std::span<const double> x, double noise, int derivative) {
   Signal signal{signal_density(spectrum, noise * noise), noise * noise, {}, spectrum.length};
   signal.ideal.resize(signal.density.size());
   for (Eigen::Index k = 0; k < signal.ideal.size(); ++k) {
-    const std::complex<double> iw(0, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(signal.length));
+    const std::complex<double> iw(
+        0, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(signal.length));
     signal.ideal[k] = std::pow(iw, derivative);
   }
   return signal;
@@ -157,7 +166,8 @@ double savitzky_golay_noise(double dt, int derivative, const SavitzkyGolay& opti
   return savitzky_golay_weights(derivative, options).norm() / std::pow(dt, derivative);
 }
 
-Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative, const SavitzkyGolay& options) {
+Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative,
+                               const SavitzkyGolay& options) {
   validate(options, derivative, x.size());
   const auto n = static_cast<Eigen::Index>(x.size());
   const int h = options.half_width;
@@ -165,7 +175,8 @@ Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivat
   const Fit fit(h, options.order);
   Eigen::VectorXd result(n);
   result.segment(h, n - 2 * h) = correlate(values, fit.weights(0, derivative));
-  const Eigen::VectorXd head = fit.coefficients(values.head(2 * h + 1)), tail = fit.coefficients(values.tail(2 * h + 1));
+  const Eigen::VectorXd head = fit.coefficients(values.head(2 * h + 1)),
+                        tail = fit.coefficients(values.tail(2 * h + 1));
   for (int i = 0; i < h; ++i) {
     result[i] = fit.basis(i - h, derivative).dot(head);
     result[n - 1 - i] = fit.basis(h - i, derivative).dot(tail);
@@ -176,7 +187,8 @@ Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivat
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative) {
   const auto n = static_cast<Eigen::Index>(x.size());
   const Signal signal = analyse(x, noise, derivative);
-  const int widest = static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, signal.length / 10, (n - 1) / 2}), 2));
+  const int widest =
+      static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, signal.length / 10, (n - 1) / 2}), 2));
   // The narrowest filter of order 3 is there for any record of 5 rows.
   SavitzkyGolay best{2, 3};
   double least = std::numeric_limits<double>::infinity();

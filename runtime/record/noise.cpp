@@ -22,8 +22,8 @@ double median(std::vector<double> x) {
 double median_over_mean(double dof) { return std::pow(1 - 2 / (9 * dof), 3); }
 
 /// The step of a quantised signal: the least distance of two different values, where nearly all distances are
-/// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no coarse
-/// measurement.
+/// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no
+/// coarse measurement.
 double value_step(std::span<const double> x) {
   constexpr std::size_t enough = 16384, few = 16;
   std::vector<double> sorted;
@@ -40,8 +40,8 @@ double value_step(std::span<const double> x) {
   return off * 20 < distances.size() ? step : 0;
 }
 
-/// For records too short for a spectrum: differences of order m leave of a smooth signal little, of white noise of
-/// variance s^2 the variance s^2 binomial(2m, m). The lowest over the orders.
+/// For records too short for a spectrum: differences of order m leave of a smooth signal little, of white
+/// noise of variance s^2 the variance s^2 binomial(2m, m). The lowest over the orders.
 double noise_by_differences(std::span<const double> x) {
   std::vector<double> d(x.begin(), x.end());
   double lowest = std::numeric_limits<double>::infinity(), binomial = 1;
@@ -56,8 +56,8 @@ double noise_by_differences(std::span<const double> x) {
   return std::isfinite(lowest) ? lowest : 0;
 }
 
-/// The lowest level over broad bands of the spectrum; bands that differ from the lowest by no more than chance are
-/// pooled with it, because the lowest of several equals would be too low.
+/// The lowest level over broad bands of the spectrum; bands that differ from the lowest by no more than
+/// chance are pooled with it, because the lowest of several equals would be too low.
 double floor_of(const Spectrum& spectrum, double samples) {
   const Eigen::Index bins = spectrum.density.size();
   const Eigen::Index bands = std::clamp<Eigen::Index>(bins / 8, 2, 8);
@@ -67,10 +67,12 @@ double floor_of(const Spectrum& spectrum, double samples) {
   std::vector<double> levels;
   for (Eigen::Index b = 0; b < bands; ++b) {
     const Eigen::Index first = 1 + b * (bins - 2) / bands, last = 1 + (b + 1) * (bins - 2) / bands;
-    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) / median_over_mean(dof));
+    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) /
+                     median_over_mean(dof));
   }
   const double lowest = *std::min_element(levels.begin(), levels.end());
-  // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's efficiency 2/pi.
+  // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's
+  // efficiency 2/pi.
   const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(bands) / samples);
   double sum = 0, count = 0;
   for (double level : levels) {
@@ -101,7 +103,8 @@ double dominant_frequency(std::span<const double> x, double dt) {
   const Eigen::Index length = 2 * power_of_two_above(n);
   const Eigen::VectorXd power = half_spectrum({part.data(), x.size()}, length).cwiseAbs2();
   // Less than three quarters of a cycle in the whole record is drift.
-  const auto lowest = static_cast<Eigen::Index>(std::ceil(0.75 * static_cast<double>(length) / static_cast<double>(n)));
+  const auto lowest =
+      static_cast<Eigen::Index>(std::ceil(0.75 * static_cast<double>(length) / static_cast<double>(n)));
   Eigen::Index peak = lowest;
   power.segment(lowest, power.size() - lowest).maxCoeff(&peak);
   peak += lowest;

@@ -13,7 +13,8 @@
 
 namespace lunid {
 
-/// One channel of a record. Names are the language's: F y v a (y_reference and other extra columns keep their header).
+/// One channel of a record. Names are the language's: F y v a (y_reference and other extra columns keep their
+/// header).
 struct Channel {
   std::string name;
   std::string unit;         ///< SI unit after conversion ("m"), "" when none was given
@@ -33,8 +34,10 @@ class Record {
 
   const std::string& name() const { return name_; }  ///< the file's path, as given
   Eigen::Index rows() const { return count_; }
-  double dt() const { return dt_; }      ///< [s]
-  double start() const { return t0_ + dt_ * static_cast<double>(first_); }   ///< [s] of the first row of the window
+  double dt() const { return dt_; }  ///< [s]
+  double start() const {
+    return t0_ + dt_ * static_cast<double>(first_);
+  }  ///< [s] of the first row of the window
   double duration() const { return dt_ * static_cast<double>(count_ - 1); }  ///< [s]
   double time(Eigen::Index row) const { return start() + dt_ * static_cast<double>(row); }
   bool has(std::string_view channel) const;
@@ -42,10 +45,13 @@ class Record {
   std::span<const double> operator[](std::string_view channel) const;
   const Channel& channel(std::string_view channel) const;
   const std::vector<Channel>& channels() const { return *channels_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }  ///< what reading found (rounded time, ...)
+  const std::vector<std::string>& warnings() const {
+    return warnings_;
+  }  ///< what reading found (rounded time, ...)
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
 
-  /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the record has.
+  /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the
+  /// record has.
   Record window(double from, double to) const;
   /// Rows [first, first + count) of this window.
   Record slice(Eigen::Index first, Eigen::Index count) const;
@@ -76,10 +82,10 @@ struct ReadOptions {
   bool resample = false;           ///< a really uneven time base is resampled to its median step
 };
 
-/// Reads a CSV file: separator , ; or tab (found), comments with #, header with names and units ("y [mm]", "F (kN)").
-/// Derives v and a when absent (derive_motion) and estimates each channel's noise.
-/// Throws InputError (Fault::data) with file and line: missing or empty file, decimal comma, text or NaN in a number
-/// column, a row of another length, two columns of one name, time that runs backwards or is uneven, fewer than 6 rows.
+/// Reads a CSV file: separator , ; or tab (found), comments with #, header with names and units ("y [mm]", "F
+/// (kN)"). Derives v and a when absent (derive_motion) and estimates each channel's noise. Throws InputError
+/// (Fault::data) with file and line: missing or empty file, decimal comma, text or NaN in a number column, a
+/// row of another length, two columns of one name, time that runs backwards or is uneven, fewer than 6 rows.
 Record read_csv(const std::string& path, const ReadOptions& options = {});
 /// Writes t and the channels in SI with units in the header; atomically; reads back to the same doubles.
 void write_csv(const Record& record, const std::string& path);
@@ -93,22 +99,25 @@ struct SiUnit {
 std::optional<SiUnit> si_unit(std::string_view unit);
 
 // ---- derivatives.cpp ----
-/// Savitzky-Golay smoothing (derivative = 0) or derivative of an evenly sampled signal: polynomial `order` over
-/// `2 * half_width + 1` samples, one-sided fits at the ends. (Savitzky & Golay 1964, Anal. Chem. 36, 1627.)
+/// Savitzky-Golay smoothing (derivative = 0) or derivative of an evenly sampled signal: polynomial `order`
+/// over `2 * half_width + 1` samples, one-sided fits at the ends. (Savitzky & Golay 1964, Anal. Chem. 36,
+/// 1627.)
 struct SavitzkyGolay {
   int half_width = 5;
   int order = 3;
 };
-Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative, const SavitzkyGolay& options);
-/// The window that a signal of this noise calls for: the widest whose smoothing bias stays below the noise that it
-/// leaves (order 3 or 5; at least order + 2 samples).
+Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative,
+                               const SavitzkyGolay& options);
+/// The window that a signal of this noise calls for: the widest whose smoothing bias stays below the noise
+/// that it leaves (order 3 or 5; at least order + 2 samples).
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative);
-/// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad bands,
-/// taken over the whole bandwidth. 0 for a constant signal.
+/// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad
+/// bands, taken over the whole bandwidth. 0 for a constant signal.
 double noise_level(std::span<const double> x);
 /// This record with smoothed `v` and `a` added where absent (marked derived). Needs `y`, or `v`, or `a`.
 Record derive_motion(const Record& record);
-/// The dominant angular frequency [rad/s] of a signal: the power-weighted centre of its spectrum's largest peak.
+/// The dominant angular frequency [rad/s] of a signal: the power-weighted centre of its spectrum's largest
+/// peak.
 double dominant_frequency(std::span<const double> x, double dt);
 
 }  // namespace lunid

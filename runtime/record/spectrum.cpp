@@ -11,7 +11,8 @@ namespace {
 Eigen::VectorXd hann(Eigen::Index length) {
   Eigen::VectorXd w(length);
   for (Eigen::Index i = 0; i < length; ++i) {
-    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+    const double s =
+        std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     w[i] = s * s;
   }
   return w;
@@ -60,13 +61,16 @@ Spectrum welch(std::span<const double> x, Eigen::Index length) {
   const Eigen::VectorXd window = hann(length);
   Spectrum result{Eigen::VectorXd::Zero(length / 2 + 1), length, 0};
   for (Eigen::Index start = 0; start + length <= n;) {
-    const Eigen::VectorXd part = detrend(x.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(length)), 1)
-                                     .cwiseProduct(window);
+    const Eigen::VectorXd part =
+        detrend(x.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(length)), 1)
+            .cwiseProduct(window);
     result.density += half_spectrum({part.data(), static_cast<std::size_t>(length)}, length).cwiseAbs2();
     ++result.segments;
     // The last segment ends with the record.
-    if (start + length < n && start + hop + length > n && n - length > start + hop / 2) start = n - length;
-    else start += hop;
+    if (start + length < n && start + hop + length > n && n - length > start + hop / 2)
+      start = n - length;
+    else
+      start += hop;
   }
   result.density /= window.squaredNorm() * static_cast<double>(std::max<Eigen::Index>(result.segments, 1));
   return result;

@@ -12,7 +12,8 @@ Eigen::VectorXcd half_spectrum(std::span<const double> x, Eigen::Index length);
 /// The real signal whose half spectrum this is; `length` values.
 Eigen::VectorXd inverse_half_spectrum(const Eigen::VectorXcd& spectrum, Eigen::Index length);
 
-/// One-sided power spectral density by Welch's method: Hann window, half-overlapping segments, each rid of its line.
+/// One-sided power spectral density by Welch's method: Hann window, half-overlapping segments, each rid of
+/// its line.
 struct Spectrum {
   Eigen::VectorXd density;  ///< bins 0 .. length/2; the mean over all bins of white noise is its variance
   Eigen::Index length = 0;  ///< of a segment; bin k is at k / (length * dt)

@@ -27,7 +27,8 @@ TimeBase fit_line(std::span<const double> t) {
   const double n = static_cast<double>(t.size()), centre = (n - 1) / 2;
   double mean = 0, slope = 0;
   for (double value : t) mean += (value - t[0]) / n;
-  for (std::size_t i = 0; i < t.size(); ++i) slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
+  for (std::size_t i = 0; i < t.size(); ++i)
+    slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
   slope /= n * (n * n - 1) / 12;
   return {t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(t.size()), false};
 }
@@ -54,13 +55,14 @@ double rounded(double value, int digits) {
   return std::stod(text.str());
 }
 
-/// The start for which every stamp is t0 + i*dt, rounded as printed; nullopt when there is none. Of the possible ones
-/// the first stamp itself, else the one of the fewest digits.
+/// The start for which every stamp is t0 + i*dt, rounded as printed; nullopt when there is none. Of the
+/// possible ones the first stamp itself, else the one of the fewest digits.
 std::optional<double> start_of(std::span<const double> t, std::span<const double> resolution, double dt) {
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double start = t[i] - dt * static_cast<double>(i);
-    const double half = 0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
+    const double half =
+        0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
     low = std::max(low, start - half);
     high = std::min(high, start + half);
     if (low > high) return std::nullopt;
@@ -73,9 +75,10 @@ std::optional<double> start_of(std::span<const double> t, std::span<const double
   return (low + high) / 2;
 }
 
-/// The even base of the roundest step (in its own digits, or as a rate: 0.00125, 1/300) of which the stamps are
-/// roundings; nullopt when they are not. `line` is the least-squares line.
-std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
+/// The even base of the roundest step (in its own digits, or as a rate: 0.00125, 1/300) of which the stamps
+/// are roundings; nullopt when they are not. `line` is the least-squares line.
+std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution,
+                                  const TimeBase& line) {
   if (!(line.dt > 0)) return std::nullopt;
   const double slack = std::max(resolution.back(), 1e-9 * line.dt) / static_cast<double>(t.size() - 1);
   for (int digits = 1; digits <= 17; ++digits)
@@ -98,8 +101,8 @@ void check_increasing(std::span<const double> t, std::span<const int> lines, con
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] > t[i - 1]) continue;
     const std::string stamps = "t = " + number(t[i]) + " s after t = " + number(t[i - 1]) + " s";
-    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps, {path, lines[i]},
-                     Fault::data);
+    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps,
+                     {path, lines[i]}, Fault::data);
   }
 }
 
@@ -110,8 +113,10 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
   std::size_t odd = 0;
   for (std::size_t i = 1; i < t.size(); ++i) {
     const double d = t[i] - t[i - 1];
-    if (d > 1.5 * step + (rounded ? resolution[i] : 0)) gaps.push_back(i);
-    else if (std::abs(d - step) > 0.05 * step + resolution[i]) ++odd;
+    if (d > 1.5 * step + (rounded ? resolution[i] : 0))
+      gaps.push_back(i);
+    else if (std::abs(d - step) > 0.05 * step + resolution[i])
+      ++odd;
   }
   if (odd * 20 > t.size() || gaps.size() * 5 > t.size()) gaps.clear();
   return gaps;
@@ -119,8 +124,9 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
 
 }  // namespace
 
-TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
-                       const std::string& path, bool resample, std::vector<std::string>& warnings) {
+TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution,
+                       std::span<const int> lines, const std::string& path, bool resample,
+                       std::vector<std::string>& warnings) {
   if (t.size() < 6)
     throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
   std::vector<double> steps(t.size() - 1);
@@ -129,8 +135,8 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
 
   const TimeBase line = fit_line(t);
   const Deviation found = deviation(t, line);
-  // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row. Four or more that all lie on one line
-  // are rounding: lost rows would have to be evenly spaced.
+  // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row. Four or more that all lie on
+  // one line are rounding: lost rows would have to be evenly spaced.
   const bool coarse = resolution.back() > 0.6 * step;
   std::size_t unusual = 0;
   for (double d : steps) unusual += std::abs(d - step) > 0.5 * step;
@@ -144,7 +150,8 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
 
   check_increasing(t, lines, path);
   const std::vector<std::size_t> gaps = find_gaps(t, resolution, step, unusual * 20 > t.size());
-  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::floor((t.back() - t[0]) / step + 1e-6)) + 1, true};
+  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::floor((t.back() - t[0]) / step + 1e-6)) + 1,
+                      true};
   if (!gaps.empty()) {
     const std::size_t row = gaps[0];
     const auto missing = std::lround((t[row] - t[row - 1]) / step) - 1;
@@ -163,8 +170,8 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
     return line;
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
-  const std::string text = "time is uneven: steps from " + number(*least) + " to " + number(*most) + " s, median " +
-                           number(step) + " s";
+  const std::string text = "time is uneven: steps from " + number(*least) + " to " + number(*most) +
+                           " s, median " + number(step) + " s";
   if (!resample) {
     const auto row = static_cast<std::size_t>(most - steps.begin()) + 1;
     throw InputError(text + "; the largest ends here; set resample = true to interpolate to the median step",

@@ -12,11 +12,14 @@ namespace {
 
 constexpr Eigen::Index fewest_rows = 40, fewest_blocks = 20;
 
-std::span<const double> span_of(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+std::span<const double> span_of(const Eigen::VectorXd& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
 
 /// Draws enough for a p-value of 1e-4, fewer where the blocks are many (and the normal limit is near anyway).
 std::uint64_t number_of_draws(Eigen::Index blocks) {
-  return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(100'000'000 / std::max<Eigen::Index>(blocks, 1)), 1999, 9999);
+  return std::clamp<std::uint64_t>(
+      static_cast<std::uint64_t>(100'000'000 / std::max<Eigen::Index>(blocks, 1)), 1999, 9999);
 }
 
 /// Sums of a series over all blocks of a length, on the ring of its first rows (a whole number of blocks).
@@ -33,8 +36,10 @@ BlockSums block_sums(const Eigen::VectorXd& x, Eigen::Index length) {
   for (Eigen::Index i = 0; i < rows; ++i) {
     result.sums[i] = sum;
     // A running sum loses digits; it is formed afresh at each whole block.
-    if ((i + 1) % length == 0) sum = i + 1 < rows ? x.segment(i + 1, length).sum() : 0;
-    else sum += x[(i + length) % rows] - x[i];
+    if ((i + 1) % length == 0)
+      sum = i + 1 < rows ? x.segment(i + 1, length).sum() : 0;
+    else
+      sum += x[(i + length) % rows] - x[i];
   }
   return result;
 }
@@ -90,7 +95,8 @@ Eigen::Index choose_block_length(std::span<const double> x) {
   const auto n = static_cast<double>(x.size());
   const auto most = std::max<Eigen::Index>(static_cast<Eigen::Index>(x.size()) / fewest_blocks, 1);
   if (most == 1) return 1;
-  // The lag after which a few correlations in a row are within chance; twice that is the flat-top window's width.
+  // The lag after which a few correlations in a row are within chance; twice that is the flat-top window's
+  // width.
   const int in_a_row = std::max(5, static_cast<int>(std::sqrt(std::log10(n))));
   const int search = static_cast<int>(std::min<double>(std::ceil(std::sqrt(n)) + in_a_row, n / 2));
   const double chance = 2 * std::sqrt(std::log10(n) / n);

@@ -1,6 +1,7 @@
 #pragma once
-// Tests whose levels hold for coloured data: blocks of neighbouring rows are resampled, so that the dependence within
-// a block stays as it was. (Kuensch 1989, Ann. Statist. 17, 1217; circular: Politis & Romano 1992.)
+// Tests whose levels hold for coloured data: blocks of neighbouring rows are resampled, so that the
+// dependence within a block stays as it was. (Kuensch 1989, Ann. Statist. 17, 1217; circular: Politis &
+// Romano 1992.)
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
@@ -24,8 +25,9 @@ class BlockBootstrap {
   std::uint64_t seed_;
 };
 
-/// A p-value by simulation: the share of draws that go beyond what was found. It stops at 50 of them, when the value is
-/// known well enough (Besag & Clifford 1991, Biometrika 78, 301), and never says less than 1 / (most + 1).
+/// A p-value by simulation: the share of draws that go beyond what was found. It stops at 50 of them, when
+/// the value is known well enough (Besag & Clifford 1991, Biometrika 78, 301), and never says less than 1 /
+/// (most + 1).
 class MonteCarlo {
  public:
   explicit MonteCarlo(std::uint64_t most) : most_(most) {}
@@ -45,14 +47,15 @@ class MonteCarlo {
   std::uint64_t most_, draws_ = 0, beyond_ = 0;
 };
 
-/// The block length that a series' own correlation calls for. (Politis & White 2004, Econometric Rev. 23, 53, with
-/// Patton's correction of 2009.) Between 1 and rows / 20.
+/// The block length that a series' own correlation calls for. (Politis & White 2004, Econometric Rev. 23, 53,
+/// with Patton's correction of 2009.) Between 1 and rows / 20.
 Eigen::Index choose_block_length(std::span<const double> x);
 
-/// Probability of a drop of the mean squared error as large as that from `before` to `after` (errors of two runs on the
-/// same rows) if there were none: studentised block bootstrap of the differences of squares, one-sided, never below
-/// 1e-4. `block_length` is a least length, 0 for none: longer blocks are taken where the differences are correlated for
-/// longer, up to a twentieth of the rows. 1 with fewer than 40 rows. An error that is not finite is one without bound.
+/// Probability of a drop of the mean squared error as large as that from `before` to `after` (errors of two
+/// runs on the same rows) if there were none: studentised block bootstrap of the differences of squares,
+/// one-sided, never below 1e-4. `block_length` is a least length, 0 for none: longer blocks are taken where
+/// the differences are correlated for longer, up to a twentieth of the rows. 1 with fewer than 40 rows. An
+/// error that is not finite is one without bound.
 double p_value_of_lower_error(std::span<const double> before, std::span<const double> after,
                               Eigen::Index block_length, std::uint64_t seed);
 

@@ -23,10 +23,12 @@ struct Dependence {
   double by_chance = 0;  ///< its mean for the residual's own blocks in random order
   double p_value = 1;
 };
-/// Compares the residual with blocks of `noise` (what of it cannot be a function of interest: of mean 0) in random
-/// order, which keep its colour and lose their place. The rows of the projections do not overlap. `block_length` is a
-/// least length; longer blocks are taken where the noise is correlated for longer, up to a twentieth of the rows.
+/// Compares the residual with blocks of `noise` (what of it cannot be a function of interest: of mean 0) in
+/// random order, which keep its colour and lose their place. The rows of the projections do not overlap.
+/// `block_length` is a least length; longer blocks are taken where the noise is correlated for longer, up to
+/// a twentieth of the rows.
 Dependence dependence(const Eigen::VectorXd& residual, const Eigen::VectorXd& noise,
-                      const std::vector<Projection>& projections, Eigen::Index block_length, std::uint64_t seed);
+                      const std::vector<Projection>& projections, Eigen::Index block_length,
+                      std::uint64_t seed);
 
 }  // namespace lunid

@@ -3,11 +3,11 @@
 
 namespace lunid {
 
-double normal_tail(double z);            ///< P(Z > z)
-double normal_quantile(double p);        ///< z with P(Z < z) = p, 0 < p < 1
-double chi_square_tail(double x, double freedom);              ///< P(X > x), freedom > 0
-double f_tail(double f, double freedom1, double freedom2);     ///< P(F > f), both > 0
-double t_tail(double t, double freedom);                       ///< P(T > t), one-sided, freedom > 0
+double normal_tail(double z);                               ///< P(Z > z)
+double normal_quantile(double p);                           ///< z with P(Z < z) = p, 0 < p < 1
+double chi_square_tail(double x, double freedom);           ///< P(X > x), freedom > 0
+double f_tail(double f, double freedom1, double freedom2);  ///< P(F > f), both > 0
+double t_tail(double t, double freedom);                    ///< P(T > t), one-sided, freedom > 0
 
 /// Regularised incomplete gamma functions: P(a, x) = gamma(a, x)/Gamma(a) and Q = 1 - P; a > 0, x >= 0.
 double gamma_lower(double a, double x);

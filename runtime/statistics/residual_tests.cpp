@@ -19,13 +19,13 @@ Eigen::Map<const Eigen::VectorXd> map_of(std::span<const double> x) {
 
 void check_lengths(std::span<const double> a, std::span<const double> b) {
   if (a.size() != b.size())
-    throw InputError("statistics: series of " + std::to_string(a.size()) + " and of " + std::to_string(b.size()) +
-                     " rows");
+    throw InputError("statistics: series of " + std::to_string(a.size()) + " and of " +
+                     std::to_string(b.size()) + " rows");
 }
 
 /// Does the residual follow `columns` beyond what `nuisance` explains?
-Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& columns, const Eigen::MatrixXd& nuisance,
-                  Eigen::Index block_length, std::uint64_t seed) {
+Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& columns,
+                  const Eigen::MatrixXd& nuisance, Eigen::Index block_length, std::uint64_t seed) {
   std::vector<Eigen::Index> rows(static_cast<std::size_t>(residual.size()));
   std::iota(rows.begin(), rows.end(), Eigen::Index{0});
   const Eigen::VectorXd left = residual - nuisance * nuisance.colPivHouseholderQr().solve(residual);
@@ -33,7 +33,9 @@ Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& column
   return dependence(left, noise, {{rows, orthonormal_beside(columns, nuisance)}}, block_length, seed);
 }
 
-double share(const Dependence& found, double square) { return std::max(found.explained - found.by_chance, 0.0) / square; }
+double share(const Dependence& found, double square) {
+  return std::max(found.explained - found.by_chance, 0.0) / square;
+}
 
 }  // namespace
 
@@ -49,7 +51,8 @@ Parity parity(std::span<const double> residual, std::span<const double> x, Eigen
   Eigen::MatrixXd even(r.size(), 4), odd(r.size(), 4);
   even << p.col(0), p.col(2), p.col(4), scaled.abs().matrix();
   odd << p.col(1), p.col(3), p.col(5), scaled.sign().matrix();
-  const Dependence on_even = beside(r, even, odd, block_length, seed), on_odd = beside(r, odd, even, block_length, seed);
+  const Dependence on_even = beside(r, even, odd, block_length, seed),
+                   on_odd = beside(r, odd, even, block_length, seed);
   return {share(on_odd, square), share(on_even, square), on_odd.p_value, on_even.p_value};
 }
 
@@ -58,13 +61,16 @@ Correlation correlation(std::span<const double> a, std::span<const double> b, Ei
   check_lengths(a, b);
   const double scale = moments::standard_deviation(a) * moments::standard_deviation(b);
   if (!(scale > 0)) return {};
-  const Eigen::VectorXd first = map_of(a).array() - moments::mean(a), second = map_of(b).array() - moments::mean(b);
+  const Eigen::VectorXd first = map_of(a).array() - moments::mean(a),
+                        second = map_of(b).array() - moments::mean(b);
   const double coefficient = first.dot(second) / static_cast<double>(a.size()) / scale;
-  return {coefficient, beside(first, second, Eigen::MatrixXd::Ones(second.size(), 1), block_length, seed).p_value};
+  return {coefficient,
+          beside(first, second, Eigen::MatrixXd::Ones(second.size(), 1), block_length, seed).p_value};
 }
 
-ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
-                             double period, Eigen::Index block_length, std::uint64_t seed) {
+ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y,
+                             std::span<const double> v, double period, Eigen::Index block_length,
+                             std::uint64_t seed) {
   ResidualTests result;
   result.in_y = parity(residual, y, block_length, seed);
   result.in_v = parity(residual, v, block_length, seed);

@@ -119,7 +119,8 @@ TEST(Csv, AnExtraColumnThatIsNoNumberIsLeftOut) {
   EXPECT_FALSE(record.has("status"));
   ASSERT_EQ(record.warnings().size(), 1u);
   EXPECT_EQ(record.warnings()[0],
-            "left out: line 2: column 'status': expected a number, got 'ok'; 8 such cells, the first in lines 2, 3, 4, 5");
+            "left out: line 2: column 'status': expected a number, got 'ok'; 8 such cells, the first in "
+            "lines 2, 3, 4, 5");
 }
 
 TEST(Csv, AnUnknownUnitOfAnExtraColumnIsKept) {
@@ -163,8 +164,8 @@ TEST(Units, AreConvertedToSi) {
   EXPECT_EQ(si_unit("mm")->factor, 1e-3);
   EXPECT_EQ(si_unit("\u00b5m")->factor, 1e-6);
   EXPECT_EQ(si_unit("\u03bcm")->unit, "m");
-  EXPECT_EQ(si_unit("in")->factor, 0.0254);           // exact by definition (1959)
-  EXPECT_EQ(si_unit("lbf")->factor, 4.4482216152605); // exact: 0.45359237 kg times 9.80665 m/s^2
+  EXPECT_EQ(si_unit("in")->factor, 0.0254);            // exact by definition (1959)
+  EXPECT_EQ(si_unit("lbf")->factor, 4.4482216152605);  // exact: 0.45359237 kg times 9.80665 m/s^2
   EXPECT_EQ(si_unit("g")->factor, 9.80665);
   EXPECT_EQ(si_unit("g")->unit, "m/s^2");
   EXPECT_EQ(si_unit("N*m")->unit, "N m");

@@ -1,5 +1,5 @@
-// Savitzky-Golay filters against published weights and exact polynomials; the choice of the window against the best
-// window known afterwards; derived motion against analytic motion.
+// Savitzky-Golay filters against published weights and exact polynomials; the choice of the window against
+// the best window known afterwards; derived motion against analytic motion.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,9 @@
 namespace lunid {
 namespace {
 
-std::span<const double> span_of(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+std::span<const double> span_of(const Eigen::VectorXd& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
 
 double rms(const Eigen::VectorXd& x) { return std::sqrt(x.squaredNorm() / static_cast<double>(x.size())); }
 
@@ -24,7 +26,8 @@ TEST(SavitzkyGolay, HasThePublishedWeights) {
     EXPECT_NEAR(smooth[i], five[i], 1e-12);
     EXPECT_NEAR(slope[i], line[i], 1e-12);
   }
-  const Eigen::VectorXd seven = 252 * savitzky_golay_weights(1, {3, 4});  // cubic, 7 points: 22 -67 -58 0 58 67 -22
+  const Eigen::VectorXd seven =
+      252 * savitzky_golay_weights(1, {3, 4});  // cubic, 7 points: 22 -67 -58 0 58 67 -22
   const double cubic[] = {22, -67, -58, 0, 58, 67, -22};
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(seven[i], cubic[i], 1e-11);
 }
@@ -39,11 +42,13 @@ TEST(SavitzkyGolay, IsExactForPolynomialsUpToTheEnds) {
     d1[i] = (-1 + s + 9 * s * s) / 30;
     d2[i] = (1 + 18 * s) / 900;
   }
-  for (const SavitzkyGolay& options : {SavitzkyGolay{3, 3}, {20, 3}, {20, 5}, {150, 5}}) {  // the last by transforms
+  for (const SavitzkyGolay& options :
+       {SavitzkyGolay{3, 3}, {20, 3}, {20, 5}, {150, 5}}) {  // the last by transforms
     const double scale = d0.cwiseAbs().maxCoeff();
     EXPECT_LT((savitzky_golay(span_of(x), dt, 0, options) - d0).cwiseAbs().maxCoeff(), 1e-12 * scale);
     EXPECT_LT((savitzky_golay(span_of(x), dt, 1, options) - d1).cwiseAbs().maxCoeff(), 1e-12 * scale / dt);
-    EXPECT_LT((savitzky_golay(span_of(x), dt, 2, options) - d2).cwiseAbs().maxCoeff(), 1e-11 * scale / dt / dt);
+    EXPECT_LT((savitzky_golay(span_of(x), dt, 2, options) - d2).cwiseAbs().maxCoeff(),
+              1e-11 * scale / dt / dt);
   }
 }
 
@@ -53,7 +58,8 @@ TEST(SavitzkyGolay, WideWindowsAreTheSameBySumAndByTransform) {
   Eigen::VectorXd x(10000);
   for (double& value : x) value = 1e6 + normal(random);
   const SavitzkyGolay options{300, 3};
-  const Eigen::VectorXd weights = savitzky_golay_weights(1, options), d = savitzky_golay(span_of(x), 1, 1, options);
+  const Eigen::VectorXd weights = savitzky_golay_weights(1, options),
+                        d = savitzky_golay(span_of(x), 1, 1, options);
   for (int i = 300; i < 9700; ++i) ASSERT_NEAR(d[i], weights.dot(x.segment(i - 300, 601)), 1e-9);
 }
 
@@ -107,10 +113,11 @@ TEST(ChooseSavitzkyGolay, ComesNearTheBestWindowKnownAfterwards) {
           for (int order : {3, 5})
             for (int h = (order + 1) / 2; h < 300; h += 1 + h / 8) best = std::min(best, error({h, order}));
           const SavitzkyGolay chosen = choose_savitzky_golay(span_of(m.noisy), noise, derivative);
-          // The grid of 1.2 in the width, the scatter of the criterion, and the ends, of which it knows nothing.
-          EXPECT_LT(error(chosen), 1.35 * best) << "decay " << decay << ", " << per_cycle << " rows a cycle, noise "
-                                                << noise << ", derivative " << derivative << ", chosen "
-                                                << chosen.half_width << " order " << chosen.order;
+          // The grid of 1.2 in the width, the scatter of the criterion, and the ends, of which it knows
+          // nothing.
+          EXPECT_LT(error(chosen), 1.35 * best)
+              << "decay " << decay << ", " << per_cycle << " rows a cycle, noise " << noise << ", derivative "
+              << derivative << ", chosen " << chosen.half_width << " order " << chosen.order;
         }
       }
     }
@@ -132,7 +139,8 @@ TEST(ChooseSavitzkyGolay, ServesTheShortestRecords) {
     Eigen::VectorXd x(n);
     for (int i = 0; i < n; ++i) x[i] = std::sin(0.3 * i);
     for (int derivative : {0, 1, 2})
-      EXPECT_NO_THROW(savitzky_golay(span_of(x), 1, derivative, choose_savitzky_golay(span_of(x), 0.01, derivative)));
+      EXPECT_NO_THROW(
+          savitzky_golay(span_of(x), 1, derivative, choose_savitzky_golay(span_of(x), 0.01, derivative)));
   }
 }
 
@@ -178,7 +186,8 @@ TEST(DeriveMotion, FromDisplacement) {
   };
   EXPECT_LT(error("v", s.v), 0.01 * w);
   EXPECT_LT(error("a", s.a), 0.06 * w * w);
-  // The noise that is stated is that of the rows within; bias adds to the error, hence one-sided within a factor 2.
+  // The noise that is stated is that of the rows within; bias adds to the error, hence one-sided within a
+  // factor 2.
   EXPECT_LT(error("v", s.v), 2 * record.channel("v").noise);
   EXPECT_LT(error("a", s.a), 2 * record.channel("a").noise);
   EXPECT_GT(error("v", s.v), 0.5 * record.channel("v").noise);
@@ -196,7 +205,8 @@ TEST(DeriveMotion, KeepsWhatWasMeasured) {
 }
 
 TEST(DeriveMotion, FromVelocityOrAccelerationByIntegration) {
-  // Whole cycles, so that the line taken off is small: for 32 cycles a sine's own line has 3 / (pi * 32) of it.
+  // Whole cycles, so that the line taken off is small: for 32 cycles a sine's own line has 3 / (pi * 32) of
+  // it.
   const double dt = 0.01, w = 2 * M_PI;
   const Sine s = sine(3200, dt, w);
   const Record from_v = derive_motion(record_of({{"v", s.v}}, dt));

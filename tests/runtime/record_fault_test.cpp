@@ -23,9 +23,12 @@ TEST(Fault, MissingAndEmptyFiles) {
   const TextFile file("");
   EXPECT_EQ(message_of(file, [&] { read_csv(file.folder() / "none.csv"); }), "none.csv: no such file");
   EXPECT_EQ(message_of(file, [&] { read_csv(file.path()); }), "run3.csv: the file is empty");
-  EXPECT_NE(message_of(file, [&] { read_csv(file.folder()); }).find("cannot read: Is a directory"), std::string::npos);
-  EXPECT_EQ(complaint("# only\n\n"), "run3.csv: no header: the file holds no more than comments and blank lines");
-  EXPECT_EQ(complaint(std::string("t\0,\0", 4)), "run3.csv: expected UTF-8 text, got UTF-16 or a binary file");
+  EXPECT_NE(message_of(file, [&] { read_csv(file.folder()); }).find("cannot read: Is a directory"),
+            std::string::npos);
+  EXPECT_EQ(complaint("# only\n\n"),
+            "run3.csv: no header: the file holds no more than comments and blank lines");
+  EXPECT_EQ(complaint(std::string("t\0,\0", 4)),
+            "run3.csv: expected UTF-8 text, got UTF-16 or a binary file");
 }
 
 TEST(Fault, NoHeader) {
@@ -48,16 +51,19 @@ TEST(Fault, ManySuchCellsAreCounted) {
   std::string text = "t,F,y [mm]\n";
   for (int i = 0; i < 20; ++i) text += std::to_string(i) + ",1," + (i % 2 ? "NaN" : "0") + "\n";
   EXPECT_EQ(complaint(text),
-            "run3.csv:3: column 'y [mm]': expected a number, got 'NaN'; 10 such cells, the first in lines 3, 5, 7, 9");
+            "run3.csv:3: column 'y [mm]': expected a number, got 'NaN'; 10 such cells, the first in lines 3, "
+            "5, 7, 9");
 }
 
 TEST(Fault, DecimalCommas) {
   EXPECT_EQ(complaint("t;F;y\n0;1;2\n0,01;1;2\n"),
-            "run3.csv:3: column 't': decimal comma in '0,01': expected a decimal point; export the file with points, "
+            "run3.csv:3: column 't': decimal comma in '0,01': expected a decimal point; export the file with "
+            "points, "
             "or replace the commas");
-  EXPECT_EQ(complaint("t,F,y\n0,00,1,5,2,5\n"),
-            "run3.csv:2: expected 3 cells, got 6; the numbers seem to have decimal commas: export the file with "
-            "decimal points");
+  EXPECT_EQ(
+      complaint("t,F,y\n0,00,1,5,2,5\n"),
+      "run3.csv:2: expected 3 cells, got 6; the numbers seem to have decimal commas: export the file with "
+      "decimal points");
   EXPECT_EQ(complaint("t,F,y\n\"0,01\",\"1,5\",\"2,5\"\n"),
             "run3.csv:2: decimal comma in '0,01': expected a decimal point");
 }
@@ -68,21 +74,26 @@ TEST(Fault, RowsOfAnotherLength) {
 }
 
 TEST(Fault, Columns) {
-  EXPECT_EQ(complaint("t,F,F\n" + rows(8)), "run3.csv:1: two columns of one name: columns 2 and 3 are both 'F'");
+  EXPECT_EQ(complaint("t,F,F\n" + rows(8)),
+            "run3.csv:1: two columns of one name: columns 2 and 3 are both 'F'");
   EXPECT_EQ(complaint("t,y [mm],y [V]\n" + rows(8)),
             "run3.csv:1: two columns of one name: columns 2 and 3 are both 'y'");
   EXPECT_EQ(complaint("t,force,Load [N]\n" + rows(8)),
-            "run3.csv:1: both 'force' and 'Load [N]' may be channel 'F': choose with columns, such as \"F=Load [N]\"");
+            "run3.csv:1: both 'force' and 'Load [N]' may be channel 'F': choose with columns, such as "
+            "\"F=Load [N]\"");
   EXPECT_EQ(complaint("clock,F,y\n" + rows(8)),
-            "run3.csv:1: no time column: expected a column named 't' or 'time', the file has 'clock', 'F', 'y'; name it "
+            "run3.csv:1: no time column: expected a column named 't' or 'time', the file has 'clock', 'F', "
+            "'y'; name it "
             "with columns, such as \"t=clock\"");
   EXPECT_EQ(complaint("t;F,,y\n" + rows(8)).substr(0, 31), "run3.csv:2: expected 2 cells, g");
   EXPECT_EQ(complaint("t,,y\n" + rows(8)), "run3.csv:1: column 2 has no name");
-  EXPECT_EQ(complaint("t y F\n0 1 2\n"), "run3.csv:1: expected columns separated by , ; or tab, got one column 't y F'");
+  EXPECT_EQ(complaint("t y F\n0 1 2\n"),
+            "run3.csv:1: expected columns separated by , ; or tab, got one column 't y F'");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=dips"), false}),
             "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'F', 'y'");
-  EXPECT_EQ(complaint("t,load,disp\n" + rows(8), {parse_columns("y=dips"), false}),
-            "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'load', 'disp'; did you mean 'disp'?");
+  EXPECT_EQ(
+      complaint("t,load,disp\n" + rows(8), {parse_columns("y=dips"), false}),
+      "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'load', 'disp'; did you mean 'disp'?");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=F,F=F"), false}),
             "run3.csv:1: column 'F' is asked for twice, as 'y' and 'F'");
 }
@@ -101,7 +112,8 @@ TEST(Fault, Rows) {
 }
 
 TEST(Fault, TimeThatRunsBackwardsOrStands) {
-  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")), "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s");
+  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")),
+            "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s");
   EXPECT_EQ(complaint(spoiled(9, "0.06,1,1")), "run3.csv:9: time is repeated: t = 0.06 s after t = 0.06 s");
   EXPECT_EQ(complaint("t,F,y\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n"),
             "run3.csv:3: time is repeated: t = 1 s after t = 1 s");
@@ -111,7 +123,8 @@ TEST(Fault, AWindowOutsideTheRecord) {
   const TextFile file("t,F,y\n" + rows(20));
   const Record record = read_csv(file.path());
   EXPECT_EQ(message_of(file, [&] { record.window(0.1, 0.14); }),
-            "run3.csv: window 0.1 to 0.14 s: expected at least 6 rows, the record has t = 0 to 0.19 s in steps of 0.01 s");
+            "run3.csv: window 0.1 to 0.14 s: expected at least 6 rows, the record has t = 0 to 0.19 s in "
+            "steps of 0.01 s");
   EXPECT_NE(message_of(file, [&] { record.window(3, 2); }), "");
   EXPECT_EQ(message_of(file, [&] { record["z"]; }), "run3.csv: no channel 'z': the record has F, y, v, a");
   EXPECT_EQ(message_of(file, [&] { record.slice(15, 6); }),

@@ -16,11 +16,13 @@ std::vector<double> noisy(const Signal& signal, int rows, double noise, unsigned
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, noise);
   std::vector<double> x(static_cast<std::size_t>(rows));
-  for (int i = 0; i < rows; ++i) x[static_cast<std::size_t>(i)] = signal(i) + (noise > 0 ? normal(random) : 0.0);
+  for (int i = 0; i < rows; ++i)
+    x[static_cast<std::size_t>(i)] = signal(i) + (noise > 0 ? normal(random) : 0.0);
   return x;
 }
 
-/// Checks the estimate for 40, 30 and 20 dB (noise over the standard deviation of a unit sine), several seeds each.
+/// Checks the estimate for 40, 30 and 20 dB (noise over the standard deviation of a unit sine), several seeds
+/// each.
 void expect_level(const Signal& signal, int rows, double tolerance, const std::string& what) {
   for (int decibel : {40, 30, 20}) {
     const double noise = std::sqrt(0.5) * std::pow(10.0, -decibel / 20.0);
@@ -31,20 +33,24 @@ void expect_level(const Signal& signal, int rows, double tolerance, const std::s
 }
 
 TEST(NoiseLevel, UnderASine) {
-  // 6400 samples in 8 bands: a band's level scatters by 4 % in power, so 10 % in the standard deviation is wide.
+  // 6400 samples in 8 bands: a band's level scatters by 4 % in power, so 10 % in the standard deviation is
+  // wide.
   for (double ratio : {8.0, 13.7, 50.0, 160.0, 400.0})
-    expect_level([=](double i) { return std::sin(2 * M_PI * i / ratio); }, 6400, 0.10, "fs/f = " + std::to_string(ratio));
+    expect_level([=](double i) { return std::sin(2 * M_PI * i / ratio); }, 6400, 0.10,
+                 "fs/f = " + std::to_string(ratio));
 }
 
 TEST(NoiseLevel, UnderThreeTones) {
   const Signal tones = [](double i) {
-    return 0.6 * std::sin(2 * M_PI * i / 9.3) + 0.6 * std::sin(2 * M_PI * i / 31 + 1) + 0.6 * std::sin(2 * M_PI * i / 120 + 2);
+    return 0.6 * std::sin(2 * M_PI * i / 9.3) + 0.6 * std::sin(2 * M_PI * i / 31 + 1) +
+           0.6 * std::sin(2 * M_PI * i / 120 + 2);
   };
   expect_level(tones, 6400, 0.10, "three tones");
 }
 
 TEST(NoiseLevel, UnderADecay) {
-  expect_level([](double i) { return 3 * std::exp(-i / 900) * std::cos(2 * M_PI * i / 40); }, 6400, 0.10, "decay");
+  expect_level([](double i) { return 3 * std::exp(-i / 900) * std::cos(2 * M_PI * i / 40); }, 6400, 0.10,
+               "decay");
 }
 
 TEST(NoiseLevel, UnderAnOffsetAndADrift) {
@@ -82,7 +88,8 @@ TEST(NoiseLevel, OfAConstantOrASwitchedSignalIsSmall) {
   EXPECT_EQ(noise_level(std::vector<double>{}), 0);
   EXPECT_EQ(noise_level(std::vector<double>{1}), 0);
   // On and off every 50 rows: no more than what the edges leave at the highest frequencies.
-  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)), 0.05);
+  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)),
+            0.05);
 }
 
 TEST(NoiseLevel, OfSmoothDataIsNextToNothing) {
@@ -93,8 +100,10 @@ TEST(DominantFrequency, OfTonesAndDecays) {
   for (double ratio : {5.0, 33.3, 700.0}) {
     const double dt = 0.002, w = 2 * M_PI / (ratio * dt);
     const auto sine = noisy([=](double i) { return 7 + std::sin(2 * M_PI * i / ratio); }, 5000, 0.05, 1);
-    EXPECT_NEAR(dominant_frequency(sine, dt), w, 0.002 * w + 0.02 * 2 * M_PI / (5000 * dt)) << ratio;  // a fiftieth of a bin
-    const auto decay = noisy([=](double i) { return std::exp(-i / (4 * ratio)) * std::cos(2 * M_PI * i / ratio); }, 5000, 0.01, 1);
+    EXPECT_NEAR(dominant_frequency(sine, dt), w, 0.002 * w + 0.02 * 2 * M_PI / (5000 * dt))
+        << ratio;  // a fiftieth of a bin
+    const auto decay = noisy(
+        [=](double i) { return std::exp(-i / (4 * ratio)) * std::cos(2 * M_PI * i / ratio); }, 5000, 0.01, 1);
     EXPECT_NEAR(dominant_frequency(decay, dt), w, 0.05 * w) << ratio;
   }
 }

@@ -79,7 +79,8 @@ TEST(WriteCsv, ReadsBackToTheSameDoubles) {
     const Record back = read_csv(file.path());
     ASSERT_EQ(back.rows(), record.rows());
     for (const Channel& c : channels)
-      for (std::size_t i = 0; i < 300; ++i) ASSERT_EQ(back[c.name][i], record[c.name][i]) << c.name << ' ' << i;
+      for (std::size_t i = 0; i < 300; ++i)
+        ASSERT_EQ(back[c.name][i], record[c.name][i]) << c.name << ' ' << i;
     EXPECT_EQ(back.channel("F").unit, "N");
     EXPECT_NEAR(back.dt(), dt, 1e-11 * dt);
     EXPECT_NEAR(back.start(), 0.7, 1e-15);
@@ -100,7 +101,8 @@ TEST(WriteFileAtomically, ReplacesTheWholeAndKeepsTheMode) {
   struct stat info {};
   ::stat(file.path().c_str(), &info);
   EXPECT_EQ(info.st_mode & 0777, 0640u);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file.folder()), {}), 1);  // no temporary file stays
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file.folder()), {}),
+            1);  // no temporary file stays
 }
 
 TEST(WriteFileAtomically, NamesThePathAndTheReason) {

@@ -71,10 +71,13 @@ TEST(Time, AMissingRowIsAGapWithItsLine) {
   for (const auto& [dt, format] : {std::pair{0.001, "%.3f"}, {0.00125, "%.5f"}, {0.0033, "%.17g"}}) {
     std::vector<double> t = even(400, dt);
     t.erase(t.begin() + 200);
-    EXPECT_EQ(complaint(with_stamps(t, format)).substr(0, 41), "run3.csv:202: gap: 1 row is missing befor") << format;
+    EXPECT_EQ(complaint(with_stamps(t, format)).substr(0, 41), "run3.csv:202: gap: 1 row is missing befor")
+        << format;
     t.erase(t.begin() + 300, t.begin() + 303);
     const std::string text = complaint(with_stamps(t, format));
-    EXPECT_NE(text.find("gaps before lines 202, 302; cut the record there, or set resample = true"), text.npos) << text;
+    EXPECT_NE(text.find("gaps before lines 202, 302; cut the record there, or set resample = true"),
+              text.npos)
+        << text;
   }
 }
 
@@ -90,7 +93,8 @@ TEST(Time, AGapIsFilledWhenAsked) {
   const TextFile file(with_stamps(t, "%.2f"));
   const Record record = read_csv(file.path(), {{}, true});
   ASSERT_EQ(record.rows(), 400);
-  // Cubic through 4 points, the middle ones 3 steps apart: error below (2 pi)^4/4! * 4.0e-8 * (1.5*1.5*2.5*2.5).
+  // Cubic through 4 points, the middle ones 3 steps apart: error below (2 pi)^4/4! * 4.0e-8 *
+  // (1.5*1.5*2.5*2.5).
   for (Eigen::Index i = 0; i < 400; ++i)
     EXPECT_NEAR(record["y"][static_cast<std::size_t>(i)], std::sin(2 * M_PI * record.time(i)), 1.5e-5);
   ASSERT_EQ(record.warnings().size(), 1u);

@@ -1,6 +1,6 @@
 #pragma once
-// Coloured noise of known colour, and the share of false alarms of a test. The random numbers are the standard
-// library's, not those of the code under test.
+// Coloured noise of known colour, and the share of false alarms of a test. The random numbers are the
+// standard library's, not those of the code under test.
 #include <Eigen/Core>
 #include <cstdint>
 #include <random>

@@ -122,11 +122,13 @@ TEST(Memory, IsNotSeenInForcesWithout) {
   const Motion m = motion(6400, 3);
   const std::vector<std::function<double(double, double)>> forces{
       [](double y, double) { return 0.2 * y * y * y; }, [](double, double v) { return v > 0 ? 1.0 : -1.0; },
-      [](double y, double) { return y > 1 ? 3 * (y - 1) : 0.0; }, [](double, double v) { return 20 * v * std::abs(v); }};
+      [](double y, double) { return y > 1 ? 3 * (y - 1) : 0.0; },
+      [](double, double v) { return 20 * v * std::abs(v); }};
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const Eigen::VectorXd r = force(m, forces[i]) + 0.1 * autoregressive(6400, {0.6}, 1);
-    // What a cell's plane leaves of a kink is small; a share of 1 % is half of the least found above.
-    EXPECT_LT(memory(span_of(r), span_of(m.y), span_of(m.v), period, 80, 1).explained, 0.01) << i;
+    const Memory found = memory(span_of(r), span_of(m.y), span_of(m.v), period, 80, 1);
+    EXPECT_GT(found.p_value, 0.01) << i;
+    EXPECT_LT(found.explained, 0.002) << i;  // a tenth of the least found above
   }
 }
 
@@ -134,7 +136,8 @@ TEST(Memory, HoldsItsLevelUnderColouredNoise) {
   for (const std::vector<double>& coefficients : {std::vector<double>{}, {0.8}, {1.5, -0.8}}) {
     const double share = alarms(400, [&](std::uint64_t draw) {
       const Motion m = motion(1600, draw);
-      const Eigen::VectorXd r = autoregressive(1600, coefficients, draw) + force(m, [](double y, double) { return y; });
+      const Eigen::VectorXd r =
+          autoregressive(1600, coefficients, draw) + force(m, [](double y, double) { return y; });
       return memory(span_of(r), span_of(m.y), span_of(m.v), period, 40, draw).p_value;
     });
     EXPECT_GE(share, 0.02) << coefficients.size();
@@ -154,7 +157,8 @@ TEST(Memory, CannotBeSeenInASteadyCycle) {
 
 TEST(ResidualTests, GiveOneLook) {
   const Motion m = motion(4000, 5);
-  const Eigen::VectorXd r = force(m, [](double y, double) { return 0.3 * y * y; }) + autoregressive(4000, {0.5}, 2);
+  const Eigen::VectorXd r =
+      force(m, [](double y, double) { return 0.3 * y * y; }) + autoregressive(4000, {0.5}, 2);
   const ResidualTests tests = residual_tests(span_of(r), span_of(m.y), span_of(m.v), period, 80, 1);
   EXPECT_LT(tests.in_y.even_p_value, 0.01);
   EXPECT_LT(tests.with_abs_y.p_value, 0.01);

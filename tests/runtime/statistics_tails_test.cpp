@@ -45,7 +45,8 @@ TEST(Tails, ChiSquare) {
   EXPECT_EQ(chi_square_tail(0, 3), 1);
   // A large number of degrees of freedom: Wilson and Hilferty's normal approximation is right to 1e-4 there.
   const double k = 1e6, z = 2;
-  EXPECT_NEAR(chi_square_tail(k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3), k), normal_tail(z), 1e-6);
+  EXPECT_NEAR(chi_square_tail(k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3), k),
+              normal_tail(z), 1e-6);
 }
 
 TEST(Tails, F) {
@@ -64,8 +65,8 @@ TEST(Tails, F) {
 
 TEST(Tails, T) {
   for (double t : {0.0, 0.3, 2.0, 50.0}) {
-    expect_relative(t_tail(t, 1), 0.5 - std::atan(t) / M_PI, 1e-10);                         // Cauchy
-    expect_relative(t_tail(t, 2), 0.5 - 0.5 * t / std::sqrt(2 + t * t), 1e-9);               // closed form
+    expect_relative(t_tail(t, 1), 0.5 - std::atan(t) / M_PI, 1e-10);            // Cauchy
+    expect_relative(t_tail(t, 2), 0.5 - 0.5 * t / std::sqrt(2 + t * t), 1e-9);  // closed form
     EXPECT_NEAR(t_tail(-t, 5), 1 - t_tail(t, 5), 1e-15);
   }
   expect_relative(t_tail(2.2281388519862744, 10), 0.025);  // closed form for even degrees of freedom
@@ -86,7 +87,8 @@ TEST(Tails, Beta) {
 
 TEST(Philox, GivesTheKnownAnswers) {
   // Random123, tests/kat_vectors, philox4x32 with 10 rounds.
-  EXPECT_EQ(Philox::block({0, 0, 0, 0}, {0, 0}), (Philox::Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(Philox::block({0, 0, 0, 0}, {0, 0}),
+            (Philox::Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   EXPECT_EQ(Philox::block({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
             (Philox::Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
   EXPECT_EQ(Philox::block({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
