@@ -1,0 +1,104 @@
+// 21 features (all monomials of y and v up to degree 5) over 1e6 rows: the whole regression against building
+// the features and their Gram matrix by hand, in blocks.
+#include <benchmark/benchmark.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <memory>
+
+#include "benchmarks/work.hpp"
+#include "expr/tape.hpp"
+#include "regress/fit.hpp"
+
+namespace bench {
+namespace {
+
+constexpr Eigen::Index rows = 1000000, block = 1024;
+constexpr int features = 21, degree = 5;
+
+struct Data {
+  Eigen::VectorXd y{rows}, v{rows}, target{rows};
+  Data() {
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double t = 1e-3 * static_cast<double>(i);
+      y[i] = std::sin(7 * t) + 0.5 * std::sin(11.3 * t + 1);
+      v[i] = std::cos(7 * t) + 0.8 * std::cos(11.3 * t + 1);
+      target[i] = 2 * y[i] + 0.3 * v[i] + 0.7 * y[i] * y[i] * y[i] + 1e-3 * std::sin(1e4 * t);
+    }
+  }
+};
+
+/// Features and Gram matrix of [features, target], nothing else: what any regression on normal equations
+/// costs at least.
+double by_hand(const Data& data) {
+  Eigen::MatrixXd x(block, features + 1), gram = Eigen::MatrixXd::Zero(features + 1, features + 1);
+  for (Eigen::Index first = 0; first < rows; first += block) {
+    const Eigen::Index count = std::min(block, rows - first);
+    const auto y = data.y.segment(first, count).array(), v = data.v.segment(first, count).array();
+    auto part = x.topRows(count);
+    part.col(0).setOnes();
+    int column = 1;
+    for (int power = 1; power <= degree; ++power) {
+      const int before = column - power;  // the monomials of one degree less
+      for (int i = 0; i < power; ++i) part.col(column + i) = part.col(before + i).array() * y;
+      part.col(column + power) = part.col(column - 1).array() * v;
+      column += power + 1;
+    }
+    part.col(features) = data.target.segment(first, count);
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
+  }
+  return gram(features, features);
+}
+
+struct Library {
+  lunid::Pool pool;
+  lunid::Tape tape;
+  std::vector<std::string> names;
+
+  Library() {
+    const lunid::Expr y = pool.channel("y"), v = pool.channel("v");
+    std::vector<lunid::Expr> terms;
+    for (int power = 0; power <= degree; ++power) {
+      for (int j = 0; j <= power; ++j) terms.push_back(pow(y, power - j) * pow(v, j));
+    }
+    for (const lunid::Expr& term : terms) names.push_back(to_text(term));
+    const lunid::Expr inputs[] = {y, v};
+    tape = lunid::Tape(terms, inputs);
+  }
+
+  /// One pass over blocks of rows into a statistic; `blocks` of them for cross-validation.
+  std::vector<lunid::Statistic> reduce(const Data& data, int blocks) const {
+    std::vector<lunid::Statistic> parts(blocks, lunid::Statistic(names));
+    Eigen::MatrixXd work(block, features + 2);
+    const int stride[] = {1, 1};
+    for (Eigen::Index first = 0; first < rows; first += block) {
+      const Eigen::Index count = std::min(block, rows - first);
+      const double* in[] = {data.y.data() + first, data.v.data() + first};
+      double* out[features];
+      for (int j = 0; j < features; ++j) out[j] = work.col(j + 1).data();
+      tape.run_columns(in, stride, static_cast<std::size_t>(count), out);
+      work.col(features + 1).head(count) = data.target.segment(first, count);
+      parts[first * blocks / rows].add_in_place(work.topRows(count));
+    }
+    return parts;
+  }
+};
+
+}  // namespace
+
+std::vector<Work> regression_works() {
+  const auto data = std::make_shared<Data>();
+  const auto library = std::make_shared<Library>();
+  const auto hand = [=] { benchmark::DoNotOptimize(by_hand(*data)); };
+  return {{"regress-stlsq", 2,
+           [=] { benchmark::DoNotOptimize(lunid::stlsq(library->reduce(*data, 1)[0]).rmse); }, hand},
+          {"regress-lasso-100", 2,
+           [=] {
+             const std::vector<lunid::Statistic> parts = library->reduce(*data, 1);
+             std::vector<lunid::PathPoint> path;
+             benchmark::DoNotOptimize(lunid::lasso(parts, {.lambda = 1e-3}, {}, &path).rmse);
+           },
+           hand}};
+}
+
+}  // namespace bench

@@ -1,0 +1,24 @@
+#pragma once
+// A work of DESIGN section 5: ours beside a hand-written limit, timed in the same process.
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+struct Work {
+  std::string name;
+  double limit = 1;  ///< of the ratio
+  std::function<void()> ours;
+  std::function<void()> hand;  ///< the hand-written limit; empty: none
+  double allowance = 0;        ///< [s]; > 0: the ratio is (ours - hand) / allowance
+  int repetitions = 7;
+};
+
+std::vector<Work> free_run_works();
+std::vector<Work> trajectory_fit_works();
+std::vector<Work> regression_works();
+/// Whole processes: `lunid` is the executable.
+std::vector<Work> process_works(const std::string& lunid);
+
+}  // namespace bench
