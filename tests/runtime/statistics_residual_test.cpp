@@ -135,9 +135,9 @@ TEST(Memory, IsNotSeenInForcesWithout) {
 TEST(Memory, HoldsItsLevelUnderColouredNoise) {
   for (const std::vector<double>& coefficients : {std::vector<double>{}, {0.8}, {1.5, -0.8}}) {
     const double share = alarms(400, [&](std::uint64_t draw) {
-      const Motion m = motion(1600, draw);
+      const Motion m = motion(1000, draw);
       const Eigen::VectorXd r =
-          autoregressive(1600, coefficients, draw) + force(m, [](double y, double) { return y; });
+          autoregressive(1000, coefficients, draw) + force(m, [](double y, double) { return y; });
       return memory(span_of(r), span_of(m.y), span_of(m.v), period, 40, draw).p_value;
     });
     EXPECT_GE(share, 0.02) << coefficients.size();
