@@ -1,6 +1,6 @@
 #pragma once
-// The few strokes that every figure is made of. Lengths are points (1/72 inch) with the origin at the bottom left;
-// a device scales them.
+// The few strokes that every figure is made of. Lengths are points (1/72 inch) with the origin at the bottom
+// left; a device scales them.
 #include <span>
 #include <string>
 
@@ -56,7 +56,8 @@ class Canvas {
   virtual void text(Point anchor, const std::string& text, const TextStyle& style) = 0;
 
   void rectangle(const Box& box, Colour colour) {
-    const Point corners[] = {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}};
+    const Point corners[] = {
+        {box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}};
     polygon(corners, colour);
   }
   void line(Point from, Point to, Colour colour, double width) {

@@ -24,12 +24,19 @@ void hatch(Canvas& canvas, const Look& look, const PanelPlan& plan, const Box& b
   }
 }
 
-bool same(const Colour& a, const Colour& b) { return a.red == b.red && a.green == b.green && a.blue == b.blue; }
+bool same(const Colour& a, const Colour& b) {
+  return a.red == b.red && a.green == b.green && a.blue == b.blue;
+}
 
 class MapPainter {
  public:
   MapPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
-      : canvas_(canvas), look_(look), plan_(plan), map_(*plan.panel->map), x_(cell_edges(map_.x)), y_(cell_edges(map_.y)) {}
+      : canvas_(canvas),
+        look_(look),
+        plan_(plan),
+        map_(*plan.panel->map),
+        x_(cell_edges(map_.x)),
+        y_(cell_edges(map_.y)) {}
 
   void paint() {
     for (Eigen::Index row = 0; row < map_.z.rows(); ++row)
@@ -80,8 +87,11 @@ class MapPainter {
 };
 
 void outline(Canvas& canvas, const Look& look, const Box& box) {
-  const Point corners[] = {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top},
-                           {box.left, box.top},    {box.left, box.bottom}};
+  const Point corners[] = {{box.left, box.bottom},
+                           {box.right, box.bottom},
+                           {box.right, box.top},
+                           {box.left, box.top},
+                           {box.left, box.bottom}};
   canvas.polyline(corners, look.palette.ink, look.frame);
 }
 
@@ -98,11 +108,14 @@ void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const A
   constexpr int steps = 128;
   for (int i = 0; i < steps; ++i) {
     const double share = (i + 0.5) / steps;
-    const double value = axis.scale == Scale::log ? axis.range.low * std::pow(axis.range.high / axis.range.low, share)
-                                                  : axis.range.low + share * (axis.range.high - axis.range.low);
+    const double value = axis.scale == Scale::log
+                             ? axis.range.low * std::pow(axis.range.high / axis.range.low, share)
+                             : axis.range.low + share * (axis.range.high - axis.range.low);
     const double bottom = bar.bottom + bar.height() * i / steps;
-    const double top = std::min(bar.top, bar.bottom + bar.height() * (i + 1) / steps + (i + 1 < steps ? 0.3 : 0.0));
-    canvas.rectangle({bar.left, bottom, bar.right, top}, map_colour(colour_position(axis, diverging, value), diverging));
+    const double top =
+        std::min(bar.top, bar.bottom + bar.height() * (i + 1) / steps + (i + 1 < steps ? 0.3 : 0.0));
+    canvas.rectangle({bar.left, bottom, bar.right, top},
+                     map_colour(colour_position(axis, diverging, value), diverging));
   }
   outline(canvas, look, bar);
   for (const Tick& tick : axis.ticks) {
@@ -126,8 +139,8 @@ void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPla
     canvas.rectangle(swatch, look.palette.no_data);
     hatch(canvas, look, plan, swatch);
     outline(canvas, look, swatch);
-    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)}, "no data",
-                {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
+    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)},
+                "no data", {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
     bar.bottom += 24.0;
   }
   draw_colour_bar(canvas, meter, look, *plan.colour, plan.panel->map->diverging, bar);

@@ -13,8 +13,10 @@ class PanelPainter {
 
   void paint() {
     for (const Band& band : panel_.bands) shade(band);
-    if (panel_.map) draw_map(canvas_, meter_, look_, plan_);
-    else grid();
+    if (panel_.map)
+      draw_map(canvas_, meter_, look_, plan_);
+    else
+      grid();
     for (const Series& s : panel_.series) points(s);
     for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
     if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
@@ -59,7 +61,8 @@ class PanelPainter {
       const Point corners[] = {held(plan_.at(r.x[i - 1], r.low[i - 1])), held(plan_.at(r.x[i], r.low[i])),
                                held(plan_.at(r.x[i], r.high[i])), held(plan_.at(r.x[i - 1], r.high[i - 1]))};
       const bool drawn = std::all_of(std::begin(corners), std::end(corners), [&](Point p) {
-        return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 && p.x <= plot.right + 1e-6;
+        return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 &&
+               p.x <= plot.right + 1e-6;
       });
       if (drawn) canvas_.polygon(corners, colour);
     }
@@ -70,7 +73,8 @@ class PanelPainter {
     const double share = line.vertical ? plan_.x.place(line.value) : plan_.y.place(line.value);
     if (!(share >= 0.0 && share <= 1.0)) return;
     const double x = plot.left + share * plot.width(), y = plot.bottom + share * plot.height();
-    const Stroke stroke = line.vertical ? Stroke{{x, plot.bottom}, {x, plot.top}} : Stroke{{plot.left, y}, {plot.right, y}};
+    const Stroke stroke =
+        line.vertical ? Stroke{{x, plot.bottom}, {x, plot.top}} : Stroke{{plot.left, y}, {plot.right, y}};
     ink({stroke}, line.style, role_colour(line.role, look_.theme), look_.line);
   }
 
@@ -92,7 +96,8 @@ class PanelPainter {
 
   void frame() {
     const Box& p = plan_.plot;
-    const Point corners[] = {{p.left, p.bottom}, {p.right, p.bottom}, {p.right, p.top}, {p.left, p.top}, {p.left, p.bottom}};
+    const Point corners[] = {
+        {p.left, p.bottom}, {p.right, p.bottom}, {p.right, p.top}, {p.left, p.top}, {p.left, p.bottom}};
     canvas_.polyline(corners, look_.palette.ink, look_.frame);
   }
 

@@ -26,7 +26,9 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string axis_text(const Axis& axis) { return axis.name + (axis.unit.empty() ? "" : " [" + axis.unit + "]"); }
+std::string axis_text(const Axis& axis) {
+  return axis.name + (axis.unit.empty() ? "" : " [" + axis.unit + "]");
+}
 
 /// Long-form rows of a figure.
 class Table {
@@ -44,7 +46,8 @@ class Table {
   const std::string& text() const { return text_; }
 
  private:
-  /// The shortest digits that read back to the same double; infinities of data cannot be drawn and become nan.
+  /// The shortest digits that read back to the same double; infinities of data cannot be drawn and become
+  /// nan.
   void number(double value) {
     text_ += ',';
     if (value == absent) return;
@@ -80,12 +83,14 @@ void add_panel(Table& table, std::size_t n, const Panel& panel) {
   if (panel.bars)
     for (const BarSet& set : panel.bars->set)
       for (std::size_t i = 0; i < set.value.size(); ++i)
-        table.row(n, "bar", set.label, shown(set.value[i]), set.error.empty() ? absent : shown(set.error[i]), absent,
-                  panel.bars->name[i]);
+        table.row(n, "bar", set.label, shown(set.value[i]), set.error.empty() ? absent : shown(set.error[i]),
+                  absent, panel.bars->name[i]);
   for (const Band& band : panel.bands) table.row(n, "band", band.label, shown(band.from), shown(band.to));
   for (const ReferenceLine& line : panel.lines) {
-    if (line.vertical) table.row(n, "vertical", line.label, shown(line.value));
-    else table.row(n, "horizontal", line.label, absent, shown(line.value));
+    if (line.vertical)
+      table.row(n, "vertical", line.label, shown(line.value));
+    else
+      table.row(n, "horizontal", line.label, absent, shown(line.value));
   }
 }
 

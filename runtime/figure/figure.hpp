@@ -1,7 +1,8 @@
 #pragma once
-// What a figure shows, in plain values: no VTK here. All numbers are in SI units or in the unit that the axis names;
-// the renderer picks SI prefixes for the ticks (an axis `y`, unit `m`, with values of 1e-3 is drawn as `y [mm]`).
-// A NaN breaks a line and is "no data" in a map or a surface; the written data (export_data) are never decimated.
+// What a figure shows, in plain values: no VTK here. All numbers are in SI units or in the unit that the axis
+// names; the renderer picks SI prefixes for the ticks (an axis `y`, unit `m`, with values of 1e-3 is drawn as
+// `y [mm]`). A NaN breaks a line and is "no data" in a map or a surface; the written data (export_data) are
+// never decimated.
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
@@ -12,23 +13,37 @@ namespace lunid::figure {
 
 inline constexpr double no_limit = std::numeric_limits<double>::quiet_NaN();
 
-/// What a curve means; decides its colour (Okabe-Ito palette), the same in every figure. `first` to `sixth` are for
-/// curves that have no such meaning.
-enum class Role { measured, baseline, final, residual, effect, noise, first, second, third, fourth, fifth, sixth };
+/// What a curve means; decides its colour (Okabe-Ito palette), the same in every figure. `first` to `sixth`
+/// are for curves that have no such meaning.
+enum class Role {
+  measured,
+  baseline,
+  final,
+  residual,
+  effect,
+  noise,
+  first,
+  second,
+  third,
+  fourth,
+  fifth,
+  sixth
+};
 
 /// How a curve is drawn. Curves that share a panel should differ in style as well as in colour.
 enum class Style { line, dashed, dotted, dash_dot, points, line_points };
 
 enum class Scale { linear, log };
 
-/// Where the legend goes. `automatic`: an empty corner of the panel, else a strip above it; what an earlier panel's
-/// legend says is not said again, and where all say the same one legend stands at the top of the figure.
+/// Where the legend goes. `automatic`: an empty corner of the panel, else a strip above it; what an earlier
+/// panel's legend says is not said again, and where all say the same one legend stands at the top of the
+/// figure.
 enum class Legend { automatic, top_left, top_right, bottom_left, bottom_right, above, none };
 
 enum class Theme { light, dark };
 
-/// A quantity along an axis: `name` in words or as a symbol, `unit` bare ("m", "N s/m", "" for none). `min` and `max`
-/// are in the unit; NaN takes them from the data. A log axis shows only values > 0.
+/// A quantity along an axis: `name` in words or as a symbol, `unit` bare ("m", "N s/m", "" for none). `min`
+/// and `max` are in the unit; NaN takes them from the data. A log axis shows only values > 0.
 struct Axis {
   std::string name;
   std::string unit;
@@ -73,14 +88,14 @@ struct ReferenceLine {
   Role role = Role::noise;
 };
 
-/// A matrix of cells: `z(row, column)` at (y[row], x[column]); `x` and `y` are cell centres, strictly increasing.
-/// NaN cells are drawn hatched and named "no data".
+/// A matrix of cells: `z(row, column)` at (y[row], x[column]); `x` and `y` are cell centres, strictly
+/// increasing. NaN cells are drawn hatched and named "no data".
 struct HeatMap {
   std::vector<double> x;
   std::vector<double> y;
   Eigen::MatrixXd z;
-  Axis colour;             ///< name and unit of z; min and max fix the colour range (to compare two maps)
-  bool diverging = true;   ///< colours symmetric about zero (residuals); false: from low to high (counts)
+  Axis colour;            ///< name and unit of z; min and max fix the colour range (to compare two maps)
+  bool diverging = true;  ///< colours symmetric about zero (residuals); false: from low to high (counts)
 };
 
 /// One set of bars: a value for each name of the Bars; `error` is empty or a standard deviation for each.
@@ -97,10 +112,12 @@ struct Bars {
   std::vector<BarSet> set;
 };
 
-/// One pair of axes and what stands on it. With `bars`, the y axis holds the names and its limits are not used.
+/// One pair of axes and what stands on it. With `bars`, the y axis holds the names and its limits are not
+/// used.
 struct Panel {
   std::string title;
-  std::string note;  ///< one short line above the panel, on the right: a number to remember, such as "gap 0.05"
+  std::string
+      note;  ///< one short line above the panel, on the right: a number to remember, such as "gap 0.05"
   Axis x;
   Axis y;
   Legend legend = Legend::automatic;
@@ -140,8 +157,8 @@ struct Cloud {
   Role role = Role::measured;
 };
 
-/// A surface `z(row, column)` over (y[row], x[column]), both strictly increasing, and points near it. NaN leaves a
-/// hole. Drawn in a box of its own proportions; the exported numbers are the ones given.
+/// A surface `z(row, column)` over (y[row], x[column]), both strictly increasing, and points near it. NaN
+/// leaves a hole. Drawn in a box of its own proportions; the exported numbers are the ones given.
 struct SurfaceFigure {
   std::string title;
   Axis x;
@@ -158,15 +175,16 @@ struct SurfaceFigure {
   Theme theme = Theme::light;
 };
 
-/// Throws InputError that names the panel and the curve when lengths differ, centres do not increase, a limit is not
-/// finite, nothing is to be drawn.
+/// Throws InputError that names the panel and the curve when lengths differ, centres do not increase, a limit
+/// is not finite, nothing is to be drawn.
 void validate(const Figure& figure);
 void validate(const SurfaceFigure& figure);
 
 /// Writes what the figure draws as CSV, without VTK: comment lines (`#`) with the axes and units, then
-/// `panel,kind,label,name,x,y,z`, one row per point, whose doubles read back bit for bit. Kinds: curve (x, y), ribbon
-/// (x, y low, z high), map (x, y, z), bar (name, x value, y error), band (x from, y to), vertical and horizontal (x or
-/// y); surface and cloud (x, y, z). Written whole or not at all; throws InputError with the path.
+/// `panel,kind,label,name,x,y,z`, one row per point, whose doubles read back bit for bit. Kinds: curve (x,
+/// y), ribbon (x, y low, z high), map (x, y, z), bar (name, x value, y error), band (x from, y to), vertical
+/// and horizontal (x or y); surface and cloud (x, y, z). Written whole or not at all; throws InputError with
+/// the path.
 void export_data(const Figure& figure, const std::string& path);
 void export_data(const SurfaceFigure& figure, const std::string& path);
 

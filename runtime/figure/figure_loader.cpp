@@ -15,8 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* file_name = "liblunid_figure.so";
 
-/// The places to look at, in order: what the caller names, what the environment names, then the build tree and the
-/// installed tree as seen from the executable.
+/// The places to look at, in order: what the caller names, what the environment names, then the build tree
+/// and the installed tree as seen from the executable.
 std::vector<fs::path> candidates(const std::string& given) {
   if (!given.empty()) return {given};
   if (const char* named = std::getenv("LUNID_FIGURE_MODULE"); named && *named) return {named};
@@ -42,8 +42,9 @@ Format format_of(const std::string& path, std::initializer_list<std::pair<const 
     if (extension == name) return format;
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  throw InputError("expected a file name that ends in " + names + ", got '" + fs::path(path).filename().string() + "'",
-                   {path});
+  throw InputError(
+      "expected a file name that ends in " + names + ", got '" + fs::path(path).filename().string() + "'",
+      {path});
 }
 
 void write(const Drawing& drawing, const std::string& path) {
@@ -73,7 +74,8 @@ Renderer& FigureModule::renderer() {
 
 void FigureModule::render(const Figure& figure, const std::string& path) {
   validate(figure);
-  const Format format = format_of(path, {{".png", Format::png}, {".svg", Format::svg}, {".pdf", Format::pdf}});
+  const Format format =
+      format_of(path, {{".png", Format::png}, {".svg", Format::svg}, {".pdf", Format::pdf}});
   write(renderer().draw(figure, format), path);
 }
 

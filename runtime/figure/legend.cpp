@@ -31,8 +31,10 @@ void draw_swatch(Canvas& canvas, const Look& look, const LegendEntry& entry, dou
     const double r = look.point_radius * entry.width;
     const Point centre{left + 0.5 * swatch_width, middle};
     const Point three[] = {{centre.x - 4 * r, middle}, centre, {centre.x + 4 * r, middle}};
-    if (entry.style == Style::points) canvas.discs(three, r, colour);
-    else canvas.discs({&centre, 1}, r, colour);
+    if (entry.style == Style::points)
+      canvas.discs(three, r, colour);
+    else
+      canvas.discs({&centre, 1}, r, colour);
   }
 }
 
@@ -44,9 +46,11 @@ void draw_entry(Canvas& canvas, const Look& look, const LegendEntry& entry, doub
 
 Box corner_box(TextMeter& meter, const Look& look, const PanelPlan& plan, Legend corner) {
   double width = 0.0;
-  for (const LegendEntry& entry : plan.legend.entries) width = std::max(width, entry_width(meter, look, entry));
+  for (const LegendEntry& entry : plan.legend.entries)
+    width = std::max(width, entry_width(meter, look, entry));
   width += 2.0 * padding;
-  const double height = static_cast<double>(plan.legend.entries.size()) * line_height(look.legend_text) + padding;
+  const double height =
+      static_cast<double>(plan.legend.entries.size()) * line_height(look.legend_text) + padding;
   const double inset = 5.0;
   const bool left = corner == Legend::top_left || corner == Legend::bottom_left;
   const bool top = corner == Legend::top_left || corner == Legend::top_right;
@@ -77,15 +81,18 @@ struct Obstacles {
     }
     for (const ReferenceLine& line : plan.panel->lines) {
       const Point p = plan.at(line.value, line.value);
-      if (line.vertical) strokes.push_back({{p.x, plan.plot.bottom}, {p.x, plan.plot.top}});
-      else strokes.push_back({{plan.plot.left, p.y}, {plan.plot.right, p.y}});
+      if (line.vertical)
+        strokes.push_back({{p.x, plan.plot.bottom}, {p.x, plan.plot.top}});
+      else
+        strokes.push_back({{plan.plot.left, p.y}, {plan.plot.right, p.y}});
     }
     if (plan.panel->bars) add_bars(plan);
   }
 
   bool free(const Box& box) const {
     const Box wide{box.left - 3, box.bottom - 3, box.right + 3, box.top + 3};
-    return !crosses(strokes, wide) && std::none_of(points.begin(), points.end(), [&](Point p) { return wide.holds(p); });
+    return !crosses(strokes, wide) &&
+           std::none_of(points.begin(), points.end(), [&](Point p) { return wide.holds(p); });
   }
 
  private:
@@ -161,7 +168,8 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
     return settle_legend(meter, look, plan);
   }
   const Obstacles obstacles(plan);
-  for (const Legend corner : {Legend::top_right, Legend::top_left, Legend::bottom_right, Legend::bottom_left}) {
+  for (const Legend corner :
+       {Legend::top_right, Legend::top_left, Legend::bottom_right, Legend::bottom_left}) {
     const Box box = corner_box(meter, look, plan, corner);
     const bool fits = box.width() < 0.6 * plan.plot.width() && box.height() < 0.6 * plan.plot.height();
     if (!fits || !obstacles.free(box)) continue;
@@ -174,11 +182,12 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
 
 void settle_legend(TextMeter& meter, const Look& look, PanelPlan& plan) {
   LegendPlan& legend = plan.legend;
-  if (legend.place != Legend::none && legend.place != Legend::above) legend.box = corner_box(meter, look, plan, legend.place);
+  if (legend.place != Legend::none && legend.place != Legend::above)
+    legend.box = corner_box(meter, look, plan, legend.place);
 }
 
-void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look, const std::vector<std::vector<LegendEntry>>& rows, double left,
-                double top) {
+void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look,
+                const std::vector<std::vector<LegendEntry>>& rows, double left, double top) {
   double middle = top - 0.5 * line_height(look.legend_text);
   for (const std::vector<LegendEntry>& row : rows) {
     double x = left;

@@ -40,16 +40,16 @@ std::vector<std::vector<LegendEntry>> legend_rows(TextMeter& meter, const Look& 
 /// The height of a strip with these rows.
 double strip_height(const Look& look, std::size_t rows);
 
-/// Decides where a planned panel's legend goes: the wanted place, or for `automatic` the first corner that no curve
-/// enters, or else above.
+/// Decides where a planned panel's legend goes: the wanted place, or for `automatic` the first corner that no
+/// curve enters, or else above.
 void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wanted);
 
 /// Puts a corner's legend into its corner of the plot as it is now.
 void settle_legend(TextMeter& meter, const Look& look, PanelPlan& plan);
 
 /// Draws rows from the top left corner of a strip, or a corner's box with its background.
-void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look, const std::vector<std::vector<LegendEntry>>& rows, double left,
-                double top);
+void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look,
+                const std::vector<std::vector<LegendEntry>>& rows, double left, double top);
 void draw_corner(Canvas& canvas, const Look& look, const LegendPlan& legend);
 
 }  // namespace lunid::figure

@@ -8,7 +8,8 @@
 
 namespace lunid::figure {
 
-/// Text of 11 points on a figure 16 cm wide is 5.5 points when it is printed 8 cm wide: the least that reads well.
+/// Text of 11 points on a figure 16 cm wide is 5.5 points when it is printed 8 cm wide: the least that reads
+/// well.
 struct Look {
   Theme theme = Theme::light;
   Palette palette;
@@ -21,8 +22,8 @@ struct Look {
   double point_radius = 1.5;
   double frame = 0.8;
   double tick_length = 3.5;
-  double gap = 4.0;      ///< between a tick and its label, a swatch and its name
-  double margin = 7.0;   ///< round the figure and between panels
+  double gap = 4.0;     ///< between a tick and its label, a swatch and its name
+  double margin = 7.0;  ///< round the figure and between panels
 
   /// `text_scale`: for many columns, smaller text.
   explicit Look(Theme chosen, double text_scale = 1.0) : theme(chosen), palette(figure::palette(chosen)) {
@@ -34,13 +35,14 @@ struct Look {
 inline double line_height(double size) { return 1.28 * size; }
 
 /// `text` broken at spaces into lines not wider than `width` (a longer word stays whole).
-std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold, double width);
+std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold,
+                                 double width);
 
 /// `text`, cut with an ellipsis where it is wider than `width`.
 std::string shortened(TextMeter& meter, const std::string& text, double size, bool bold, double width);
 
-/// `text` as one line of valid UTF-8: other bytes become "?", control characters spaces. Column names of a measured
-/// record come in any encoding, and text libraries crash on bad bytes.
+/// `text` as one line of valid UTF-8: other bytes become "?", control characters spaces. Column names of a
+/// measured record come in any encoding, and text libraries crash on bad bytes.
 std::string printable(const std::string& text);
 
 /// The size, not under 0.75 of `size`, at which `text` fits `width`.

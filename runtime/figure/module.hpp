@@ -9,30 +9,32 @@ namespace lunid::figure {
 
 class Renderer;
 
-/// Opens `liblunid_figure.so` on first use and draws with it. Files are written whole or not at all. Constructing one
-/// costs nothing. Not for use from two threads at once.
+/// Opens `liblunid_figure.so` on first use and draws with it. Files are written whole or not at all.
+/// Constructing one costs nothing. Not for use from two threads at once.
 class FigureModule {
  public:
-  /// `path`: the module's file; "" looks at the environment's LUNID_FIGURE_MODULE, then beside the executable, then in
+  /// `path`: the module's file; "" looks at the environment's LUNID_FIGURE_MODULE, then beside the
+  /// executable, then in
   /// ../lib/lunid/ from there.
   explicit FigureModule(std::string path = {});
   ~FigureModule();
   FigureModule(const FigureModule&) = delete;
   FigureModule& operator=(const FigureModule&) = delete;
 
-  /// Draws to `path`: .png, .svg or .pdf by its extension. Throws InputError that names the path: bad extension, bad
-  /// figure, no display, unwritable place, full disk.
+  /// Draws to `path`: .png, .svg or .pdf by its extension. Throws InputError that names the path: bad
+  /// extension, bad figure, no display, unwritable place, full disk.
   void render(const Figure& figure, const std::string& path);
 
   /// Draws to `path`, .png only (a 3-D scene has no faithful vector form). Errors as above.
   void render(const SurfaceFigure& figure, const std::string& path);
 
-  /// Writes the numbers of a surface to `path`: .vts (structured grid, no-data points blanked) or .vtp (the cells with
-  /// data, and the clouds as vertices). Arrays are doubles, named with their units. Needs no display.
+  /// Writes the numbers of a surface to `path`: .vts (structured grid, no-data points blanked) or .vtp (the
+  /// cells with data, and the clouds as vertices). Arrays are doubles, named with their units. Needs no
+  /// display.
   void export_surface(const SurfaceFigure& figure, const std::string& path);
 
-  /// For `lunid doctor`: one line that says how figures are drawn here (display, VTK and OpenGL versions), or throws
-  /// InputError with what is missing and which package holds it.
+  /// For `lunid doctor`: one line that says how figures are drawn here (display, VTK and OpenGL versions), or
+  /// throws InputError with what is missing and which package holds it.
   std::string check();
 
  private:

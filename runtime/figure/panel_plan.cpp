@@ -13,7 +13,8 @@ bool apart(TextMeter& meter, const Look& look, const AxisPlan& axis, double leng
   double end = -1e9;  // of the label before
   for (const Tick& tick : axis.ticks) {
     if (tick.label.empty()) continue;
-    const double at = axis.place(tick.value) * length, half = 0.5 * meter.width(tick.label, look.tick_text, false);
+    const double at = axis.place(tick.value) * length,
+                 half = 0.5 * meter.width(tick.label, look.tick_text, false);
     if (at - half < end + 0.6 * look.tick_text) return false;
     end = at + half;
   }
@@ -36,7 +37,8 @@ AxisPlan horizontal_axis(TextMeter& meter, const Look& look, const Axis& axis, R
 }
 
 AxisPlan vertical_axis(const Look& look, const Axis& axis, Range range, double length, const Hints& hints) {
-  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.5 * look.tick_text))), hint(hints, axis));
+  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.5 * look.tick_text))),
+                   hint(hints, axis));
 }
 
 /// How far the labels of a horizontal axis reach beyond the plot's right end.
@@ -76,7 +78,8 @@ void plan_title(TextMeter& meter, const Look& look, PanelPlan& plan) {
 
 double bar_name_width(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   double width = 0.0;
-  for (const std::string& name : plan.panel->bars->name) width = std::max(width, meter.width(name, look.tick_text, false));
+  for (const std::string& name : plan.panel->bars->name)
+    width = std::max(width, meter.width(name, look.tick_text, false));
   return std::min(width, 180.0);
 }
 
@@ -102,7 +105,8 @@ void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hin
     plan.y = vertical_axis(look, panel.y, y_range(panel, x), height, hints);
   }
   if (panel.map)
-    plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map), height - (plan.no_data ? 24.0 : 0.0), hints);
+    plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map),
+                                height - (plan.no_data ? 24.0 : 0.0), hints);
   plan_title(meter, look, plan);
 }
 
@@ -119,7 +123,8 @@ Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan
   return margins;
 }
 
-std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y) {
+std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x,
+                                   const std::vector<double>& y) {
   // A quarter of a point is finer than a pixel of the default figure.
   constexpr double column = 0.25;
   std::vector<Stroke> strokes;
@@ -130,8 +135,10 @@ std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<doub
   };
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Point p = plan.at(x[i], y[i]);
-    if (std::isfinite(p.x) && std::isfinite(p.y)) run.push_back(p);
-    else finish();
+    if (std::isfinite(p.x) && std::isfinite(p.y))
+      run.push_back(p);
+    else
+      finish();
   }
   finish();
   return strokes;

@@ -39,7 +39,8 @@ struct PanelPlan {
   }
 };
 
-/// The largest value on each axis of a name and unit in all of a figure, so that panels share their SI prefix.
+/// The largest value on each axis of a name and unit in all of a figure, so that panels share their SI
+/// prefix.
 using Hints = std::map<std::pair<std::string, std::string>, double>;
 
 /// The ranges of a panel's data within its limits, widened so that no curve lies on the frame.
@@ -57,7 +58,8 @@ void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hin
 Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan);
 
 /// The strokes of a series in the plot, thinned and clipped, not dashed.
-std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y);
+std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x,
+                                   const std::vector<double>& y);
 
 /// The points of a series that can be told apart in the plot.
 std::vector<Point> series_points(const PanelPlan& plan, const Series& series, double radius);

@@ -43,8 +43,10 @@ class Span {
     // One limit given, and all data beyond it.
     if (!(r.high > r.low)) {
       const double length = log ? 1.0 : std::max(1.0, std::abs(r.low));
-      if (std::isfinite(axis_.min)) r.high = log ? 10.0 * r.low : r.low + length;
-      else r.low = log ? r.high / 10.0 : r.high - length;
+      if (std::isfinite(axis_.min))
+        r.high = log ? 10.0 * r.low : r.low + length;
+      else
+        r.low = log ? r.high / 10.0 : r.high - length;
     }
     return r;
   }
@@ -75,7 +77,8 @@ Range from_zero(const Panel& panel, Range range) {
   double low = 0.0;
   for (const BarSet& set : panel.bars->set)
     for (std::size_t i = 0; i < set.value.size(); ++i)
-      if (std::isfinite(set.value[i])) low = std::min(low, set.value[i] - (set.error.empty() ? 0.0 : set.error[i]));
+      if (std::isfinite(set.value[i]))
+        low = std::min(low, set.value[i] - (set.error.empty() ? 0.0 : set.error[i]));
   if (low >= 0.0 && !std::isfinite(panel.x.min)) range.low = 0.0;
   return range;
 }

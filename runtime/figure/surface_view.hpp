@@ -1,6 +1,6 @@
 #pragma once
-// How a surface in its box is seen: a parallel projection whose every point is known on paper, so that the 3-D scene
-// (by VTK) and the axes (on a Canvas) fall on each other.
+// How a surface in its box is seen: a parallel projection whose every point is known on paper, so that the
+// 3-D scene (by VTK) and the axes (on a Canvas) fall on each other.
 #include <array>
 #include <vector>
 
@@ -32,6 +32,7 @@ struct SurfaceView {
 SurfaceView plan_surface(TextMeter& meter, const Look& look, const SurfaceFigure& figure);
 
 /// Walls, grid, ticks, labels, title, legend and colour bar: all but the surface and the points.
-void draw_surface_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view);
+void draw_surface_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure,
+                       const SurfaceView& view);
 
 }  // namespace lunid::figure

@@ -17,7 +17,8 @@ struct Tick {
   std::string label;   ///< "" for a minor tick
 };
 
-/// An axis ready to draw: values run from range.low to range.high, labels show value / factor in the unit of `title`.
+/// An axis ready to draw: values run from range.low to range.high, labels show value / factor in the unit of
+/// `title`.
 struct AxisPlan {
   Range range;
   Scale scale = Scale::linear;
@@ -29,8 +30,8 @@ struct AxisPlan {
   double place(double value) const;
 };
 
-/// A factor and the unit that carries it: 1e-3 and "mm" for unit "m" and values up to 0.02. Units that take no prefix
-/// (none, m^2, 1/s, already prefixed) get a power of ten in front where the values need one.
+/// A factor and the unit that carries it: 1e-3 and "mm" for unit "m" and values up to 0.02. Units that take
+/// no prefix (none, m^2, 1/s, already prefixed) get a power of ten in front where the values need one.
 struct ScaledUnit {
   double factor = 1.0;
   std::string unit;
@@ -40,8 +41,8 @@ ScaledUnit scaled_unit(const std::string& unit, double largest);
 /// Superscripts for powers: "N/m^3" becomes "N/m³".
 std::string with_superscripts(const std::string& unit);
 
-/// Plans an axis over `range` with about `wanted` labels, at least two. `largest` decides the SI prefix when it is not
-/// beyond a thousand times the range; 0 leaves it to the range.
+/// Plans an axis over `range` with about `wanted` labels, at least two. `largest` decides the SI prefix when
+/// it is not beyond a thousand times the range; 0 leaves it to the range.
 AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest = 0.0);
 
 /// `value` with `decimals` digits after the point and a true minus sign, in any locale.

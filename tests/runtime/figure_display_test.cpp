@@ -12,6 +12,12 @@
 #include "expr/error.hpp"
 #include "figure_samples.hpp"
 
+#ifdef __SANITIZE_ADDRESS__
+// The OpenGL driver keeps some hundred bytes for each context, and VTK's PDF exporter a renderer for each
+// file.
+extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
+#endif
+
 namespace {
 
 using namespace samples;
@@ -22,12 +28,16 @@ class Environment {
   Environment(const char* name, const char* value) : name_(name) {
     if (const char* before = std::getenv(name)) before_ = before;
     had_ = std::getenv(name) != nullptr;
-    if (value) setenv(name, value, 1);
-    else unsetenv(name);
+    if (value)
+      setenv(name, value, 1);
+    else
+      unsetenv(name);
   }
   ~Environment() {
-    if (had_) setenv(name_, before_.c_str(), 1);
-    else unsetenv(name_);
+    if (had_)
+      setenv(name_, before_.c_str(), 1);
+    else
+      unsetenv(name_);
   }
 
  private:

@@ -50,8 +50,11 @@ std::pair<unsigned, unsigned> png_size(const std::string& bytes) {
 }
 
 TEST_F(FigureModuleTest, draws_every_kind_of_figure_in_every_format) {
-  for (const auto& [name, figure] : {std::pair{"histories", histories()}, {"maps", maps()}, {"forces", forces()},
-                                     {"rivals", rivals()}, {"spectra", spectra()}}) {
+  for (const auto& [name, figure] : {std::pair{"histories", histories()},
+                                     {"maps", maps()},
+                                     {"forces", forces()},
+                                     {"rivals", rivals()},
+                                     {"spectra", spectra()}}) {
     for (const std::string extension : {".png", ".svg", ".pdf"}) {
       const std::string path = folder / (name + extension);
       module.render(figure, path);
@@ -81,7 +84,8 @@ TEST_F(FigureModuleTest, the_same_figure_gives_the_same_bytes) {
 }
 
 /// Points of the first polyline with this stroke and this number of points.
-std::vector<std::pair<double, double>> polyline(const std::string& svg, const std::string& stroke, std::size_t count) {
+std::vector<std::pair<double, double>> polyline(const std::string& svg, const std::string& stroke,
+                                                std::size_t count) {
   const std::regex element("<polyline stroke=\"" + stroke + "\"[^>]*points=\"([^\"]*)\"");
   for (std::sregex_iterator it(svg.begin(), svg.end(), element), end; it != end; ++it) {
     std::istringstream text((*it)[1].str());
@@ -129,24 +133,29 @@ TEST_F(FigureModuleTest, empty_and_constant_data_give_axes) {
 
 TEST_F(FigureModuleTest, a_failure_names_the_path_and_leaves_the_earlier_file) {
   const std::string nowhere = folder / "none/at/all.png";
-  EXPECT_EQ(message([&] { module.render(forces(), nowhere); }), nowhere + ": cannot write: No such file or directory");
+  EXPECT_EQ(message([&] { module.render(forces(), nowhere); }),
+            nowhere + ": cannot write: No such file or directory");
   std::ofstream(folder / "kept.png") << "earlier";
   Figure small = histories();
   small.size = {5.0, 3.0, 250};
-  EXPECT_EQ(message([&] { module.render(small, folder / "kept.png"); }),
-            (folder / "kept.png") + ": cannot draw: the figure is too small for its panels: raise size.width_cm or size.height_cm");
+  EXPECT_EQ(
+      message([&] { module.render(small, folder / "kept.png"); }),
+      (folder / "kept.png") +
+          ": cannot draw: the figure is too small for its panels: raise size.width_cm or size.height_cm");
   EXPECT_EQ(content(folder / "kept.png"), "earlier");
   Figure large = histories();
   large.size = {100.0, 0.0, 600};
   EXPECT_EQ(message([&] { module.render(large, folder / "large.png"); }),
-            (folder / "large.png") + ": cannot draw: the picture would be 23622 pixels long, more than 8192: lower size or dpi");
+            (folder / "large.png") +
+                ": cannot draw: the picture would be 23622 pixels long, more than 8192: lower size or dpi");
   EXPECT_FALSE(std::filesystem::exists(folder / "large.png"));
 }
 
 TEST_F(FigureModuleTest, a_full_disk_is_an_error) {
   const std::string path = folder / "full.png";
   std::filesystem::create_symlink("/dev/full", path);
-  EXPECT_EQ(message([&] { module.render(forces(), path); }), path + ": cannot write: No space left on device");
+  EXPECT_EQ(message([&] { module.render(forces(), path); }),
+            path + ": cannot write: No space left on device");
   std::filesystem::remove(path);
 }
 
@@ -154,7 +163,8 @@ TEST_F(FigureModuleTest, wrong_extensions_are_refused_before_anything_is_loaded)
   FigureModule nowhere("/no/such/module.so");
   EXPECT_EQ(message([&] { nowhere.render(forces(), "a.jpg"); }),
             "a.jpg: expected a file name that ends in .png, .svg, .pdf, got 'a.jpg'");
-  EXPECT_EQ(message([&] { nowhere.render(surface(), "a.svg"); }), "a.svg: expected a file name that ends in .png, got 'a.svg'");
+  EXPECT_EQ(message([&] { nowhere.render(surface(), "a.svg"); }),
+            "a.svg: expected a file name that ends in .png, got 'a.svg'");
   EXPECT_EQ(message([&] { nowhere.export_surface(surface(), "a.stl"); }),
             "a.stl: expected a file name that ends in .vts, .vtp, got 'a.stl'");
   EXPECT_EQ(message([&] { nowhere.render(forces(), "a.png"); }),
@@ -166,11 +176,13 @@ TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
   figure.panels[1].series[0].x.pop_back();
   EXPECT_EQ(message([&] { module.render(figure, "a.png"); }),
             "figure: panel 2: curve 'measured': x and y: expected the same length, got 1000 and 1001");
-  EXPECT_EQ(message([&] { module.render(Figure{}, "a.png"); }), "figure: panels: expected at least one, got none");
+  EXPECT_EQ(message([&] { module.render(Figure{}, "a.png"); }),
+            "figure: panels: expected at least one, got none");
   figure = maps();
   figure.panels[0].map->x[3] = 0.0;
-  EXPECT_EQ(message([&] { module.render(figure, "a.png"); }),
-            "figure: panel 1: map: x: expected finite values that increase, got something else at position 5");
+  EXPECT_EQ(
+      message([&] { module.render(figure, "a.png"); }),
+      "figure: panel 1: map: x: expected finite values that increase, got something else at position 5");
   SurfaceFigure bad = surface();
   bad.surface.conservativeResize(40, 41);
   EXPECT_EQ(message([&] { module.render(bad, "a.png"); }),
@@ -178,7 +190,8 @@ TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
 }
 
 TEST_F(FigureModuleTest, exported_numbers_read_back_bit_for_bit) {
-  const std::vector<double> x{0.1, 1.0 / 3.0, 5e-324, 1.7976931348623157e308}, y{-0.0, 2e-3, missing, 6.02214076e23};
+  const std::vector<double> x{0.1, 1.0 / 3.0, 5e-324, 1.7976931348623157e308},
+      y{-0.0, 2e-3, missing, 6.02214076e23};
   Figure figure = line(x, y);
   figure.panels[0].series[0].label = "a, \"b\"";
   export_data(figure, folder / "data.csv");
@@ -196,8 +209,10 @@ TEST_F(FigureModuleTest, exported_numbers_read_back_bit_for_bit) {
     const double got_x = std::strtod(row.c_str() + head.size(), &rest);
     EXPECT_EQ(std::bit_cast<std::uint64_t>(got_x), std::bit_cast<std::uint64_t>(x[i]));
     const double got_y = std::strtod(rest + 1, &rest);
-    if (std::isnan(y[i])) EXPECT_TRUE(std::isnan(got_y));
-    else EXPECT_EQ(std::bit_cast<std::uint64_t>(got_y), std::bit_cast<std::uint64_t>(y[i]));
+    if (std::isnan(y[i]))
+      EXPECT_TRUE(std::isnan(got_y));
+    else
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(got_y), std::bit_cast<std::uint64_t>(y[i]));
     EXPECT_EQ(std::string(rest), ",");  // no z
   }
   EXPECT_FALSE(std::getline(text, row));

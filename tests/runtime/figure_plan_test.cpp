@@ -27,14 +27,21 @@ struct Written {
 
 class Recorder : public Canvas {
  public:
-  void polyline(std::span<const Point> points, Colour, double) override { lines.emplace_back(points.begin(), points.end()); }
-  void polygon(std::span<const Point> corners, Colour) override { areas.emplace_back(corners.begin(), corners.end()); }
-  void discs(std::span<const Point> centres, double, Colour) override { dots.insert(dots.end(), centres.begin(), centres.end()); }
+  void polyline(std::span<const Point> points, Colour, double) override {
+    lines.emplace_back(points.begin(), points.end());
+  }
+  void polygon(std::span<const Point> corners, Colour) override {
+    areas.emplace_back(corners.begin(), corners.end());
+  }
+  void discs(std::span<const Point> centres, double, Colour) override {
+    dots.insert(dots.end(), centres.begin(), centres.end());
+  }
   void text(Point anchor, const std::string& text, const TextStyle& style) override {
     if (text.empty()) return;
     double w = Typewriter().width(text, style.size, style.bold), h = 0.8 * style.size;
     if (style.vertical) std::swap(w, h);
-    const double left = anchor.x - 0.5 * (style.across + 1) * w, bottom = anchor.y - 0.5 * (style.upward + 1) * h;
+    const double left = anchor.x - 0.5 * (style.across + 1) * w,
+                 bottom = anchor.y - 0.5 * (style.upward + 1) * h;
     texts.push_back({text, {left, bottom, left + w, bottom + h}});
   }
   std::vector<Stroke> lines, areas;
@@ -54,7 +61,8 @@ void expect_legible(const std::vector<Written>& texts, Point extent, const std::
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const Box& a = texts[i].box;
     EXPECT_TRUE(a.left >= -0.5 && a.bottom >= -0.5 && a.right <= extent.x + 0.5 && a.top <= extent.y + 0.5)
-        << name << ": '" << texts[i].text << "' leaves the page: " << a.left << " " << a.bottom << " " << a.right << " " << a.top;
+        << name << ": '" << texts[i].text << "' leaves the page: " << a.left << " " << a.bottom << " "
+        << a.right << " " << a.top;
     for (std::size_t j = 0; j < i; ++j) {
       const Box& b = texts[j].box;
       const bool overlap = a.left < b.right && b.left < a.right && a.bottom < b.top && b.bottom < a.top;
@@ -71,7 +79,7 @@ std::vector<std::pair<std::string, Figure>> all_samples() {
   narrow.size.width_cm = 8.0;
   narrow.panels[0].title = "A panel title that is rather long";
   narrow.panels[0].note = "gap 0.31 → 0.05";
-  return {{"histories", histories()}, {"maps", maps()},   {"forces", forces()}, {"rivals", rivals()},
+  return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()},
           {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow}};
 }
 
@@ -123,7 +131,8 @@ TEST(FigureLayout, plots_of_a_column_and_of_a_row_are_in_line) {
 TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   const Recorder recorder = drawn(histories());
   const auto count = [&](const std::string& text) {
-    return std::count_if(recorder.texts.begin(), recorder.texts.end(), [&](const Written& w) { return w.text == text; });
+    return std::count_if(recorder.texts.begin(), recorder.texts.end(),
+                         [&](const Written& w) { return w.text == text; });
   };
   EXPECT_EQ(count("measured"), 1);
   EXPECT_EQ(count("final"), 1);
@@ -195,7 +204,7 @@ TEST(FigureTicks, the_prefix_follows_the_values) {
   EXPECT_EQ(title("N/m", 2.1e6), "MN/m");
   EXPECT_EQ(title("N s/m", 2.1e4), "kN s/m");
   EXPECT_EQ(title("m/s", 2e-3), "mm/s");
-  EXPECT_EQ(title("s", 5e4), "s");          // no kiloseconds
+  EXPECT_EQ(title("s", 5e4), "s");           // no kiloseconds
   EXPECT_EQ(title("m^2", 3e-7), "10⁻⁹ m²");  // a prefix would be squared
   EXPECT_EQ(title("N/m^3", 1e9), "GN/m³");
   EXPECT_EQ(title("", 0.05), "");
@@ -247,8 +256,10 @@ TEST(FigureCurve, thinning_keeps_the_extremes_and_the_ends) {
   // At most four points in each of the 400 columns.
   EXPECT_LE(thinned.size(), 1600u);
   const auto higher = [](Point a, Point b) { return a.y < b.y; };
-  EXPECT_EQ(std::max_element(thinned.begin(), thinned.end(), higher)->y, std::max_element(stroke.begin(), stroke.end(), higher)->y);
-  EXPECT_EQ(std::min_element(thinned.begin(), thinned.end(), higher)->y, std::min_element(stroke.begin(), stroke.end(), higher)->y);
+  EXPECT_EQ(std::max_element(thinned.begin(), thinned.end(), higher)->y,
+            std::max_element(stroke.begin(), stroke.end(), higher)->y);
+  EXPECT_EQ(std::min_element(thinned.begin(), thinned.end(), higher)->y,
+            std::min_element(stroke.begin(), stroke.end(), higher)->y);
   EXPECT_EQ(thinned.front().x, stroke.front().x);
   EXPECT_EQ(thinned.back().x, stroke.back().x);
   EXPECT_TRUE(std::is_sorted(thinned.begin(), thinned.end(), [](Point a, Point b) { return a.x < b.x; }));

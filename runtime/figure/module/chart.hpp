@@ -1,8 +1,9 @@
 #pragma once
 // Figures as PNG, SVG and PDF.
+#include <vtkSmartPointer.h>
+
 #include <functional>
 #include <string>
-#include <vtkSmartPointer.h>
 
 #include "figure/look.hpp"
 #include "figure/module/display.hpp"
@@ -13,8 +14,8 @@ class vtkRenderer;
 
 namespace lunid::figure {
 
-/// An actor that draws by a function, on a canvas with `scale` device units for each point. What the function throws
-/// is kept, since no exception may cross VTK: ask `error` after drawing.
+/// An actor that draws by a function, on a canvas with `scale` device units for each point. What the function
+/// throws is kept, since no exception may cross VTK: ask `error` after drawing.
 struct Drawn {
   vtkSmartPointer<vtkContextActor> actor;
   std::function<std::string()> error;

@@ -1,12 +1,13 @@
 #include "figure/module/context_canvas.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <vtkBrush.h>
 #include <vtkContext2D.h>
 #include <vtkContextDevice2D.h>
 #include <vtkPen.h>
 #include <vtkTextProperty.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "figure/look.hpp"
 #include "figure/module/font.hpp"
@@ -43,8 +44,8 @@ void ContextCanvas::discs(std::span<const Point> centres, double radius, Colour 
   context_.GetBrush()->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
   const auto r = static_cast<float>(radius * scale_);
   for (const Point& c : centres)
-    context_.GetDevice()->DrawEllipseWedge(static_cast<float>(c.x * scale_), static_cast<float>(c.y * scale_), r, r, 0,
-                                           0, 0, 360);
+    context_.GetDevice()->DrawEllipseWedge(static_cast<float>(c.x * scale_), static_cast<float>(c.y * scale_),
+                                           r, r, 0, 0, 0, 360);
 }
 
 void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle& style) {
@@ -60,8 +61,8 @@ void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle&
   const int beside = style.vertical ? -style.across : style.upward;
   property->SetJustification(along + 1);
   property->SetVerticalJustification(beside + 1);
-  context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)), static_cast<float>(std::round(anchor.y * scale_)),
-                      printable(text).c_str());
+  context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)),
+                      static_cast<float>(std::round(anchor.y * scale_)), printable(text).c_str());
 }
 
 }  // namespace lunid::figure

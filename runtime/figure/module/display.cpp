@@ -1,17 +1,18 @@
 #include "figure/module/display.hpp"
 
 #include <X11/Xlib.h>
-
-#include <cstdlib>
-#include <stdexcept>
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkRenderWindow.h>
 #include <vtkVersion.h>
 
+#include <cstdlib>
+#include <stdexcept>
+
 namespace lunid::figure {
 namespace {
 
-/// A display of this machine. One across a network (ssh -X) can take minutes to answer and has no OpenGL for VTK.
+/// A display of this machine. One across a network (ssh -X) can take minutes to answer and has no OpenGL for
+/// VTK.
 bool is_local(const char* name) { return name && name[0] == ':'; }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #pragma once
-// Where VTK may draw. VTK without a display crashes: nothing of it that draws is called before this has answered.
+// Where VTK may draw. VTK without a display crashes: nothing of it that draws is called before this has
+// answered.
+#include <vtkSmartPointer.h>
+
 #include <memory>
 #include <string>
-#include <vtkSmartPointer.h>
 
 #include "figure/module/private_display.hpp"
 
@@ -10,8 +12,8 @@ class vtkRenderWindow;
 
 namespace lunid::figure {
 
-/// An open connection to an X server with OpenGL 3.2: this machine's display where DISPLAY names one that answers,
-/// else a private one.
+/// An open connection to an X server with OpenGL 3.2: this machine's display where DISPLAY names one that
+/// answers, else a private one.
 class Display {
  public:
   /// Throws std::runtime_error that says what is missing.

@@ -24,7 +24,8 @@ class Collector : public vtkOutputWindow {
 };
 vtkStandardNewMacro(Collector);
 
-/// VTK's form is "ERROR: In file.cxx, line 7\nvtkClass (0x...): what happened\n\n"; a reader wants the last part.
+/// VTK's form is "ERROR: In file.cxx, line 7\nvtkClass (0x...): what happened\n\n"; a reader wants the last
+/// part.
 std::string what_happened(std::string text) {
   const std::size_t address = text.find("(0x");
   const std::size_t colon = address == std::string::npos ? std::string::npos : text.find("): ", address);

@@ -1,6 +1,7 @@
 // The module's one exported function, and the wall that no exception passes.
-#include <memory>
 #include <vtkTextRenderer.h>
+
+#include <memory>
 
 #include "figure/module/chart.hpp"
 #include "figure/module/errors.hpp"
@@ -62,6 +63,7 @@ class VtkRenderer : public Renderer {
 }  // namespace
 }  // namespace lunid::figure
 
-extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(int version) {
+extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(
+    int version) {
   return version == lunid::figure::module_version ? new lunid::figure::VtkRenderer : nullptr;
 }

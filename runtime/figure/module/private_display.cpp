@@ -44,7 +44,8 @@ class Descriptor {
 
 void make_pipe(Descriptor& read_end, Descriptor& write_end) {
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::string("cannot make a pipe: ") + strerror(errno));
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+    throw std::runtime_error(std::string("cannot make a pipe: ") + strerror(errno));
   read_end.set(ends[0]);
   write_end.set(ends[1]);
 }
@@ -123,7 +124,8 @@ void end_server(pid_t server) {
   ::_exit(0);
 }
 
-/// Reads the number and the line break after it, for ten seconds at most; "" when the server ended or kept silent.
+/// Reads the number and the line break after it, for ten seconds at most; "" when the server ended or kept
+/// silent.
 std::string read_number(int descriptor) {
   std::string text;
   constexpr int patience = 10000;
@@ -157,13 +159,14 @@ std::string last_line(int log) {
 
 PrivateDisplay::PrivateDisplay() {
   const std::string program = find_xvfb();
-  const char* arguments[] = {program.c_str(), "-displayfd", "3", "-screen", "0", "64x64x24", "-nolisten", "tcp",
-                             "-noreset", "+extension", "GLX", nullptr};
+  const char* arguments[] = {program.c_str(), "-displayfd", "3",        "-screen",    "0",   "64x64x24",
+                             "-nolisten",     "tcp",        "-noreset", "+extension", "GLX", nullptr};
   Descriptor watched, lifeline, number_read, number_write;
   make_pipe(watched, lifeline);
   make_pipe(number_read, number_write);
   const Descriptor log(::memfd_create("xvfb", MFD_CLOEXEC));
-  const Plan plan{program.c_str(), const_cast<char* const*>(arguments), watched.number(), number_write.number(), log.number()};
+  const Plan plan{program.c_str(), const_cast<char* const*>(arguments), watched.number(),
+                  number_write.number(), log.number()};
   watcher_ = ::fork();
   if (watcher_ == 0) watch(plan);
   if (watcher_ < 0) throw std::runtime_error(std::string("cannot start Xvfb: ") + strerror(errno));

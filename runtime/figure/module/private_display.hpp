@@ -5,9 +5,9 @@
 
 namespace lunid::figure {
 
-/// An Xvfb that nobody else uses, on a display number of its own. It ends with this object; and also when this process
-/// ends in any other way (exit, crash, SIGKILL, Ctrl-C), because a watcher process holds the other end of a pipe that
-/// only this process keeps open.
+/// An Xvfb that nobody else uses, on a display number of its own. It ends with this object; and also when
+/// this process ends in any other way (exit, crash, SIGKILL, Ctrl-C), because a watcher process holds the
+/// other end of a pipe that only this process keeps open.
 class PrivateDisplay {
  public:
   /// Starts one and waits until it answers. Throws std::runtime_error that says what is missing.

@@ -1,8 +1,5 @@
 #include "figure/module/surface_file.hpp"
 
-#include <array>
-#include <cmath>
-#include <stdexcept>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -14,6 +11,10 @@
 #include <vtkStructuredGrid.h>
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLStructuredGridWriter.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
 
 namespace lunid::figure {
 namespace {
@@ -57,7 +58,8 @@ std::string written(Data& data) {
   writer->SetInputData(&data);
   writer->WriteToOutputStringOn();
   writer->SetDataModeToBinary();
-  if (writer->Write() != 1 || writer->GetOutputString().empty()) throw std::runtime_error("the XML writer gave nothing");
+  if (writer->Write() != 1 || writer->GetOutputString().empty())
+    throw std::runtime_error("the XML writer gave nothing");
   return writer->GetOutputString();
 }
 
@@ -86,7 +88,9 @@ std::string surface_as_vtp(const SurfaceFigure& figure) {
   PointTable table(figure);
   add_grid(table, figure);
   const Eigen::MatrixXd& z = figure.surface;
-  const auto id = [&](Eigen::Index row, Eigen::Index column) { return static_cast<vtkIdType>(row * z.cols() + column); };
+  const auto id = [&](Eigen::Index row, Eigen::Index column) {
+    return static_cast<vtkIdType>(row * z.cols() + column);
+  };
   vtkNew<vtkCellArray> quads, vertices;
   vtkNew<vtkIntArray> part;
   part->SetName("part");

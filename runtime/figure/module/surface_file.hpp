@@ -6,12 +6,12 @@
 
 namespace lunid::figure {
 
-/// .vts: the grid, with points at (x, y, z) and the arrays "<x>", "<y>", "<z>", each named with its unit. A point
-/// without data stands at z = 0, is blanked, and has NaN in its array.
+/// .vts: the grid, with points at (x, y, z) and the arrays "<x>", "<y>", "<z>", each named with its unit. A
+/// point without data stands at z = 0, is blanked, and has NaN in its array.
 std::string surface_as_vts(const SurfaceFigure& figure);
 
-/// .vtp: the cells whose four corners have data and, as vertices, the clouds. The same arrays, and for each cell `part`:
-/// 0 for the surface, 1 for the first cloud and so on.
+/// .vtp: the cells whose four corners have data and, as vertices, the clouds. The same arrays, and for each
+/// cell `part`: 0 for the surface, 1 for the first cloud and so on.
 std::string surface_as_vtp(const SurfaceFigure& figure);
 
 }  // namespace lunid::figure

@@ -1,9 +1,10 @@
 // Two layers: paper below, the scene above.
-#include <stdexcept>
 #include <vtkContextActor.h>
 #include <vtkNew.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+
+#include <stdexcept>
 
 #include "figure/module/chart.hpp"
 #include "figure/module/font.hpp"
@@ -15,7 +16,8 @@ std::string draw_surface(Display& display, const SurfaceFigure& figure) {
   const Look look(figure.theme);
   FontMeter meter;
   const SurfaceView view = plan_surface(meter, look, figure);
-  const auto window = display.window(pixels(view.extent.x, figure.size.dpi), pixels(view.extent.y, figure.size.dpi));
+  const auto window =
+      display.window(pixels(view.extent.x, figure.size.dpi), pixels(view.extent.y, figure.size.dpi));
   window->SetNumberOfLayers(2);
   vtkNew<vtkRenderer> paper, scene;
   paper->SetLayer(0);

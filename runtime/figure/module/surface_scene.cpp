@@ -1,9 +1,5 @@
 #include "figure/module/surface_scene.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <unordered_set>
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
@@ -20,13 +16,22 @@
 #include <vtkRenderer.h>
 #include <vtkSphereSource.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
 namespace lunid::figure {
 namespace {
 
 class SceneBuilder {
  public:
   SceneBuilder(vtkRenderer& renderer, const SurfaceFigure& figure, const SurfaceView& view)
-      : renderer_(renderer), figure_(figure), view_(view), rows_(figure.surface.rows()), columns_(figure.surface.cols()) {}
+      : renderer_(renderer),
+        figure_(figure),
+        view_(view),
+        rows_(figure.surface.rows()),
+        columns_(figure.surface.cols()) {}
 
   void build() {
     place_points();
@@ -40,8 +45,8 @@ class SceneBuilder {
   vtkIdType id(Eigen::Index row, Eigen::Index column) const { return row * columns_ + column; }
 
   bool shown(Eigen::Index row, Eigen::Index column) const {
-    return view_.holds(figure_.grid_x[static_cast<std::size_t>(column)], figure_.grid_y[static_cast<std::size_t>(row)],
-                       figure_.surface(row, column));
+    return view_.holds(figure_.grid_x[static_cast<std::size_t>(column)],
+                       figure_.grid_y[static_cast<std::size_t>(row)], figure_.surface(row, column));
   }
 
   /// One point for each grid point, also where there is no data: no cell uses those.
@@ -103,7 +108,8 @@ class SceneBuilder {
       const vtkIdType ends[] = {id(r0, c0), id(r1, c1)};
       lines->InsertNextCell(2, ends);
     };
-    const Eigen::Index row_step = std::max<Eigen::Index>(1, rows_ / 20), column_step = std::max<Eigen::Index>(1, columns_ / 20);
+    const Eigen::Index row_step = std::max<Eigen::Index>(1, rows_ / 20),
+                       column_step = std::max<Eigen::Index>(1, columns_ / 20);
     for (Eigen::Index r = 0; r < rows_; r += row_step)
       for (Eigen::Index c = 0; c + 1 < columns_; ++c) add(r, c, r, c + 1);
     for (Eigen::Index c = 0; c < columns_; c += column_step)

@@ -9,7 +9,8 @@ class vtkRenderer;
 
 namespace lunid::figure {
 
-/// Adds the surface, its mesh lines and the points to a renderer and sets its camera, all in the box of the view.
+/// Adds the surface, its mesh lines and the points to a renderer and sets its camera, all in the box of the
+/// view.
 void add_surface(vtkRenderer& renderer, const SurfaceFigure& figure, const SurfaceView& view);
 
 /// PNG bytes. Throws std::runtime_error with the cause.

@@ -1,8 +1,5 @@
 // The exported surfaces, read by VTK's own readers.
 #include <gtest/gtest.h>
-
-#include <bit>
-#include <cstdint>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkNew.h>
@@ -11,6 +8,9 @@
 #include <vtkStructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLStructuredGridReader.h>
+
+#include <bit>
+#include <cstdint>
 
 #include "figure/module/errors.hpp"
 #include "figure_samples.hpp"
@@ -29,7 +29,9 @@ SurfaceFigure uneven() {
   return figure;
 }
 
-void expect_same_bits(double a, double b) { EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)); }
+void expect_same_bits(double a, double b) {
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b));
+}
 
 class ReadBack : public testing::Test {
  protected:
