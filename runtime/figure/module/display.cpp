@@ -61,8 +61,11 @@ std::string Display::describe() {
     opengl->GetOpenGLVersion(major, minor);
     gl += " " + std::to_string(major) + "." + std::to_string(minor);
   }
-  return std::string("VTK ") + vtkVersion::GetVTKVersion() + ", " + gl + ", " +
-         (own_ ? "private display (Xvfb)" : std::string("display ") + std::getenv("DISPLAY"));
+  std::string text = "VTK ";
+  text += vtkVersion::GetVTKVersion();
+  text += ", " + gl + ", ";
+  if (own_) return text += "private display (Xvfb)";
+  return text.append("display ").append(std::getenv("DISPLAY"));
 }
 
 }  // namespace lunid::figure
