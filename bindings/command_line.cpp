@@ -1,0 +1,144 @@
+#include "command_line.hpp"
+
+#include <unistd.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <iostream>
+
+namespace lunid::lua {
+
+namespace {
+
+using nlohmann::json;
+
+/// What the options of a command are stored into, before they become JSON.
+struct Values {
+  std::vector<std::string> files, tests, arguments, windows, test_windows;
+  std::string study, mass, restoring, baseline, columns, out, model, excitation, topic, from, solver, initial;
+  double alpha = 0.01, duration = 0, step = 0;
+  long long seed = 1;
+  int threads = 0;
+  bool imposed_motion = false;
+};
+
+void add_shared(CLI::App* app, Values& values, bool with_out = true) {
+  if (with_out) app->add_option("--out", values.out, "directory for all that the run makes (lunid-out)");
+  app->add_option("--seed", values.seed, "seed of everything random (1)")->check(CLI::NonNegativeNumber);
+  app->add_option("--threads", values.threads, "threads; 0 is all cores (0)")->check(CLI::Range(0, 4096));
+}
+
+void add_run(CLI::App& app, Values& values) {
+  CLI::App* run = app.add_subcommand("run", "run a study, or repeat a run from its run.json");
+  run->add_option("study", values.study, "STUDY.lua, or OUT/run.json")->required();
+  run->add_option("options", values.arguments, "key=value, read by lunid.option in the study");
+  add_shared(run, values);
+}
+
+void add_discover(CLI::App& app, Values& values) {
+  CLI::App* discover = app.add_subcommand("discover", "name the effect that a model of a record lacks");
+  discover->add_option("train", values.files, "TRAIN.csv [MORE.csv ...]")->required();
+  discover->add_option("--mass", values.mass, "mass [kg], or an expression; an unknown name is a parameter");
+  discover->add_option("--restoring", values.restoring, "restoring force, such as \"k*y + c*v\"");
+  discover->add_option("--baseline", values.baseline, "model.lua, in place of --mass and --restoring");
+  discover->add_option("--test", values.tests, "TEST.csv ...: never used to choose; else the last 30 % is held out");
+  discover->add_option("--window", values.windows, "A:B, part of the training records [s]");
+  discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
+  discover->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
+  discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)");
+  add_shared(discover, values);
+}
+
+void add_simulate(CLI::App& app, Values& values) {
+  CLI::App* simulate = app.add_subcommand("simulate", "run a model freely under a record's force");
+  simulate->add_option("model", values.model, "model.lua")->required();
+  simulate->add_option("--excitation", values.excitation, "RECORD.csv whose F drives the model")->required();
+  simulate->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  simulate->add_option("--window", values.windows, "A:B, part of the record [s]");
+  simulate->add_option("--from", values.initial, "first state \"y,v\"; else the record's own motion, else rest");
+  simulate->add_option("--solver", values.solver, "auto, fixed, bdf, adams or explicit (auto)");
+  add_shared(simulate, values);
+}
+
+void add_small_commands(CLI::App& app, Values& values) {
+  CLI::App* check = app.add_subcommand("check", "look through a study without running it");
+  check->add_option("study", values.study, "STUDY.lua")->required();
+  CLI::App* list = app.add_subcommand("list", "list effects, features, solvers or cases");
+  list->add_option("topic", values.topic, "effects | features | solvers | cases");
+  CLI::App* help = app.add_subcommand("help", "explain a constructor, a command or an effect");
+  help->add_option("topic", values.topic, "such as regress, discover or cubic_stiffness");
+  CLI::App* thesis = app.add_subcommand("thesis", "the cases of the reference thesis");
+  thesis->add_option("case", values.topic, "list | case1 | ... | all");
+  add_shared(thesis, values);
+  add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);
+  app.add_subcommand("doctor", "say what is installed and whether figures work here");
+}
+
+void put(json& into, const char* key, const std::string& value) {
+  if (!value.empty()) into[key] = value;
+}
+
+void put(json& into, const char* key, const std::vector<std::string>& values) {
+  if (!values.empty()) into[key] = values;
+}
+
+/// Options that were given, under the names that stdlib/commands reads; absent ones stay absent.
+json to_json(const CLI::App& app, const Values& values) {
+  json options = {{"seed", values.seed}, {"threads", values.threads}};
+  put(options, "study", values.study);
+  put(options, "arguments", values.arguments);
+  put(options, "train", values.files);
+  put(options, "test", values.tests);
+  put(options, "mass", values.mass);
+  put(options, "restoring", values.restoring);
+  put(options, "baseline", values.baseline);
+  put(options, "window", values.windows);
+  put(options, "test_window", values.test_windows);
+  put(options, "columns", values.columns);
+  put(options, "out", values.out);
+  put(options, "model", values.model);
+  put(options, "excitation", values.excitation);
+  put(options, "from", values.initial);
+  put(options, "solver", values.solver);
+  put(options, "topic", values.topic);
+  if (app.get_name() == "discover") {
+    options["alpha"] = values.alpha;
+    options["imposed_motion"] = values.imposed_motion;
+  }
+  return options;
+}
+
+}  // namespace
+
+Command parse_command_line(int argc, char** argv) {
+  Command command;
+  CLI::App app("Lunid: from a measured record to the equation of its motion", "lunid");
+  Values values;
+  app.set_version_flag("--version", "lunid " LUNID_VERSION);
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    std::string name = failed->get_name();
+    for (const CLI::App* sub : failed->get_subcommands()) name += " " + sub->get_name();
+    return "lunid: " + std::string(error.what()) + "\nlunid: see `" + name + " --help`\n";
+  });
+  add_run(app, values);
+  add_discover(app, values);
+  add_simulate(app, values);
+  add_small_commands(app, values);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    command.exit_code = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
+    return command;
+  }
+  const CLI::App* chosen = app.get_subcommands().front();
+  command.name = chosen->get_name();
+  command.options = to_json(*chosen, values);
+  return command;
+}
+
+std::filesystem::path executable_path() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
+}  // namespace lunid::lua

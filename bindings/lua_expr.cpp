@@ -1,0 +1,315 @@
+// Expressions: Lua's own operators and the functions of the language build the runtime's nodes.
+#include <cmath>
+
+#include "expr/tape.hpp"
+#include "runtime.hpp"
+#include "types.hpp"
+
+namespace lunid::lua {
+
+Value check_value(lua_State* L, int index) {
+  if (const Value* value = test<Value>(L, index)) return *value;
+  if (lua_type(L, index) == LUA_TNUMBER) return {runtime(L).pool()->constant(lua_tonumber(L, index)), nullptr};
+  bad_argument(L, index, "a number or an expression");
+}
+
+Value field_value(lua_State* L, int index, const char* field) {
+  Value value;
+  with_field(L, index, field, [&] {
+    if (const Value* found = test<Value>(L, -1)) {
+      value = *found;
+    } else if (lua_type(L, -1) == LUA_TNUMBER) {
+      value.expr = runtime(L).pool()->constant(lua_tonumber(L, -1));
+    } else {
+      throw InputError(std::string(field) + ": expected a number or an expression, got " + describe(L, -1));
+    }
+  });
+  return value;
+}
+
+namespace {
+
+/// Applies an operation to the arguments 1..arity. Numbers alone give a number.
+int apply(lua_State* L, Op op, int arity) {
+  Expr arguments[3];
+  DeclarationsPtr declared;
+  bool numbers = true;
+  for (int i = 1; i <= arity; ++i) {
+    const Value value = check_value(L, i);
+    numbers = numbers && lua_type(L, i) == LUA_TNUMBER;
+    arguments[i - 1] = value.expr;
+    declared = join(declared, value.declared);
+  }
+  const Expr result = runtime(L).pool()->apply(op, std::span<const Expr>(arguments, static_cast<std::size_t>(arity)));
+  if (numbers && result.is_constant()) {
+    lua_pushnumber(L, result.value());
+  } else {
+    push<Value>(L, {result, declared});
+  }
+  return 1;
+}
+
+template <Op op, int arity>
+int operation(lua_State* L) {
+  return apply(L, op, arity);
+}
+
+/// A function of the language by its name; the operation and its arity are upvalues.
+int call_function(lua_State* L) {
+  const auto op = static_cast<Op>(lua_tointeger(L, lua_upvalueindex(1)));
+  const int arity = static_cast<int>(lua_tointeger(L, lua_upvalueindex(2)));
+  const std::string name = lua_tostring(L, lua_upvalueindex(3));
+  const bool folds = op == Op::min || op == Op::max;  // min(a, b, c) = min(min(a, b), c)
+  const int given = lua_gettop(L);
+  if (folds ? given < arity : given != arity) {
+    throw InputError(name + ": expected " + std::to_string(arity) + (arity == 1 ? " argument" : " arguments") +
+                     ", got " + std::to_string(given));
+  }
+  try {
+    while (folds && lua_gettop(L) > 2) {
+      const int count = lua_gettop(L);
+      apply(L, op, 2);
+      lua_replace(L, 2);
+      lua_remove(L, 1);
+      lua_settop(L, count - 1);
+    }
+    return apply(L, op, arity);
+  } catch (const InputError& error) {
+    throw InputError(name + ": " + error.message(), error.where(), error.fault());
+  }
+}
+
+int refuse_comparison(lua_State* L) {
+  throw InputError(
+      "an expression cannot be compared by < <= > >=, because Lua makes a boolean of it: write lunid.at_most(a, b), "
+      "lunid.at_least(a, b) for a constraint, or lunid.less(a, b), lunid.greater(a, b) for the condition of "
+      "lunid.where");
+}
+
+int equal(lua_State* L) {
+  const Value *a = test<Value>(L, 1), *b = test<Value>(L, 2);
+  lua_pushboolean(L, a && b && a->expr == b->expr);
+  return 1;
+}
+
+int to_string(lua_State* L) {
+  push_text(L, to_text(check<Value>(L, 1).expr));
+  return 1;
+}
+
+int concat(lua_State* L) {
+  luaL_tolstring(L, 1, nullptr);
+  luaL_tolstring(L, 2, nullptr);
+  lua_concat(L, 2);
+  return 1;
+}
+
+/// expr:text("plain" | "latex" | "c" | "lua")
+int text(lua_State* L) {
+  const Value& value = check<Value>(L, 1);
+  const std::string format = lua_isnoneornil(L, 2) ? "plain" : check_string(L, 2);
+  for (const auto& [name, is] : {std::pair{"plain", Format::plain}, std::pair{"latex", Format::latex},
+                                 std::pair{"c", Format::c}, std::pair{"lua", Format::lua}}) {
+    if (format == name) {
+      push_text(L, to_text(value.expr, is));
+      return 1;
+    }
+  }
+  throw InputError("text: expected 'plain', 'latex', 'c' or 'lua', got '" + format + "'");
+}
+
+Expr check_symbol(lua_State* L, int index) {
+  const Value value = check_value(L, index);
+  if (!value.expr.is_symbol()) bad_argument(L, index, "a symbol, such as lunid.displacement or a parameter");
+  return value.expr;
+}
+
+/// expr:derivative(symbol)
+int derive(lua_State* L) {
+  const Value& value = check<Value>(L, 1);
+  push<Value>(L, {derivative(value.expr, check_symbol(L, 2)), value.declared});
+  return 1;
+}
+
+/// The names and kinds of the symbols, in order: {{name=, kind=}, ...}.
+int list_symbols(lua_State* L) {
+  const Expr expr = check_value(L, 1).expr;
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Expr symbol : symbols(expr)) {
+    lua_newtable(L);
+    push_text(L, symbol.name());
+    lua_setfield(L, -2, "name");
+    push_text(L, symbol.kind() == SymbolKind::channel     ? "channel"
+                 : symbol.kind() == SymbolKind::parameter ? "parameter"
+                                                          : "state");
+    lua_setfield(L, -2, "kind");
+    lua_rawseti(L, -2, ++i);
+  }
+  return 1;
+}
+
+/// expr:at{ y = 1, k = 2 } -> number. Parameters that are not given take their declared value.
+int evaluate(lua_State* L) {
+  const Value value = check_value(L, 1);
+  check_table(L, 2);
+  const std::vector<Expr> inputs = symbols(value.expr);
+  std::vector<double> in;
+  for (const Expr symbol : inputs) {
+    auto given = number_field(L, 2, symbol.name().c_str());
+    if (!given && value.declared) {
+      for (const auto& declared : value.declared->parameters) {
+        if (declared.parameter.name == symbol.name()) given = declared.parameter.value;
+      }
+    }
+    if (!given) throw InputError("at: no value for '" + symbol.name() + "'");
+    in.push_back(*given);
+  }
+  const Tape tape(std::span<const Expr>(&value.expr, 1), inputs);
+  std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+  double out = 0;
+  tape.run_point(in.data(), &out, scratch.data());
+  lua_pushnumber(L, out);
+  return 1;
+}
+
+/// channel(name): a signal of the language.
+int make_channel(lua_State* L) {
+  push<Value>(L, {runtime(L).pool()->channel(check_string(L, 1)), nullptr});
+  return 1;
+}
+
+/// parameter{name=, value=, min=, max=, unit=, fixed=, std=, place=}
+int make_parameter(lua_State* L) {
+  check_table(L, 1);
+  DeclaredParameter row;
+  row.parameter.name = string_field(L, 1, "name").value_or("");
+  row.parameter.value = number_field(L, 1, "value").value_or(row.parameter.value);
+  row.parameter.min = number_field(L, 1, "min").value_or(row.parameter.min);
+  row.parameter.max = number_field(L, 1, "max").value_or(row.parameter.max);
+  row.parameter.unit = string_field(L, 1, "unit").value_or("");
+  row.parameter.fixed = boolean_field(L, 1, "fixed", false);
+  row.parameter.std = number_field(L, 1, "std").value_or(row.parameter.std);
+  row.place = string_field(L, 1, "place").value_or("");
+  const Expr symbol = runtime(L).pool()->parameter(row.parameter.name);
+  Declarations all;
+  all.parameters.push_back(std::move(row));
+  push<Value>(L, {symbol, std::make_shared<const Declarations>(std::move(all))});
+  return 1;
+}
+
+/// state_symbol(name): the bare symbol, for the rate that refers to it.
+int make_state_symbol(lua_State* L) {
+  push<Value>(L, {runtime(L).pool()->state(check_string(L, 1)), nullptr});
+  return 1;
+}
+
+/// state{name=, rate=, initial=, min=, max=, place=}
+int make_state(lua_State* L) {
+  check_table(L, 1);
+  DeclaredState row;
+  row.state.symbol = runtime(L).pool()->state(string_field(L, 1, "name").value_or(""));
+  row.state.initial = number_field(L, 1, "initial").value_or(0);
+  row.place = string_field(L, 1, "place").value_or("");
+  DeclarationsPtr declared;
+  for (const auto& [field, target] : {std::pair{"rate", &row.state.rate}, std::pair{"min", &row.state.min},
+                                      std::pair{"max", &row.state.max}}) {
+    const Value value = field_value(L, 1, field);
+    *target = value.expr;
+    declared = join(declared, value.declared);
+  }
+  const Expr symbol = row.state.symbol;
+  Declarations all;
+  all.states.push_back(std::move(row));
+  push<Value>(L, {symbol, join(std::make_shared<const Declarations>(std::move(all)), declared)});
+  return 1;
+}
+
+/// parse(text, source): the language from text; unknown identifiers become parameters.
+int parse_text(lua_State* L) {
+  push<Value>(L, {parse(*runtime(L).pool(), check_string(L, 1), check_string(L, 2)), nullptr});
+  return 1;
+}
+
+/// The declared parameter behind a symbol: {name=, value=, ...} or nil.
+int declared(lua_State* L) {
+  const Value value = check_value(L, 1);
+  if (!value.expr.is_symbol() || !value.declared) return 0;
+  for (const auto& row : value.declared->parameters) {
+    if (row.parameter.name != value.expr.name()) continue;
+    push_parameter(L, row.parameter);
+    return 1;
+  }
+  return 0;
+}
+
+/// Digits of a number that read back to the same double, as Lua writes it.
+int number_text(lua_State* L) {
+  push_text(L, to_text(runtime(L).pool()->constant(check_number(L, 1)), Format::lua));
+  return 1;
+}
+
+int is_expression(lua_State* L) {
+  lua_pushboolean(L, test<Value>(L, 1) != nullptr);
+  return 1;
+}
+
+void open_functions(lua_State* L) {
+  lua_newtable(L);
+  const auto add = [L](const std::string& name, Op op, int arity) {
+    lua_pushinteger(L, static_cast<lua_Integer>(op));
+    lua_pushinteger(L, arity);
+    push_text(L, name);
+    lua_pushcclosure(L, guarded<call_function>, 3);
+    lua_setfield(L, -2, name.c_str());
+  };
+  for (const std::string& name : function_names()) {
+    Op op;
+    int arity = 0;
+    if (find_function(name, op, arity)) add(name, op, arity);
+  }
+  add("greater", Op::greater, 2);
+  add("less", Op::less, 2);
+  add("greater_equal", Op::greater_equal, 2);
+  add("less_equal", Op::less_equal, 2);
+  lua_setfield(L, -2, "functions");
+}
+
+}  // namespace
+
+void open_expressions(lua_State* L) {
+  static constexpr Entry methods[] = {
+      {"text", guarded<text>},
+      {"derivative", guarded<derive>},
+      {"symbols", guarded<list_symbols>},
+      {"at", guarded<evaluate>},
+  };
+  static constexpr Entry meta[] = {
+      {"__add", guarded<operation<Op::add, 2>>},
+      {"__sub", guarded<operation<Op::sub, 2>>},
+      {"__mul", guarded<operation<Op::mul, 2>>},
+      {"__div", guarded<operation<Op::div, 2>>},
+      {"__pow", guarded<operation<Op::pow, 2>>},
+      {"__unm", guarded<operation<Op::neg, 1>>},
+      {"__lt", guarded<refuse_comparison>},
+      {"__le", guarded<refuse_comparison>},
+      {"__eq", guarded<equal>},
+      {"__concat", guarded<concat>},
+      {"__tostring", guarded<to_string>},
+  };
+  make_type<Value>(L, methods, meta);
+  static constexpr Entry functions[] = {
+      {"channel", guarded<make_channel>},
+      {"parameter", guarded<make_parameter>},
+      {"state", guarded<make_state>},
+      {"state_symbol", guarded<make_state_symbol>},
+      {"parse", guarded<parse_text>},
+      {"declared", guarded<declared>},
+      {"number_text", guarded<number_text>},
+      {"is_expression", guarded<is_expression>},
+  };
+  set_functions(L, functions);
+  open_functions(L);
+}
+
+}  // namespace lunid::lua

@@ -1,0 +1,203 @@
+// Models: the equation of motion and its table of parameters.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime.hpp"
+#include "types.hpp"
+
+namespace lunid::lua {
+
+void push_parameter(lua_State* L, const Parameter& parameter) {
+  lua_newtable(L);
+  push_text(L, parameter.name);
+  lua_setfield(L, -2, "name");
+  push_text(L, parameter.unit);
+  lua_setfield(L, -2, "unit");
+  lua_pushboolean(L, parameter.fixed);
+  lua_setfield(L, -2, "fixed");
+  for (const auto& [field, value] : {std::pair{"value", parameter.value}, std::pair{"min", parameter.min},
+                                     std::pair{"max", parameter.max}, std::pair{"std", parameter.std}}) {
+    if (!std::isfinite(value)) continue;
+    lua_pushnumber(L, value);
+    lua_setfield(L, -2, field);
+  }
+}
+
+void push_parameters(lua_State* L, const std::vector<Parameter>& parameters) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Parameter& parameter : parameters) {
+    push_parameter(L, parameter);
+    lua_pushvalue(L, -1);
+    lua_setfield(L, -3, parameter.name.c_str());
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+namespace {
+
+/// Adds to `model` every declared state that `expr` needs, and those that their rates need.
+void add_states(Model& model, const Declarations& declared, Expr expr) {
+  if (!expr.valid()) return;
+  for (const Expr symbol : symbols(expr, SymbolKind::state)) {
+    const auto known = [&](const InternalState& state) { return state.symbol == symbol; };
+    if (std::any_of(model.states.begin(), model.states.end(), known)) continue;
+    for (const DeclaredState& row : declared.states) {
+      if (row.state.symbol != symbol) continue;
+      model.states.push_back(row.state);
+      for (const Expr part : {row.state.rate, row.state.min, row.state.max}) add_states(model, declared, part);
+    }
+  }
+}
+
+/// One row per parameter, in order of first appearance, as declared.
+void add_parameters(Model& model, const Declarations& declared) {
+  std::vector<Expr> parts = {model.mass, model.restoring};
+  for (const InternalState& state : model.states) parts.insert(parts.end(), {state.rate, state.min, state.max});
+  for (const Expr part : parts) {
+    if (!part.valid()) continue;
+    for (const Expr symbol : symbols(part, SymbolKind::parameter)) {
+      if (model.find(symbol.name())) continue;
+      Parameter parameter;
+      parameter.name = symbol.name();
+      for (const DeclaredParameter& row : declared.parameters) {
+        if (row.parameter.name == symbol.name()) parameter = row.parameter;
+      }
+      model.parameters.push_back(parameter);
+    }
+  }
+}
+
+/// model{mass=, restoring=, states = {z...}, imposed_motion=}
+int make_model(lua_State* L) {
+  check_table(L, 1);
+  const Value mass = field_value(L, 1, "mass"), restoring = field_value(L, 1, "restoring");
+  if (!mass.expr.valid() || !restoring.expr.valid()) throw InputError("model: needs mass and restoring");
+  DeclarationsPtr declared = join(mass.declared, restoring.declared);
+  Model model;
+  model.pool = runtime(L).pool();
+  model.mass = mass.expr;
+  model.restoring = restoring.expr;
+  model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
+  std::vector<Expr> listed = {model.mass, model.restoring};
+  with_field(L, 1, "states", [&] {
+    for_each(L, -1, [&](lua_Integer) {
+      const Value state = check_value(L, -1);
+      declared = join(declared, state.declared);
+      listed.push_back(state.expr);
+    });
+  });
+  if (!declared) declared = std::make_shared<const Declarations>();
+  for (const Expr part : listed) add_states(model, *declared, part);
+  add_parameters(model, *declared);
+  push<Model>(L, complete(std::move(model)));
+  return 1;
+}
+
+/// model:with{ k = 3, c = { fixed = true, min = 0 } } -> a copy
+int with(lua_State* L) {
+  Model model = check<Model>(L, 1);
+  check_table(L, 2);
+  lua_pushnil(L);
+  while (lua_next(L, 2)) {
+    const std::string name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : describe(L, -2);
+    Parameter* parameter = model.find(name);
+    if (!parameter) {
+      std::vector<std::string> names;
+      for (const Parameter& row : model.parameters) names.push_back(row.name);
+      const std::string near = nearest_word(name, names);
+      throw InputError("with: the model has no parameter '" + name + "'" +
+                       (near.empty() ? "" : ", did you mean '" + near + "'?"));
+    }
+    if (lua_type(L, -1) == LUA_TNUMBER) {
+      parameter->value = lua_tonumber(L, -1);
+    } else if (lua_type(L, -1) == LUA_TTABLE) {
+      parameter->value = number_field(L, -1, "value").value_or(parameter->value);
+      parameter->min = number_field(L, -1, "min").value_or(parameter->min);
+      parameter->max = number_field(L, -1, "max").value_or(parameter->max);
+      parameter->fixed = boolean_field(L, -1, "fixed", parameter->fixed);
+    } else {
+      throw InputError("with: " + name + ": expected a number or a table, got " + describe(L, -1));
+    }
+    lua_pop(L, 1);
+  }
+  push<Model>(L, complete(std::move(model)));
+  return 1;
+}
+
+int equation(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  const std::string format = lua_isnoneornil(L, 2) ? "plain" : check_string(L, 2);
+  push_text(L, model.equation(format == "latex" ? Format::latex : Format::plain));
+  return 1;
+}
+
+void push_states(lua_State* L, const Model& model) {
+  const DeclarationsPtr declared = declarations_of(model);
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const InternalState& state : model.states) {
+    lua_newtable(L);
+    push_text(L, state.symbol.name());
+    lua_setfield(L, -2, "name");
+    lua_pushnumber(L, state.initial);
+    lua_setfield(L, -2, "initial");
+    for (const auto& [field, expr] : {std::pair{"symbol", state.symbol}, std::pair{"rate", state.rate},
+                                      std::pair{"min", state.min}, std::pair{"max", state.max}}) {
+      if (!expr.valid()) continue;
+      push<Value>(L, {expr, declared});
+      lua_setfield(L, -2, field);
+    }
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+/// Fields mass, restoring, states, parameters, imposed_motion; or a method.
+int get(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  const std::string key = check_string(L, 2);
+  if (key == "mass") push<Value>(L, {model.mass, declarations_of(model)});
+  else if (key == "restoring") push<Value>(L, {model.restoring, declarations_of(model)});
+  else if (key == "imposed_motion") lua_pushboolean(L, model.imposed_motion);
+  else if (key == "parameters") push_parameters(L, model.parameters);
+  else if (key == "states") push_states(L, model);
+  else {
+    luaL_getmetafield(L, 1, "__methods");
+    lua_getfield(L, -1, key.c_str());
+    if (lua_isnil(L, -1)) {
+      throw InputError("a model has no '" + key +
+                       "' (fields: mass restoring states parameters imposed_motion; methods: equation with save)");
+    }
+  }
+  return 1;
+}
+
+int to_string(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  std::string text = model.equation();
+  for (const Parameter& parameter : model.parameters) {
+    char line[128];
+    if (std::isnan(parameter.value)) {
+      std::snprintf(line, sizeof line, "\n  %s: no first guess", parameter.name.c_str());
+    } else if (std::isfinite(parameter.std)) {
+      std::snprintf(line, sizeof line, "\n  %s = %.6g +- %.2g", parameter.name.c_str(), parameter.value, parameter.std);
+    } else {
+      std::snprintf(line, sizeof line, "\n  %s = %.6g", parameter.name.c_str(), parameter.value);
+    }
+    text += line + (parameter.unit.empty() ? "" : " " + parameter.unit) + (parameter.fixed ? " (fixed)" : "");
+  }
+  push_text(L, text);
+  return 1;
+}
+
+}  // namespace
+
+void open_models(lua_State* L) {
+  static constexpr Entry methods[] = {{"with", guarded<with>}, {"equation", guarded<equation>}};
+  static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
+  make_type<Model>(L, methods, meta);
+  static constexpr Entry functions[] = {{"model", guarded<make_model>}};
+  set_functions(L, functions);
+}
+
+}  // namespace lunid::lua

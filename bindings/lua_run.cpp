@@ -1,0 +1,245 @@
+// Free runs of a model, and fits on the trajectory.
+#include <cmath>
+
+#include "runtime.hpp"
+#include "simulate/fit.hpp"
+#include "types.hpp"
+
+namespace lunid::lua {
+
+namespace {
+
+Interpolation interpolation_from(const std::string& name) {
+  for (const Interpolation kind :
+       {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited}) {
+    if (name == to_string(kind)) return kind;
+  }
+  throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
+}
+
+Excitation of_record(const Record& record, Interpolation interpolation) {
+  return Excitation(record.start(), record.dt(), record["F"], interpolation);
+}
+
+/// F(t) as an expression of the time alone, evaluated exactly between samples. Lua is not called.
+Excitation of_expression(lua_State* L, const Value& force, double dt, double duration) {
+  Pool& pool = *runtime(L).pool();
+  const Expr inputs[] = {pool.channel("t")};
+  const Tape tape(std::span<const Expr>(&force.expr, 1), inputs);
+  const auto at = [tape](double t) {
+    std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+    double value = 0;
+    tape.run_point(&t, &value, scratch.data());
+    return value;
+  };
+  return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, at);
+}
+
+/// simulate(model, {record=, force=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
+/// `record` (its F drives) or `force` (an expression of t). Without x0 the run starts at the record's motion.
+int run(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  check_table(L, 2);
+  const Interpolation interpolation = interpolation_from(string_field(L, 2, "interpolation").value_or("linear"));
+  SimulateOptions options;
+  options.solver = solver_from(string_field(L, 2, "solver").value_or("auto"));
+  options.rtol = number_field(L, 2, "rtol").value_or(options.rtol);
+  options.atol = number_field(L, 2, "atol").value_or(options.atol);
+  options.substeps = static_cast<int>(number_field(L, 2, "substeps").value_or(0));
+  options.cancelled = &runtime(L).cancelled();
+
+  const System system(model);
+  std::optional<Excitation> excitation;
+  std::optional<Record> record;
+  with_field(L, 2, "record", [&] {
+    record = check<Record>(L, -1);
+    excitation = of_record(*record, interpolation);
+  });
+  if (!record) {
+    excitation = of_expression(L, field_value(L, 2, "force"), number_field(L, 2, "dt").value_or(1e-3),
+                               number_field(L, 2, "duration").value_or(1));
+  }
+  Eigen::VectorXd x0;
+  with_field(L, 2, "x0", [&] { x0 = check_column(L, -1); });
+  if (!x0.size()) x0 = measured_state(system, *record, 0);
+  const Eigen::Index given = x0.size();
+  x0.conservativeResize(system.states());  // internal states start at their own initial values
+  for (Eigen::Index i = given; i < system.states(); ++i) {
+    x0[i] = i < 2 ? 0 : system.model().states[static_cast<std::size_t>(i - 2)].initial;
+  }
+
+  FreeRun result;
+  result.name = record ? record->name() : "run";
+  result.run = simulate(system, system.model().values(), *excitation, x0, options);
+  result.force.resize(excitation->rows());
+  for (Eigen::Index i = 0; i < excitation->rows(); ++i) {
+    result.force[i] = excitation->at(excitation->t0() + static_cast<double>(i) * excitation->dt());
+  }
+  for (const InternalState& state : system.model().states) result.state_names.push_back(state.symbol.name());
+  push<FreeRun>(L, std::move(result));
+  return 1;
+}
+
+/// imposed_force(model, record) -> column: the force that the model predicts along the measured motion.
+int force_along(lua_State* L) {
+  const System system(check<Model>(L, 1));
+  push_column(L, imposed_force(system, system.model().values(), check<Record>(L, 2)));
+  return 1;
+}
+
+/// fit(model, {records...}, {interpolation=, max_iterations=, segment=}) -> model, {converged=, stopped=, ...}
+int fit(lua_State* L) {
+  const System system(check<Model>(L, 1));
+  check_table(L, 2);
+  check_table(L, 3);
+  const Interpolation interpolation = interpolation_from(string_field(L, 3, "interpolation").value_or("linear"));
+  std::vector<FitData> data;
+  for_each(L, 2, [&](lua_Integer) {
+    const Record& record = check<Record>(L, -1);
+    data.push_back({record, of_record(record, interpolation), {}});
+  });
+  FitOptions options;
+  options.max_iterations = static_cast<int>(number_field(L, 3, "max_iterations").value_or(options.max_iterations));
+  options.cancelled = &runtime(L).cancelled();
+  validate(options);
+  Model model = system.model();
+  for (const Parameter& parameter : model.parameters) {
+    if (std::isnan(parameter.value)) {
+      throw InputError("fit: parameter '" + parameter.name + "' has no first guess; give it one");
+    }
+  }
+  const std::vector<double> start = model.values();
+  const FitResult result = fit_progressively(
+      system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), data, options);
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    model.parameters[i].value = result.theta[at];
+    if (result.covariance.rows() > at) model.parameters[i].std = std::sqrt(result.covariance(at, at));
+  }
+  push<Model>(L, std::move(model));
+  lua_newtable(L);
+  lua_pushboolean(L, result.converged);
+  lua_setfield(L, -2, "converged");
+  push_text(L, result.stopped);
+  lua_setfield(L, -2, "stopped");
+  lua_pushinteger(L, result.iterations);
+  lua_setfield(L, -2, "iterations");
+  lua_pushnumber(L, result.cost);
+  lua_setfield(L, -2, "cost");
+  return 2;
+}
+
+void push_summary(lua_State* L, const RunSummary& summary) {
+  lua_newtable(L);
+  push_text(L, summary.solver);
+  lua_setfield(L, -2, "solver");
+  lua_pushboolean(L, summary.completed);
+  lua_setfield(L, -2, "completed");
+  if (!summary.completed) {
+    lua_pushnumber(L, summary.stopped_at);
+    lua_setfield(L, -2, "stopped_at");
+    push_text(L, summary.cause);
+    lua_setfield(L, -2, "cause");
+  }
+  for (const auto& [field, value] : {std::pair{"steps", summary.steps}, std::pair{"evaluations", summary.evaluations},
+                                     std::pair{"events", summary.events}}) {
+    lua_pushinteger(L, value);
+    lua_setfield(L, -2, field);
+  }
+  lua_pushnumber(L, summary.stuck);
+  lua_setfield(L, -2, "stuck");
+  lua_pushnumber(L, summary.error);
+  lua_setfield(L, -2, "error");
+}
+
+Eigen::VectorXd channel_of(const FreeRun& free, const std::string& name) {
+  const Run& run = free.run;
+  if (name == "t") {
+    return Eigen::VectorXd::NullaryExpr(run.x.rows(),
+                                        [&](Eigen::Index i) { return run.t0 + run.dt * static_cast<double>(i); });
+  }
+  if (name == "F") return free.force;
+  if (name == "y") return run.x.col(0);
+  if (name == "v") return run.x.col(1);
+  if (name == "a") return run.a;
+  std::string known = "t F y v a";
+  for (std::size_t i = 0; i < free.state_names.size(); ++i) {
+    if (name == free.state_names[i]) return run.x.col(static_cast<Eigen::Index>(i) + 2);
+    known += " " + free.state_names[i];
+  }
+  throw InputError("a run has no column '" + name + "'; it has " + known);
+}
+
+int column(lua_State* L) {
+  push_column(L, channel_of(check<FreeRun>(L, 1), check_string(L, 2)));
+  return 1;
+}
+
+/// run:record() -> the rows up to where the run stopped, as a record.
+int as_record(lua_State* L) {
+  const FreeRun& free = check<FreeRun>(L, 1);
+  Eigen::Index rows = 0;
+  while (rows < free.run.x.rows() && free.run.x.row(rows).allFinite()) ++rows;
+  std::vector<Channel> channels;
+  const auto add = [&](const std::string& name, const std::string& unit) {
+    Channel channel;
+    channel.name = channel.source = name;
+    channel.unit = unit;
+    channel.values = channel_of(free, name).head(rows);
+    channels.push_back(std::move(channel));
+  };
+  add("F", "N");
+  add("y", "m");
+  add("v", "m/s");
+  add("a", "m/s^2");
+  for (const std::string& name : free.state_names) add(name, "");
+  push<Record>(L, Record(free.name, free.run.t0, free.run.dt, std::move(channels)));
+  return 1;
+}
+
+/// Fields summary, rows, dt; or a method.
+int get(lua_State* L) {
+  const FreeRun& free = check<FreeRun>(L, 1);
+  const std::string key = check_string(L, 2);
+  if (key == "summary") push_summary(L, free.run.summary);
+  else if (key == "rows") lua_pushinteger(L, free.run.x.rows());
+  else if (key == "dt") lua_pushnumber(L, free.run.dt);
+  else {
+    luaL_getmetafield(L, 1, "__methods");
+    lua_getfield(L, -1, key.c_str());
+    if (lua_isnil(L, -1)) {
+      throw InputError("a run has no '" + key + "' (fields: summary rows dt; methods: column record save)");
+    }
+  }
+  return 1;
+}
+
+int to_string(lua_State* L) {
+  const FreeRun& free = check<FreeRun>(L, 1);
+  const RunSummary& summary = free.run.summary;
+  char text[256];
+  std::snprintf(text, sizeof text, "run of %lld rows at %.6g Hz by %s: ", static_cast<long long>(free.run.x.rows()),
+                1 / free.run.dt, summary.solver.c_str());
+  std::string result = text;
+  if (summary.completed) {
+    result += "completed";
+  } else {
+    std::snprintf(text, sizeof text, "stopped at t = %.4g s: ", summary.stopped_at);
+    result += text + summary.cause;
+  }
+  push_text(L, result);
+  return 1;
+}
+
+}  // namespace
+
+void open_runs(lua_State* L) {
+  static constexpr Entry methods[] = {{"column", guarded<column>}, {"record", guarded<as_record>}};
+  static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
+  make_type<FreeRun>(L, methods, meta);
+  static constexpr Entry functions[] = {
+      {"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}, {"fit", guarded<fit>}};
+  set_functions(L, functions);
+}
+
+}  // namespace lunid::lua

@@ -1,0 +1,19 @@
+#include "types.hpp"
+
+namespace lunid::lua {
+
+void open_files(lua_State* L);
+void open_expressions(lua_State* L);
+void open_columns(lua_State* L);
+void open_records(lua_State* L);
+void open_models(lua_State* L);
+void open_runs(lua_State* L);
+void open_figures(lua_State* L);
+
+std::span<const Opener> openers() {
+  static constexpr Opener all[] = {open_files,  open_expressions, open_columns, open_records,
+                                   open_models, open_runs,        open_figures};
+  return all;
+}
+
+}  // namespace lunid::lua

@@ -1,0 +1,93 @@
+#pragma once
+// The bound types: what each userdata holds, its key and its words. The one list of what is bound is in types.cpp.
+#include <memory>
+#include <vector>
+
+#include "record/record.hpp"
+#include "simulate/model.hpp"
+#include "simulate/simulate.hpp"
+#include "support.hpp"
+
+namespace lunid::lua {
+
+/// A parameter as the user declared it, and where.
+struct DeclaredParameter {
+  Parameter parameter;
+  std::string place;  ///< "study.lua:3", "" when the text of an option declared it
+};
+struct DeclaredState {
+  InternalState state;
+  std::string place;
+};
+/// What an expression's symbols were declared as. Immutable and shared between expressions.
+struct Declarations {
+  std::vector<DeclaredParameter> parameters;
+  std::vector<DeclaredState> states;
+};
+using DeclarationsPtr = std::shared_ptr<const Declarations>;
+
+/// An expression in Lua: the node, which holds identity only, and what its symbols were declared as.
+struct Value {
+  Expr expr;
+  DeclarationsPtr declared;  ///< null: nothing declared
+};
+/// Joins two sets. Throws InputError when a name is declared twice with different values.
+DeclarationsPtr join(const DeclarationsPtr& a, const DeclarationsPtr& b);
+/// A Value or a number as a Value; throws InputError otherwise.
+Value check_value(lua_State* L, int index);
+Value field_value(lua_State* L, int index, const char* field);  ///< empty Expr when absent
+/// The rows of a model's table as declarations, so that its expressions can be used again.
+DeclarationsPtr declarations_of(const Model& model);
+/// A parameter as a Lua table {name, value, min, max, unit, std, fixed}; what is not finite is left out.
+void push_parameter(lua_State* L, const Parameter& parameter);
+/// List of parameters, each also under its name.
+void push_parameters(lua_State* L, const std::vector<Parameter>& parameters);
+
+/// A column of numbers, shared and read-only.
+struct Column {
+  std::shared_ptr<const Eigen::VectorXd> values;
+};
+void push_column(lua_State* L, const Eigen::VectorXd& values);
+/// A Column or a list of numbers.
+Eigen::VectorXd check_column(lua_State* L, int index);
+
+/// A free run, with the excitation that drove it.
+struct FreeRun {
+  Run run;
+  Eigen::VectorXd force;
+  std::vector<std::string> state_names;  ///< of the internal states, in the order of the columns of x after y, v
+  std::string name;
+};
+
+template <>
+struct Bound<Value> {
+  static constexpr const char* key = "lunid.expression";
+  static constexpr const char* words = "an expression";
+};
+template <>
+struct Bound<Column> {
+  static constexpr const char* key = "lunid.column";
+  static constexpr const char* words = "a column";
+};
+template <>
+struct Bound<Record> {
+  static constexpr const char* key = "lunid.record";
+  static constexpr const char* words = "a record";
+};
+template <>
+struct Bound<Model> {
+  static constexpr const char* key = "lunid.model";
+  static constexpr const char* words = "a model";
+};
+template <>
+struct Bound<FreeRun> {
+  static constexpr const char* key = "lunid.run";
+  static constexpr const char* words = "a run";
+};
+
+/// Makes a type's metatable and adds its functions to the module table on top of the stack.
+using Opener = void (*)(lua_State* L);
+/// The one list of what is bound, in order.
+std::span<const Opener> openers();
+
+}  // namespace lunid::lua
