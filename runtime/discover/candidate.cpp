@@ -8,6 +8,8 @@ namespace lunid {
 
 namespace {
 
+constexpr int start_substeps = 2;  // of internal states, for first guesses
+
 /// Regression of the smoothed force on the linear parameters, the others held; bounds kept by holding what violates
 /// them. Returns the squared misfit; infinite where the force is not finite.
 double regress_force(const Study& study, const Candidate& candidate, Eigen::VectorXd& theta) {
@@ -23,7 +25,7 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
   for (const auto& data : study.force) {
     Eigen::MatrixXd jacobian;
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-    const Eigen::VectorXd model = imposed_force(system, values, data.record, &jacobian);
+    const Eigen::VectorXd model = imposed_force(system, values, data.record, &jacobian, start_substeps);
     if (!model.allFinite() || !jacobian.allFinite()) return INFINITY;
     Eigen::MatrixXd columns(model.size(), p);
     for (Eigen::Index j = 0; j < p; ++j) columns.col(j) = jacobian.col(free[static_cast<std::size_t>(j)]);
@@ -191,6 +193,8 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   if (shaped) {
     FitOptions options;
     options.max_iterations = 8;
+    options.tolerance = 1e-3;
+    options.substeps = start_substeps;
     options.cancelled = study.options->cancelled;
     for (auto& s : starts) {
       const FitResult refined = fit_trajectory(*candidate.force_system, s.theta, study.force, options);
@@ -203,13 +207,8 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   candidate.force_cost = starts.empty() ? INFINITY : starts.front().cost;
 }
 
-void fit(const Study& study, Candidate& candidate, int starts, const FitOptions& options) {
-  candidate.fit.cost = INFINITY;
-  for (int i = 0; i < std::min(starts, static_cast<int>(candidate.starts.size())); ++i) {
-    FitResult result =
-        fit_progressively(*candidate.system, candidate.starts[static_cast<std::size_t>(i)], study.train, options);
-    if (result.cost < candidate.fit.cost || i == 0) candidate.fit = std::move(result);
-  }
+void fit(const Study& study, Candidate& candidate, const FitOptions& options) {
+  candidate.fit = fit_progressively(*candidate.system, candidate.starts.front(), study.train, options);
 }
 
 }  // namespace lunid

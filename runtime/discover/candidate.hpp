@@ -45,8 +45,8 @@ Candidate compile(const Model& baseline, const Choices& choices);
 void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
                  const std::vector<std::vector<Guess>>& guesses);
 
-/// Fits on the trajectory from the best starts; keeps the best.
-void fit(const Study& study, Candidate& candidate, int starts, const FitOptions& options);
+/// Fits on the trajectory from the best start, short free runs first.
+void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 
 /// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).
 std::vector<std::uint8_t> linear_parameters(const Model& model);

@@ -75,7 +75,7 @@ class Spine {
     if (baseline_.starts.empty())
       throw InputError("discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
     check_excitation();
-    fit(study_, baseline_, 2, fit_options(40));
+    fit(study_, baseline_, fit_options(40));
     from_given_guess();
     if (!baseline_.ran())
       out_.warnings.push_back("the baseline cannot be simulated over the training records (" + baseline_.fit.stopped + ")");
@@ -209,15 +209,9 @@ class Spine {
     return out;
   }
 
-  std::vector<Record> train_records() const {
-    std::vector<Record> out;
-    for (const auto& d : study_.train) out.push_back(d.record);
-    return out;
-  }
-
   /// Opens the test record once. It can only take a name back, never choose one.
   void validate_on_test(SearchResult& found) {
-    const auto train = train_records();
+    const auto& train = study_.full;
     auto before_test = runs(found.baseline, study_.test), after_test = runs(found.chosen, study_.test);
     if (!found.chosen.choices.empty()) {
       out_.test_p_value = test_p_value(before_test, after_test);
@@ -327,7 +321,7 @@ class Spine {
     }
     check_bounds(found.chosen);
     check_by_sundials(found.chosen);
-    for (const auto& d : study_.train) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, d.record, "train"));
+    for (const auto& r : study_.full) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
     for (const auto& r : study_.test) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "test"));
     out_.map = residual_map(study_, found.baseline, found.chosen);
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);

@@ -64,16 +64,13 @@ Whitening residual_colour(const Study& study, const Candidate& candidate) {
 
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening) {
   if (!candidate.ran()) return;
-  FitResult whitened = candidate.fit;
-  if (whitening.average > 1 || !whitening.ar.empty()) {
-    FitOptions options;
-    options.max_iterations = 15;
-    options.whitening = whitening;
-    options.substeps = candidate.fit.substeps;
-    options.cancelled = study.options->cancelled;
-    FitResult refit = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
-    if (std::isfinite(refit.cost)) whitened = std::move(refit);
-  }
+  FitOptions options;
+  options.max_iterations = 15;
+  options.whitening = whitening;
+  options.substeps = candidate.fit.substeps;
+  options.cancelled = study.options->cancelled;
+  FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
+  if (!std::isfinite(whitened.cost)) whitened = candidate.fit;
   std::vector<Eigen::VectorXd> parts;
   for (std::size_t r = 0; r < whitened.residual.size(); ++r) {
     Eigen::VectorXd part;

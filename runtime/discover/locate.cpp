@@ -166,13 +166,7 @@ Comparison compare(const Study& study, const Candidate& before, const Candidate&
   out.measured = column(record, study.imposed ? "F" : "y");
   out.baseline = free_run(study, *before.system, before.fit.theta, record, before.fit.substeps).model;
   out.final = free_run(study, *after.system, after.fit.theta, record, after.fit.substeps).model;
-  // The record's motion as the training records are smoothed.
-  Study one;
-  DiscoverOptions options = *study.options;
-  options.holdout = 0;
-  Model model = before.system->model();
-  one = prepare(model, {record}, {record}, options);
-  const Record& smooth = one.smooth.front();
+  const Record smooth = smooth_motion(record, study.imposed);
   out.y = column(smooth, "y");
   out.v = column(smooth, "v");
   out.residual_before = column(smooth, "F") - force_of(before, before.fit.theta, smooth);

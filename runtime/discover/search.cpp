@@ -11,9 +11,9 @@ namespace lunid {
 
 namespace {
 
-constexpr int beam = 3;       // sets that grow by one more effect
-constexpr int full_fits = 12; // sets of one size that are fitted on the trajectory
-constexpr int finalists = 7;  // sets that are judged under the common noise colour
+constexpr int beam = 2;       // sets that grow by one more effect
+constexpr int full_fits = 6;  // sets of one size that are fitted on the trajectory
+constexpr int finalists = 4;  // sets that are judged under the common noise colour
 
 class Search {
  public:
@@ -32,7 +32,8 @@ class Search {
       sort_by_cost(level);
       const bool better = worth_growing(previous.front(), level.front());
       for (const auto& c : level) all_.push_back(c);
-      if (!better) break;
+      const bool masked = size == 1 && rms(result_.baseline) > 1.3 * study_.sensor_noise();
+      if (!better && !masked) break;
       previous = std::move(level);
       if (previous.size() > beam) previous.resize(beam);
     }
@@ -53,7 +54,7 @@ class Search {
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
-    return rms(after) < (1 - 0.5 * study_.options->minimum_gain) * rms(before) && rms(after) > 1.02 * study_.sensor_noise();
+    return rms(after) < (1 - study_.options->minimum_gain) * rms(before) && rms(after) > 1.02 * study_.sensor_noise();
   }
 
   static bool holds(const Choices& set, const Effect* effect) {
@@ -151,10 +152,15 @@ class Search {
   /// From the force's regression (rough start) and from the parent with the new effect at zero; the better one.
   void fit_candidate(Candidate& candidate, const Candidate& parent) const {
     FitOptions options;
-    options.max_iterations = 25;
-    options.tolerance = 1e-5;
+    options.max_iterations = 12;
+    options.tolerance = 1e-4;
     options.cancelled = study_.options->cancelled;
-    fit(study_, candidate, 1, options);
+    if (candidate.choices.size() == 1 || !parent.ran()) {
+      fit(study_, candidate, options);
+    } else {
+      options.substeps = parent.fit.substeps;
+      candidate.fit = fit_trajectory(*candidate.system, candidate.starts.front(), study_.train, options);
+    }
     if (!parent.ran()) return;
     Eigen::VectorXd warm = candidate.starts.front();
     warm.head(parent.fit.theta.size()) = parent.fit.theta;

@@ -80,7 +80,39 @@ FitData force_data(const Record& record, Eigen::Index edge) {
   return data;
 }
 
+/// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies above
+/// holds noise alone, and F and y are averaged alike.
+Record thinned(const Record& record) {
+  const double v = standard_deviation(record["v"]);
+  if (!(v > 0)) return record;
+  const double upper = standard_deviation(record["a"]) / v;
+  const auto most = std::max<Eigen::Index>(1, record.rows() / 1500);
+  const auto rows = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * M_PI / upper / record.dt() / 40), 1, most);
+  if (rows == 1) return record;
+  std::vector<Channel> channels;
+  for (const char* name : {"F", "y"}) {
+    Channel c = record.channel(name);
+    const auto x = record[name];
+    Eigen::VectorXd mean(record.rows() / rows);
+    for (Eigen::Index i = 0; i < mean.size(); ++i)
+      mean[i] = as_vector(x.subspan(static_cast<std::size_t>(i * rows), static_cast<std::size_t>(rows))).mean();
+    c.values = std::move(mean);
+    c.noise /= std::sqrt(static_cast<double>(rows));
+    channels.push_back(std::move(c));
+  }
+  const double half = 0.5 * record.dt() * static_cast<double>(rows - 1);
+  return derive_motion(Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows), std::move(channels)));
+}
+
 }  // namespace
+
+Record smooth_motion(const Record& record, bool imposed, Eigen::Index* edge) {
+  if (edge) *edge = 0;
+  if (imposed) return record;
+  const SavitzkyGolay kernel = choose_savitzky_golay(record["y"], record.channel("y").noise, 2);
+  if (edge) *edge = kernel.half_width;
+  return smoothed(record, kernel);
+}
 
 double Study::measured_std() const {
   double sum = 0;
@@ -133,18 +165,14 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
   for (const auto& record : kept) {
     const Record moved = derive_motion(record);
     study.omega = std::max(study.omega, dominant_frequency(moved["y"], moved.dt()));
-    study.train.push_back({moved, {}, {}});
-    if (study.imposed) {
-      study.smooth.push_back(moved);
-      study.force.push_back(force_data(moved, 0));
-    } else {
-      const SavitzkyGolay kernel = choose_savitzky_golay(moved["y"], moved.channel("y").noise, 2);
-      study.smooth.push_back(smoothed(moved, kernel));
-      study.force.push_back(force_data(study.smooth.back(), kernel.half_width));
-    }
+    study.full.push_back(moved);
+    study.train.push_back({study.imposed ? moved : thinned(moved), {}, {}});
+    Eigen::Index edge = 0;
+    study.smooth.push_back(smooth_motion(study.train.back().record, study.imposed, &edge));
+    study.force.push_back(force_data(study.smooth.back(), edge));
   }
   for (auto& record : study.test) record = derive_motion(record);
-  set_interpolation(study, study.imposed ? Interpolation::linear : guess_interpolation(kept));
+  set_interpolation(study, study.imposed ? Interpolation::linear : guess_interpolation(study.full));
   return study;
 }
 

@@ -4,14 +4,18 @@
 
 #include "discover/discover.hpp"
 #include "simulate/fit.hpp"
+#include "statistics/moments.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
 
+using moments::standard_deviation;
+
 struct Study {
   const DiscoverOptions* options = nullptr;
   bool imposed = false;
-  std::vector<FitData> train;
+  std::vector<FitData> train;      ///< means over rows where a record is sampled far faster than it moves
+  std::vector<Record> full;        ///< training records at their own rate, for gaps and figures
   std::vector<Record> test;
   std::vector<Record> smooth;      ///< training records with y v a F through one Savitzky-Golay kernel
   std::vector<FitData> force;      ///< the same for fits of the force; edges of the kernel left out
@@ -31,6 +35,9 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
 /// The force between the samples for all training records.
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
+
+/// v, a and F of a record through the kernel that its noise calls for.
+Record smooth_motion(const Record& record, bool imposed, Eigen::Index* edge = nullptr);
 
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);

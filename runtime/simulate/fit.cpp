@@ -149,7 +149,8 @@ class Problem {
     const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
     if (imposed()) {
       const auto force = data.record["F"];
-      const Eigen::VectorXd model = imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr);
+      const Eigen::VectorXd model = imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr,
+                                                  run_options_.substeps);
       error = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())) - model;
       if (!error.allFinite()) return fail(normal, "the model's force is not finite");
       return true;
@@ -352,7 +353,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& start, const std
 }
 
 int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data) {
-  if (system.model().imposed_motion) return 1;
+  if (system.model().imposed_motion) return 4;
   int most = 1;
   for (const auto& d : data) {
     const Eigen::Index rows = std::min<Eigen::Index>(d.record.rows(), 400);

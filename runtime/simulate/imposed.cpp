@@ -90,7 +90,7 @@ double spread(const VectorXd& x) { return std::sqrt((x.array() - x.mean()).squar
 }  // namespace
 
 VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
-                       Eigen::MatrixXd* dforce) {
+                       Eigen::MatrixXd* dforce, int substeps) {
   check(system, theta);
   const Index rows = record.rows();
   const std::vector<double> still(rows, 0.0);
@@ -106,7 +106,11 @@ VectorXd imposed_force(const System& system, std::span<const double> theta, cons
   }
   std::array<Excitation, 3> between;
   for (int i = 0; i < 3; ++i) between[i] = Excitation(record.start(), record.dt(), motion[i], Interpolation::cubic);
-  int substeps = 1;
+  if (substeps > 0) {
+    run_states(system, theta, record, between, substeps, dforce != nullptr, dforce ? full : plain);
+    return force;
+  }
+  substeps = 1;
   run_states(system, theta, record, between, substeps, false, plain);
   for (VectorXd coarse = force; substeps < max_substeps; coarse = force) {
     substeps *= 2;

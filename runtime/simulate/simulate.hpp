@@ -107,7 +107,7 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
 /// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows), internal states included;
 /// with exact derivatives to theta (rows x p) when `dforce` is given.
 Eigen::VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
-                              Eigen::MatrixXd* dforce = nullptr);
+                              Eigen::MatrixXd* dforce = nullptr, int substeps = 0);
 
 /// Substeps per sample at which halving the step changes y by less than `tolerance` * std(y).
 int choose_substeps(const System& system, std::span<const double> theta, const Excitation& excitation,
