@@ -63,7 +63,7 @@ std::string Display::describe() {
   }
   std::string text = "VTK ";
   text += vtkVersion::GetVTKVersion();
-  text += ", " + gl + ", ";
+  text.append(", ").append(gl).append(", ");
   if (own_) return text += "private display (Xvfb)";
   return text.append("display ").append(std::getenv("DISPLAY"));
 }
