@@ -59,7 +59,7 @@ std::string Display::describe() {
   if (auto* opengl = vtkOpenGLRenderWindow::SafeDownCast(probe)) {
     int major = 0, minor = 0;
     opengl->GetOpenGLVersion(major, minor);
-    gl += " " + std::to_string(major) + "." + std::to_string(minor);
+    gl.append(" ").append(std::to_string(major)).append(".").append(std::to_string(minor));
   }
   std::string text = "VTK ";
   text += vtkVersion::GetVTKVersion();
