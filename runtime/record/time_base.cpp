@@ -150,12 +150,16 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
 
   check_increasing(t, lines, path);
   const std::vector<std::size_t> gaps = find_gaps(t, resolution, step, unusual * 20 > t.size());
-  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::floor((t.back() - t[0]) / step + 1e-6)) + 1,
-                      true};
+  const double even_rows = std::floor((t.back() - t[0]) / step + 1e-6) + 1;
+  if (resample && even_rows > 10 * static_cast<double>(t.size()))  // a wild stamp, or hardly a record
+    throw InputError("time has too few rows to resample: " + number(even_rows) + " steps of " + number(step) +
+                         " s between the first and the last stamp, but " + std::to_string(t.size()) + " rows",
+                     {path}, Fault::data);
+  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::min(even_rows, 1e15)), true};
   if (!gaps.empty()) {
     const std::size_t row = gaps[0];
-    const auto missing = std::lround((t[row] - t[row - 1]) / step) - 1;
-    const std::string text = "gap: " + std::to_string(missing) + (missing == 1 ? " row is" : " rows are") +
+    const double missing = std::round((t[row] - t[row - 1]) / step) - 1;
+    const std::string text = "gap: " + number(missing) + (missing == 1 ? " row is" : " rows are") +
                              " missing before t = " + number(t[row]) + " s";
     const std::string where = gaps.size() > 1 ? "; gaps before lines " + list_lines(gaps, lines) : "";
     if (!resample)

@@ -128,5 +128,15 @@ TEST(Time, UnevenTimeIsAnErrorUnlessResampled) {
   EXPECT_EQ(record.warnings().size(), 1u);
 }
 
+TEST(Time, AWildStampIsNotFilledUp) {
+  std::vector<double> t = even(50, 0.01);
+  t.push_back(1e18);
+  EXPECT_EQ(complaint(with_stamps(t, "%.2f"), {{}, true}),
+            "run3.csv: time has too few rows to resample: 1e+20 steps of 0.01 s between the first and the "
+            "last stamp, "
+            "but 51 rows");
+  EXPECT_EQ(complaint(with_stamps(t, "%.2f")).substr(0, 17), "run3.csv:52: gap:");
+}
+
 }  // namespace
 }  // namespace lunid
