@@ -181,7 +181,7 @@ class Spine {
     const double noise = study_.sensor_noise() / study_.measured_std();
     const bool named = !found.chosen.choices.empty();
     const double before = found.baseline.left_out_gap, after = found.chosen.left_out_gap;
-    const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > options_.minimum_gain;
+    const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > required_gain(study_, found.chosen.left_out_gap);
     closed_ = closed_share(before, after, noise);
     out_.gap_left_out_before = before;
     out_.gap_left_out_after = after;
@@ -225,7 +225,7 @@ class Spine {
         found.steps.clear();
         after_test = before_test;
         const Closure closure = test_closure(study_, found.baseline, found.whitening);
-        const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > options_.minimum_gain;
+        const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > required_gain(study_, found.baseline.left_out_gap);
         out_.verdict = structure ? "unknown-effect" : "nothing-missing";
         shape_ = closure.shape;
         out_.gap_left_out_after = out_.gap_left_out_before;
@@ -265,7 +265,7 @@ class Spine {
   void name_steps(const SearchResult& found, const std::vector<Record>& train, double share) {
     for (std::size_t i = 0; i < found.steps.size(); ++i) {
       const Candidate& model = found.steps[i];
-      const Effect& effect = *found.steps[i].choices.back().effect;
+      const Effect& effect = *found.order[i].effect;
       NamedEffect named;
       named.name = effect.name;
       named.family = effect.family;

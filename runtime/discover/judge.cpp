@@ -129,6 +129,11 @@ double vuong_z(const Candidate& a, const Candidate& b) {
   return (difference.sum() - correction) / std::sqrt(n * variance);
 }
 
+double required_gain(const Study& study, double gap_after) {
+  const double noise = study.sensor_noise() / study.measured_std();
+  return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * noise ? 1 : 5));
+}
+
 Eigen::Index bootstrap_block(const Study& study) {
   const auto& record = study.train.front().record;
   const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 1;

@@ -24,6 +24,11 @@ double vuong_z(const Candidate& a, const Candidate& b);
 /// p-value that the left-out error of `after` is not below that of `before` (block bootstrap).
 double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after);
 
+/// Least relative drop of the left-out gap that counts. Where the better model's error is what the sensor leaves, the
+/// options' least gain; where it stays far above it (input noise, drift, a rough model), five times that: small gains
+/// there come from patching what is no function of the motion.
+double required_gain(const Study& study, double gap_after);
+
 /// Block length [rows] for bootstraps: two periods of the motion.
 Eigen::Index bootstrap_block(const Study& study);
 

@@ -286,7 +286,7 @@ class Search {
 
   bool earns(const Candidate& without, const Candidate& with) const {
     if (!without.ran()) return true;
-    if (!(with.left_out_gap < (1 - study_.options->minimum_gain) * without.left_out_gap)) return false;
+    if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     return left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05);
   }
@@ -334,7 +334,9 @@ class Search {
       result_.steps.push_back(std::move(best));
     }
     ordered.push_back(rest.front());
+    // The chosen model's effects in the order of the steps.
     result_.steps.push_back(chosen);
+    result_.order = std::move(ordered);
   }
 
   /// Related by special_case_of, either way: the simpler is named without doubt.

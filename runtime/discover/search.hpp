@@ -13,6 +13,7 @@ struct SearchResult {
   Candidate baseline;                 ///< judged, with left-out runs
   Candidate chosen;                   ///< the baseline itself when nothing is named
   std::vector<Candidate> steps;       ///< models between baseline and chosen, one effect more each; the last is chosen
+  Choices order;                      ///< the effect that each step adds
   std::vector<Candidate> rivals;      ///< judged sets that were not chosen, best first
   std::vector<std::string> remarks;   ///< for each rival: why not
   std::vector<std::string> ties;      ///< rivals of equal simplicity that the record cannot tell from the chosen set

@@ -102,6 +102,7 @@ std::string to_terminal(const Discovery& d) {
     test = e.gap_test;
   }
   line("equation", d.final.equation());
+  if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " + number(d.gap_left_out_after) +
                   "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
   line("verdict", d.verdict + ": " + d.sentence);
