@@ -9,6 +9,9 @@ namespace {
 
 /// Below this part of the largest dg/dt met on a surface the two sides count as one: there is nothing to slide on.
 constexpr double jump_threshold = 1e-9;
+/// A surface of the displacement met at less than this part of the greatest speed so far: the rebound is 1e-12 of the
+/// greatest, and the motion rests.
+constexpr double resting_speed = 1e-6;
 /// Surfaces and bounds let go one after another; more passes than this would be a circle.
 constexpr int max_passes = 8;
 
@@ -23,21 +26,48 @@ void ModeMachine::set_on_bound(int bound, double* x) noexcept {
 /// Takes x onto g = 0 along the jump of the rates, the one direction that the surface can act in.
 void ModeMachine::set_on_surface(int surface, const Drive& drive, double* x) noexcept {
   const int component = d_.surfaces[surface].component;
+  const bool resting = surfaces_[surface].order == 2;
   if (component >= 0) {
     x[component] = 0;
+    if (resting) x[1] = 0;
     return;
   }
   load(drive, x);
   if (!d_.constant_gradients) refresh_gradients();
   run(drive);
+  const double value = g_[d_.surfaces[surface].switch_index];
+  const double* g = row(surface) + 1 + d_.exogenous;
+  if (resting) {
+    const double rate = along(row(surface), drive, out_.data());
+    x[0] -= value / g[0];
+    x[1] -= rate / g[0];
+    return;
+  }
   const auto l = std::find(sliding_.begin(), sliding_.end(), surface) - sliding_.begin();
   const double* jump = side_.data() + l * static_cast<std::ptrdiff_t>(out_.size());
-  const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(surface) * d_.inputs() + 1 + d_.exogenous;
-  double along = 0;
-  for (int i = 0; i < d_.n; ++i) along += g[i] * jump[i];
-  const double step = g_[d_.surfaces[surface].switch_index] / along;
+  double slope = 0;
+  for (int i = 0; i < d_.n; ++i) slope += g[i] * jump[i];
+  const double step = value / slope;
   if (!std::isfinite(step)) return;
   for (int i = 0; i < d_.n; ++i) x[i] -= step * jump[i];
+}
+
+/// On a surface of the displacement met at (nearly) no speed: the accelerations of both sides decide. True when they
+/// have.
+bool ModeMachine::decide_rest(int surface, const Drive& drive, const double (&slope)[2]) noexcept {
+  SurfaceState& state = surfaces_[surface];
+  const double speed = std::max(std::abs(slope[0]), std::abs(slope[1]));
+  if (!d_.surfaces[surface].positional || speed > resting_speed * state.scale) return false;
+  const double* gradient = row(events() + surface);
+  const double plus = along(gradient, drive, plus_.data()), minus = along(gradient, drive, out_.data());
+  state.second_scale = std::max({state.second_scale, std::abs(plus), std::abs(minus)});
+  if (plus <= 0 && minus >= 0 && minus - plus > jump_threshold * state.second_scale) {
+    set_sliding(surface, 2);
+    return true;
+  }
+  if (speed > 0 || (plus > 0) != (minus > 0) || plus == 0 || minus == 0) return false;
+  set_mode(surface, plus > 0 ? 1 : -1);
+  return true;
 }
 
 /// Filippov's choice on a surface. `arriving`: the motion came from the side of the present mode.
@@ -50,13 +80,16 @@ void ModeMachine::decide(int surface, const Drive& drive, double* x, bool arrivi
     load(drive, x);
     if (!d_.constant_gradients) refresh_gradients();
     run(drive);
-    slope[side] = surface_rate(surface, drive, out_.data());
+    slope[side] = along(row(surface), drive, out_.data());
+    if (side == 0) std::copy_n(out_.begin(), d_.n, plus_.begin());
   }
   const auto [plus, minus] = slope;
   state.scale = std::max({state.scale, std::abs(plus), std::abs(minus)});
   if (plus <= 0 && minus >= 0 && minus - plus > jump_threshold * state.scale) {
-    set_sliding(surface, true);
+    set_sliding(surface, 1);
     set_on_surface(surface, drive, x);
+  } else if (decide_rest(surface, drive, slope)) {
+    if (state.order == 2) set_on_surface(surface, drive, x);
   } else if (plus > 0 && minus > 0) {
     set_mode(surface, 1);
   } else if (plus < 0 && minus < 0) {
@@ -66,12 +99,19 @@ void ModeMachine::decide(int surface, const Drive& drive, double* x, bool arrivi
   }
 }
 
+/// True when, after run(), the state is on this bound and its rate pushes outward.
+bool ModeMachine::rests(int bound) const noexcept {
+  const auto [state, side] = d_.bounds[bound];
+  const double z = rate_r_[1 + d_.exogenous + state];
+  return out_[d_.n + bound] <= 1e-12 * std::abs(z) && out_[d_.n + bounds_.size() + bound] < 0;
+}
+
 void ModeMachine::start(const Drive& drive, double* x) {
   const auto by_sign = [&] {  // no mode is known yet
     load(drive, x);
     run_rate(free_mode_, out_.data());
   };
-  while (sliding()) set_sliding(sliding_.back(), false);
+  while (sliding()) set_sliding(sliding_.back(), 0);
   by_sign();
   for (std::size_t j = 0; j < bounds_.size(); ++j) {
     bounds_[j].held = false;
@@ -85,7 +125,7 @@ void ModeMachine::start(const Drive& drive, double* x) {
     if (g == 0) touching.push_back(static_cast<int>(s));
   }
   for (std::size_t j = 0; j < bounds_.size(); ++j)
-    bounds_[j].held = out_[d_.n + j] <= 0 && out_[d_.n + bounds_.size() + j] < 0;
+    bounds_[j].held = rests(static_cast<int>(j)) && !held_by_opposite(static_cast<int>(j));
   update_drifting();
   for (const int s : touching) decide(s, drive, x, false);
   settle(drive, x);
@@ -96,17 +136,20 @@ void ModeMachine::resolve(int event, const Drive& drive, double* x) {
   if (event >= count) {
     BoundState& bound = bounds_[event - count];
     bound.held = !bound.held;
+    load(drive, x);
     if (bound.held) {
-      load(drive, x);
       set_on_bound(event - count, x);
+    } else if (bound.opposite >= 0) {
+      run(drive);
+      bounds_[bound.opposite].held = rests(bound.opposite);
     }
     update_drifting();
-  } else if (surfaces_[event].sliding) {
+  } else if (surfaces_[event].order > 0) {
     load(drive, x);
     run(drive);
     const auto l = std::find(sliding_.begin(), sliding_.end(), event) - sliding_.begin();
     const std::int8_t side = weight_[l] < 0.5 ? 1 : -1;
-    set_sliding(event, false);
+    set_sliding(event, 0);
     set_mode(event, side);
   } else {
     decide(event, drive, x, true);
@@ -126,17 +169,19 @@ void ModeMachine::settle(const Drive& drive, double* x) {
     if (leaving >= 0) {
       const int surface = sliding_[leaving];
       const std::int8_t side = weight_[leaving] < 0 ? 1 : -1;
-      set_sliding(surface, false);
+      set_sliding(surface, 0);
       set_mode(surface, side);
       continue;
     }
-    bool released = false;
-    for (std::size_t j = 0; j < bounds_.size() && !released; ++j)
-      if (bounds_[j].held && out_[d_.n + bounds_.size() + j] > 0) {
-        bounds_[j].held = false;
-        released = true;
-      }
-    if (!released) return;
+    bool changed = false;
+    for (std::size_t j = 0; j < bounds_.size() && !changed; ++j) {
+      BoundState& bound = bounds_[j];
+      if (!bound.held || !(out_[d_.n + bounds_.size() + j] > 0)) continue;
+      bound.held = false;
+      changed = true;
+      if (bound.opposite >= 0) bounds_[bound.opposite].held = rests(bound.opposite);  // the bounds have met
+    }
+    if (!changed) return;
     update_drifting();
   }
 }

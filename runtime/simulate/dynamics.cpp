@@ -54,6 +54,14 @@ struct SurfaceTable {
   }
 };
 
+/// True when g moves with y and t alone, y' being the state v.
+bool positional(Expr g, const DynamicsSource& s) {
+  if (s.states.size() < 2 || s.rates[0] != s.states[1] || !depends_on(g, s.states[0])) return false;
+  for (const Expr& symbol : symbols(g))
+    if (symbol.kind() != SymbolKind::parameter && symbol != s.states[0] && symbol != s.t) return false;
+  return true;
+}
+
 void map_rate_switches(Dynamics& d, SurfaceTable& table, const DynamicsSource& source) {
   const auto& functions = d.rate.switching_functions();
   for (std::size_t i = 0; i < functions.size(); ++i) {
@@ -64,20 +72,23 @@ void map_rate_switches(Dynamics& d, SurfaceTable& table, const DynamicsSource& s
       table.forms.push_back(form);
       const auto state = std::find(source.states.begin(), source.states.end(), form.base);
       d.surfaces.push_back({functions[i], static_cast<int>(i),
-                            state == source.states.end() ? -1 : static_cast<int>(state - source.states.begin())});
+                            state == source.states.end() ? -1 : static_cast<int>(state - source.states.begin()),
+                            positional(functions[i], source)});
     }
     d.rate_switches.surface.push_back(surface);
     d.rate_switches.orientation.push_back(form.sign == table.forms[surface].sign ? 1 : -1);
   }
 }
 
-void map_derivative_switches(Dynamics& d, const SurfaceTable& table) {
-  for (const Expr& g : d.derivatives.switching_functions()) {
+Dynamics::SwitchMap map_switches(const Tape& tape, const SurfaceTable& table) {
+  Dynamics::SwitchMap map;
+  for (const Expr& g : tape.switching_functions()) {
     const Canonical form = canonical(g);
     const int surface = table.find(form);
-    d.derivative_switches.surface.push_back(surface);
-    d.derivative_switches.orientation.push_back(surface < 0 || form.sign == table.forms[surface].sign ? 1 : -1);
+    map.surface.push_back(surface);
+    map.orientation.push_back(surface < 0 || form.sign == table.forms[surface].sign ? 1 : -1);
   }
+  return map;
 }
 
 Expr total(std::optional<Expr> sum, Expr term) { return sum ? *sum + term : term; }
@@ -142,14 +153,17 @@ Dynamics compile(const DynamicsSource& s) {
 
   SurfaceTable table;
   map_rate_switches(d, table, s);
-  map_derivative_switches(d, table);
+  d.derivative_switches = map_switches(d.derivatives, table);
 
   outputs.clear();
   for (const Surface& surface : d.surfaces) append_gradient(outputs, surface.g, inputs);
   for (const Expr& gap : gaps) append_gradient(outputs, gap, inputs);
+  for (const Surface& surface : d.surfaces)
+    append_gradient(outputs, surface.positional ? time_derivative(surface.g, s) : surface.g.pool().constant(0), inputs);
   for (const Expr& f : outputs)
     for (const Expr& symbol : symbols(f)) d.constant_gradients &= symbol.kind() == SymbolKind::parameter;
   d.gradients = Tape(outputs, inputs);
+  d.gradient_switches = map_switches(d.gradients, table);
   return d;
 }
 

@@ -14,6 +14,7 @@ struct Surface {
   Expr g;
   int switch_index = 0;     ///< the switch of rate() whose value is g
   int component = -1;       ///< g is this state, up to a constant factor; -1: it is not a single state
+  bool positional = false;  ///< g depends on y and t alone: its rate is continuous, and rest on it has g = dg/dt = 0
 };
 
 /// A bound of a state: gap = side * (bound - state) >= 0. side +1: max, -1: min.
@@ -30,7 +31,9 @@ struct Dynamics {
   Tape rate;          ///< x' (n), gap of each bound, rate of each gap (bounds not held)
   /// x' (n), dx'/dx (n*n), dx'/dtheta (n*p), then per bound d(gap rate)/dx (n) and /dtheta (p); matrices row-major
   Tape derivatives;
-  Tape gradients;     ///< per surface, then per bound gap: the derivative by every input, in their order
+  /// The derivative by every input, in their order: of g per surface, of the gap per bound, of dg/dt per surface (zero
+  /// where it is not positional)
+  Tape gradients;
   bool constant_gradients = true;  ///< gradients depend on theta alone
   std::vector<Surface> surfaces;
   std::vector<StateBound> bounds;
@@ -41,7 +44,7 @@ struct Dynamics {
     std::vector<int> surface;
     std::vector<std::int8_t> orientation;
   };
-  SwitchMap rate_switches, derivative_switches;
+  SwitchMap rate_switches, derivative_switches, gradient_switches;
 
   int inputs() const { return 1 + exogenous + n + p; }
   bool smooth() const { return surfaces.empty() && bounds.empty(); }

@@ -18,6 +18,11 @@ constexpr double location_tolerance = 1e-13;
 constexpr int location_iterations = 100;
 /// A crossing whose speed is below this part of the fastest one met is a graze: its jump is not to be trusted.
 constexpr double grazing_speed = 1e-6;
+/// A slope dx_i'/dx_i beyond this over the step cannot be carried by an explicit step of the sensitivities. It is that
+/// of a root at its zero (a power law below 1 at v = 0), infinite at one point and finite in its integral: cut there.
+constexpr double steepest = 2;
+/// Rates that agree to this part on both sides of an event do not jump there.
+constexpr double continuity = 1e-12;
 
 /// One substep: time, length, and its inputs at the start, the middle and the end.
 struct Segment {
@@ -58,6 +63,7 @@ class EventRun {
   void happen(const Segment& segment, double at, int event);
   void jump(const double* gradient, const std::vector<double>& before);
   void project_sensitivities(const Drive& drive);
+  void rest_sensitivities(int surface, const Drive& drive);
   void project_row(const double* gradient, int state, int side);
   bool failed(const Segment& segment, double at, Stop stop);
 
@@ -72,7 +78,7 @@ class EventRun {
 };
 
 EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
-    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n), modes_(d_, problem.theta),
+    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n), modes_(d_, problem.theta, problem.dt / problem.substeps),
       x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_), k2_(n_), k3_(n_), k4_(n_), now_(modes_.observation()),
       then_(modes_.observation()), f_(n_), gradient_(d_.inputs()) {
   if (!problem.sensitivities) return;
@@ -110,11 +116,14 @@ void EventRun::begin() {
   const int surfaces = static_cast<int>(d_.surfaces.size());
   for (std::size_t j = 0; j < d_.bounds.size(); ++j) {
     const auto [state, side] = d_.bounds[j];
-    if (x_[state] != given[state] || modes_.held(static_cast<int>(j)))
+    const bool cut = side > 0 ? x_[state] < given[state] : x_[state] > given[state];
+    if (cut || modes_.held(static_cast<int>(j)))
       project_row(modes_.gradient(surfaces + static_cast<int>(j), drive, x_.data()), state, side);
   }
   for (int i = 0; i < surfaces; ++i)
-    if (modes_.slides_on(i) && d_.surfaces[i].component >= 0)
+    if (modes_.rests_on(i))
+      rest_sensitivities(i, drive);
+    else if (modes_.slides_on(i) && d_.surfaces[i].component >= 0)
       std::fill_n(s_.begin() + d_.surfaces[i].component * columns_, columns_, 0.0);
 }
 
@@ -207,6 +216,7 @@ void EventRun::step_sensitivities(const Segment& segment, double from, double to
       for (std::size_t i = 0; i < size; ++i) s_stage_[i] = s_[i] + reach[k] * ks_[k - 1][i];
     }
     modes_.derivatives(segment.drive(parts[k]), stage_.data(), f_.data(), jx_.data(), jtheta_.data());
+    for (int i = 0; i < n_; ++i) jx_[i * n_ + i] = std::clamp(jx_[i * n_ + i], -steepest / h, steepest / h);
     sensitivity_rate(n_, p_, jx_.data(), jtheta_.data(), s_stage_.data(), ks_[k].data());
   }
   for (std::size_t i = 0; i < size; ++i)
@@ -346,7 +356,11 @@ void EventRun::happen(const Segment& segment, double at, int event) {
   modes_.observe(drive, x_.data(), now_);
   if (!jumps) return;
   for (int i = 0; i < d_.exogenous; ++i) gradient_[0] += gradient_[1 + i] * drive.rate[i];
-  jump(gradient_.data(), before);
+  if (event < static_cast<int>(d_.surfaces.size()) && modes_.rests_on(event))
+    rest_sensitivities(event, drive);
+  else
+    jump(gradient_.data(), before);
+  project_sensitivities(drive);
 }
 
 /// s+ = s- + (f+ - f-) (gx s- + gtheta) / (gx f- + gt): the time of the event moves with theta and x0 (saltation;
@@ -359,6 +373,10 @@ void EventRun::jump(const double* gradient, const std::vector<double>& before) {
     speed += gx[i] * before[i];
     size += std::abs(gx[i] * before[i]);
   }
+  bool continuous = true;
+  for (int i = 0; i < n_; ++i)
+    continuous &= std::abs(now_.f[i] - before[i]) <= continuity * (std::abs(now_.f[i]) + std::abs(before[i]));
+  if (continuous) return;
   if (!(std::abs(speed) > grazing_speed * size)) {
     ++outcome_.grazing;
     return;
@@ -377,6 +395,21 @@ void EventRun::project_row(const double* gradient, int state, int side) {
     double gap = c < p_ ? gx[n_ + c] : 0;
     for (int i = 0; i < n_; ++i) gap += gx[i] * s_[i * columns_ + c];
     s_[state * columns_ + c] += side * gap;
+  }
+}
+
+/// At rest on a surface of the displacement y and v follow it alone.
+void EventRun::rest_sensitivities(int surface, const Drive& drive) {
+  const double* place = modes_.gradient(surface, drive, x_.data());
+  const double* speed = modes_.rate_gradient(surface);
+  const double slope = place[1 + d_.exogenous];
+  for (int row = 0; row < 2; ++row) {
+    const double* gradient = (row == 0 ? place : speed) + 1 + d_.exogenous;
+    for (int c = 0; c < columns_; ++c) {
+      double change = c < p_ ? gradient[n_ + c] : 0;
+      for (int i = 0; i < n_; ++i) change += gradient[i] * s_[i * columns_ + c];
+      s_[row * columns_ + c] -= change / slope;
+    }
   }
 }
 

@@ -9,6 +9,11 @@
 namespace lunid {
 namespace {
 
+/// The width of a surface: this part of the step's time at the greatest speed with which it was met.
+constexpr double surface_width = 1e-13;
+/// Where no speed was met yet: a point on a surface is on the side of its mode, be it by the least.
+constexpr double least_width = 1e-200;
+
 /// Solves a (k x k, row-major) x = b in place by Gaussian elimination with pivoting; false when singular.
 bool solve_small(double* a, double* b, int k) noexcept {
   for (int col = 0; col < k; ++col) {
@@ -35,20 +40,25 @@ bool solve_small(double* a, double* b, int k) noexcept {
 
 }  // namespace
 
-ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta)
-    : d_(dynamics), surfaces_(dynamics.surfaces.size()), bounds_(dynamics.bounds.size()),
+ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta, double dt)
+    : d_(dynamics), width_time_(surface_width * dt), surfaces_(dynamics.surfaces.size()), bounds_(dynamics.bounds.size()),
       rate_mode_(dynamics.rate.switches(), 1), derivative_mode_(dynamics.derivatives.switches(), 0),
+      gradient_mode_(dynamics.gradients.switches(), 0),
       free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
       rate_r_(std::max(dynamics.rate.registers(), dynamics.inputs()) + 1),
       derivative_r_(std::max(dynamics.derivatives.registers(), dynamics.inputs()) + 1),
       scratch_(dynamics.gradients.registers() + 1), gradient_(std::max(1, dynamics.gradients.outputs())),
       g_(rate_r_.data() + dynamics.rate.switch_place()), out_(dynamics.rate.outputs()),
       full_(dynamics.derivatives.outputs()) {
+  plus_.resize(d_.n);
   std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
   std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
   d_.rate.prepare(rate_r_.data());
   d_.derivatives.prepare(derivative_r_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
+  for (std::size_t i = 0; i < bounds_.size(); ++i)
+    for (std::size_t j = 0; j < bounds_.size(); ++j)
+      if (i != j && d_.bounds[i].state == d_.bounds[j].state) bounds_[i].opposite = static_cast<int>(j);
   refresh_gradients();
 }
 
@@ -57,7 +67,6 @@ Observation ModeMachine::observation() const {
   o.f.resize(d_.n);
   o.event.resize(events());
   o.slope.resize(events());
-  o.gap.resize(bounds_.size());
   return o;
 }
 
@@ -78,21 +87,20 @@ void ModeMachine::run_rate(const std::vector<std::int8_t>& mode, double* out) no
 
 void ModeMachine::set_mode(int surface, std::int8_t mode) noexcept {
   surfaces_[surface].mode = mode;
-  for (std::size_t i = 0; i < rate_mode_.size(); ++i)
-    if (d_.rate_switches.surface[i] == surface)
-      rate_mode_[i] = static_cast<std::int8_t>(mode * d_.rate_switches.orientation[i]);
-  for (std::size_t i = 0; i < derivative_mode_.size(); ++i)
-    if (d_.derivative_switches.surface[i] == surface)
-      derivative_mode_[i] = static_cast<std::int8_t>(mode * d_.derivative_switches.orientation[i]);
+  const auto apply = [&](const Dynamics::SwitchMap& map, std::vector<std::int8_t>& modes) {
+    for (std::size_t i = 0; i < modes.size(); ++i)
+      if (map.surface[i] == surface) modes[i] = static_cast<std::int8_t>(mode * map.orientation[i]);
+  };
+  apply(d_.rate_switches, rate_mode_);
+  apply(d_.derivative_switches, derivative_mode_);
+  apply(d_.gradient_switches, gradient_mode_);
 }
 
-void ModeMachine::set_sliding(int surface, bool sliding) {
-  if (surfaces_[surface].sliding == sliding) return;
-  surfaces_[surface].sliding = sliding;
-  if (sliding)
-    sliding_.push_back(surface);
-  else
-    std::erase(sliding_, surface);
+void ModeMachine::set_sliding(int surface, int order) {
+  if (surfaces_[surface].order == order) return;
+  surfaces_[surface].order = order;
+  std::erase(sliding_, surface);
+  if (order > 0) sliding_.push_back(surface);
   const std::size_t k = sliding_.size();
   side_.resize(k * out_.size());
   full_side_.resize(k * full_.size());
@@ -100,7 +108,7 @@ void ModeMachine::set_sliding(int surface, bool sliding) {
   weight_.resize(k);
   delta_.resize(k);
   // in sliding, the plus side is the base from which the other sides are taken
-  if (sliding) set_mode(surface, 1);
+  if (order > 0) set_mode(surface, 1);
   update_drifting();
 }
 
@@ -110,7 +118,8 @@ void ModeMachine::update_drifting() noexcept {
 }
 
 void ModeMachine::refresh_gradients() noexcept {
-  if (d_.gradients.outputs() > 0) d_.gradients.run_point(inputs(), gradient_.data(), scratch_.data());
+  if (d_.gradients.outputs() > 0)
+    d_.gradients.run_frozen(inputs(), gradient_mode_.data(), gradient_.data(), nullptr, scratch_.data());
 }
 
 void ModeMachine::hold_rates(double* out) const noexcept {
@@ -130,11 +139,22 @@ void ModeMachine::hold_derivatives(double* out) const noexcept {
   }
 }
 
-double ModeMachine::surface_rate(int event, const Drive& drive, const double* f) const noexcept {
-  const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(event) * d_.inputs();
-  double sum = g[0];
-  for (int i = 0; i < d_.exogenous; ++i) sum += g[1 + i] * drive.rate[i];
-  for (int i = 0; i < d_.n; ++i) sum += g[1 + d_.exogenous + i] * f[i];
+/// The gradient of what stays zero while the motion slides (g) or rests (dg/dt).
+const double* ModeMachine::condition(int surface) const noexcept {
+  return row(surfaces_[surface].order == 2 ? events() + surface : surface);
+}
+
+/// The state whose rate is exactly zero on a surface slid upon, or -1.
+int ModeMachine::still_component(int surface) const noexcept {
+  const int component = d_.surfaces[surface].component;
+  return component >= 0 && surfaces_[surface].order == 2 ? 1 : component;
+}
+
+/// The time derivative along f of a function with this gradient.
+double ModeMachine::along(const double* gradient, const Drive& drive, const double* f) const noexcept {
+  double sum = gradient[0];
+  for (int i = 0; i < d_.exogenous; ++i) sum += gradient[1 + i] * drive.rate[i];
+  for (int i = 0; i < d_.n; ++i) sum += gradient[1 + d_.exogenous + i] * f[i];
   return sum;
 }
 
@@ -162,20 +182,20 @@ void ModeMachine::combine(const Drive& drive) noexcept {
   for (int l = 0; l < k; ++l)
     for (std::size_t i = 0; i < width; ++i) out_[i] -= weight_[l] * side_[l * width + i];
   for (const int s : sliding_)
-    if (d_.surfaces[s].component >= 0) out_[d_.surfaces[s].component] = 0;
+    if (const int still = still_component(s); still >= 0) out_[still] = 0;
 }
 
-/// Weights w of the minus sides for which every g slid upon stays zero: (grad g_k . side_l) w = dg_k/dt on the plus side.
+/// Weights w of the minus sides for which every condition stays zero: (grad_k . side_l) w = its rate on the plus side.
 bool ModeMachine::solve_weights(const Drive& drive) noexcept {
   const int k = static_cast<int>(sliding_.size()), x0 = 1 + d_.exogenous;
   for (int row = 0; row < k; ++row) {
-    const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(sliding_[row]) * d_.inputs();
+    const double* g = condition(sliding_[row]);
     for (int l = 0; l < k; ++l) {
       double sum = 0;
       for (int i = 0; i < d_.n; ++i) sum += g[x0 + i] * side_[l * out_.size() + i];
       matrix_[row * k + l] = sum;
     }
-    weight_[row] = surface_rate(sliding_[row], drive, out_.data());
+    weight_[row] = along(g, drive, out_.data());
   }
   return solve_small(matrix_.data(), weight_.data(), k);
 }
@@ -192,22 +212,25 @@ void ModeMachine::observe(const Drive& drive, const double* x, Observation& o) n
   run(drive);
   std::copy_n(out_.data(), d_.n, o.f.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    if (surfaces_[s].sliding) {
+    if (surfaces_[s].order > 0) {
       o.slope[s] = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
-    const double dg = surface_rate(static_cast<int>(s), drive, o.f.data());
-    o.event[s] = surfaces_[s].mode * g_[d_.surfaces[s].switch_index];
-    o.slope[s] = surfaces_[s].mode * dg;
+    const double dg = along(row(static_cast<int>(s)), drive, o.f.data());
     if (std::abs(dg) > surfaces_[s].scale) surfaces_[s].scale = std::abs(dg);
+    o.event[s] = surfaces_[s].mode * g_[d_.surfaces[s].switch_index] + width_time_ * surfaces_[s].scale + least_width;
+    o.slope[s] = surfaces_[s].mode * dg;
   }
   for (std::size_t l = 0; l < sliding_.size(); ++l) o.event[sliding_[l]] = std::min(weight_[l], 1 - weight_[l]);
   for (std::size_t j = 0; j < bounds_.size(); ++j) {
     const std::size_t e = surfaces_.size() + j;
     const double gap_rate = out_[d_.n + bounds_.size() + j];
-    o.gap[j] = out_[d_.n + j];
-    o.event[e] = bounds_[j].held ? -gap_rate : o.gap[j];
-    o.slope[e] = bounds_[j].held ? std::numeric_limits<double>::quiet_NaN() : gap_rate;
+    if (std::abs(gap_rate) > bounds_[j].scale) bounds_[j].scale = std::abs(gap_rate);
+    const bool free = !bounds_[j].held && !held_by_opposite(static_cast<int>(j));
+    o.event[e] = free                ? out_[d_.n + j] + width_time_ * bounds_[j].scale + least_width
+                 : bounds_[j].held ? -gap_rate
+                                   : 1;
+    o.slope[e] = free ? gap_rate : std::numeric_limits<double>::quiet_NaN();
   }
 }
 
@@ -217,9 +240,13 @@ void ModeMachine::run_derivatives(double* out) noexcept {
   d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
   ++evaluations;
   const double* results = r + d_.derivatives.output_place();
-  if (!all_finite(results, static_cast<int>(full_.size())))
+  const int size = static_cast<int>(full_.size());
+  if (!all_finite(results, size)) {
     d_.derivatives.run_prepared_frozen(free_mode_.data(), r);
-  std::copy_n(results, full_.size(), out);
+    // a slope that is infinite on the surface itself is so in every mode, and frozen it has at least a sign
+    if (!all_finite(results, size)) d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
+  }
+  std::copy_n(results, size, out);
   hold_derivatives(out);
 }
 
@@ -256,7 +283,7 @@ void ModeMachine::combine_derivatives() noexcept {
 void ModeMachine::project_column(double* column, int stride) noexcept {
   const int n = d_.n, k = static_cast<int>(sliding_.size());
   for (int row = 0; row < k; ++row) {
-    const double* g = gradient_.data() + static_cast<std::ptrdiff_t>(sliding_[row]) * d_.inputs() + 1 + d_.exogenous;
+    const double* g = condition(sliding_[row]) + 1 + d_.exogenous;
     delta_[row] = 0;
     for (int i = 0; i < n; ++i) delta_[row] += g[i] * column[i * stride];
     for (int l = 0; l < k; ++l) {
@@ -268,18 +295,18 @@ void ModeMachine::project_column(double* column, int stride) noexcept {
   for (int l = 0; l < k; ++l)
     for (int i = 0; i < n; ++i) column[i * stride] -= delta_[l] * side_[l * out_.size() + i];
   for (const int s : sliding_)
-    if (d_.surfaces[s].component >= 0) column[d_.surfaces[s].component * stride] = 0;
+    if (const int still = still_component(s); still >= 0) column[still * stride] = 0;
 }
 
 const double* ModeMachine::gradient(int event, const Drive& drive, const double* x) noexcept {
   load(drive, x);
   if (!d_.constant_gradients) refresh_gradients();
-  return gradient_.data() + static_cast<std::ptrdiff_t>(event) * d_.inputs();
+  return row(event);
 }
 
 bool ModeMachine::jumps(int event) const {
   const int count = static_cast<int>(surfaces_.size());
-  return event < count ? !surfaces_[event].sliding : !bounds_[event - count].held;
+  return event < count ? surfaces_[event].order == 0 : !bounds_[event - count].held;
 }
 
 }  // namespace lunid

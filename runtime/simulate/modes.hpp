@@ -2,7 +2,8 @@
 // Which branch of a piecewise smooth system holds, and when that ends. Each surface g = 0 has a mode: on its positive
 // side, on its negative side, or sliding along it (Filippov 1988, Differential equations with discontinuous right-hand
 // sides): where both sides push towards the surface, the motion stays on it with the convex combination of both rates
-// that keeps g = 0. Dry friction sticks so. A bound of a state is a mode too: the state is held there while its rate
+// that keeps g = 0. Dry friction sticks so. On a surface of the displacement (a preload sign(y)) the motion can rest in
+// the same way: there g = dg/dt = 0, and both sides push back by their accelerations. A bound of a state is a mode too: the state is held there while its rate
 // pushes outward. Both integrators, fixed step and SUNDIALS, decide by this one class.
 #include <cstdint>
 #include <span>
@@ -24,12 +25,13 @@ struct Observation {
   std::vector<double> f;      ///< x' (n)
   std::vector<double> event;  ///< per surface, then per bound
   std::vector<double> slope;  ///< time derivative of `event` where it is that of a side or a gap, else NaN
-  std::vector<double> gap;    ///< of each bound
 };
 
 class ModeMachine {
  public:
-  ModeMachine(const Dynamics& dynamics, std::span<const double> theta);
+  /// `dt`: the time over which a surface crossed at full speed counts as a distance: 1e-13 of that is the width within
+  /// which a point is on the surface, so that rounding is no event.
+  ModeMachine(const Dynamics& dynamics, std::span<const double> theta, double dt);
 
   int events() const { return static_cast<int>(surfaces_.size() + bounds_.size()); }
   bool sliding() const { return !sliding_.empty(); }
@@ -58,21 +60,37 @@ class ModeMachine {
   void project(const Drive& drive, double* x) noexcept;
   bool needs_projection() const { return drifting_; }
 
+  /// True when the state of a bound is held by the other one: the two bounds have met.
+  bool held_by_opposite(int bound) const {
+    return bounds_[bound].opposite >= 0 && bounds_[bounds_[bound].opposite].held;
+  }
   /// True when reaching this event changes x' by a jump at a time that depends on the motion: a side crossed or slid
   /// upon, a bound reached. Ask before resolve().
   bool jumps(int event) const;
-  bool slides_on(int surface) const { return surfaces_[surface].sliding; }
+  /// The greatest |dg/dt| met so far.
+  double speed(int event) const {
+    const int count = static_cast<int>(surfaces_.size());
+    return event < count ? surfaces_[event].scale : bounds_[event - count].scale;
+  }
+  bool slides_on(int surface) const { return surfaces_[surface].order != 0; }
+  /// True when the motion rests on a surface of the displacement: g = dg/dt = 0.
+  bool rests_on(int surface) const { return surfaces_[surface].order == 2; }
+  /// The derivative of a surface's dg/dt by every input, after gradient().
+  const double* rate_gradient(int surface) const noexcept { return row(events() + surface); }
   bool held(int bound) const { return bounds_[bound].held; }
   const Dynamics& dynamics() const { return d_; }
 
  private:
   struct SurfaceState {
     std::int8_t mode = 1;
-    bool sliding = false;
-    double scale = 0;  ///< largest |dg/dt| met so far
+    int order = 0;            ///< 1: slides on g = 0; 2: rests on g = dg/dt = 0
+    double scale = 0;         ///< largest |dg/dt| met so far
+    double second_scale = 0;  ///< the same of d2g/dt2 where it was looked at
   };
   struct BoundState {
     bool held = false;
+    int opposite = -1;  ///< the other bound of the same state
+    double scale = 0;   ///< largest rate of the gap met so far
   };
 
   ModeMachine(const ModeMachine&) = delete;
@@ -80,31 +98,40 @@ class ModeMachine {
   void load(const Drive& drive, const double* x) noexcept;
   void run_rate(const std::vector<std::int8_t>& mode, double* out) noexcept;
   void set_mode(int surface, std::int8_t mode) noexcept;
-  void set_sliding(int surface, bool sliding);
+  void set_sliding(int surface, int order);
   void hold_rates(double* out) const noexcept;
   void hold_derivatives(double* out) const noexcept;
   void refresh_gradients() noexcept;
-  double surface_rate(int event, const Drive& drive, const double* f) const noexcept;
+  const double* row(int index) const noexcept {
+    return gradient_.data() + static_cast<std::ptrdiff_t>(index) * d_.inputs();
+  }
+  const double* condition(int surface) const noexcept;
+  int still_component(int surface) const noexcept;
+  double along(const double* gradient, const Drive& drive, const double* f) const noexcept;
   void run(const Drive& drive) noexcept;
   void combine(const Drive& drive) noexcept;
   void run_derivatives(double* out) noexcept;
   void combine_derivatives() noexcept;
   void project_column(double* column, int stride) noexcept;
   bool solve_weights(const Drive& drive) noexcept;
+  bool rests(int bound) const noexcept;
+  bool decide_rest(int surface, const Drive& drive, const double (&slope)[2]) noexcept;
   void decide(int surface, const Drive& drive, double* x, bool arriving);
   void set_on_surface(int surface, const Drive& drive, double* x) noexcept;
   void set_on_bound(int bound, double* x) noexcept;
   void update_drifting() noexcept;
 
   const Dynamics& d_;
+  const double width_time_;  ///< [s]
   std::vector<SurfaceState> surfaces_;
   std::vector<BoundState> bounds_;
   std::vector<int> sliding_;
-  std::vector<std::int8_t> rate_mode_, derivative_mode_, free_mode_;  ///< per switch of a tape; free: 0
+  std::vector<std::int8_t> rate_mode_, derivative_mode_, gradient_mode_, free_mode_;  ///< per switch of a tape; free: 0
   bool drifting_ = false;
   std::vector<double> rate_r_, derivative_r_;   ///< registers of the tapes, run in place: inputs first
   std::vector<double> scratch_, gradient_;
   const double* g_ = nullptr;                   ///< within rate_r_
+  std::vector<double> plus_;                    ///< rates on the plus side of a surface under decision
   std::vector<double> out_, side_;              ///< rate outputs; of each side slid upon: difference plus - minus
   std::vector<double> full_, full_side_;        ///< the same of the derivatives
   std::vector<double> matrix_, weight_, delta_;  ///< of the sliding condition

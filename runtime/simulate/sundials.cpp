@@ -13,6 +13,8 @@ using Eigen::VectorXd;
 
 /// A sample nearer than this part of the interval is reached.
 constexpr double reached_fraction = 1e-10;
+/// A slope within this part of the greatest one is none: a watch on it never rests on zero.
+constexpr double rest_speed = 1e-12;
 /// |y| beyond this many times its largest value on the samples counts as an explosion when the integrator gives up.
 constexpr double runaway = 100;
 
@@ -27,7 +29,7 @@ class ModalOde : public Ode {
  public:
   ModalOde(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
            const SimulateOptions& options)
-      : modes(system.dynamics(), theta), excitation_(excitation), options_(options), n_(system.states()),
+      : modes(system.dynamics(), theta, excitation.dt()), excitation_(excitation), options_(options), n_(system.states()),
         p_(system.parameters()), f_(n_), jtheta_(n_ * p_), observation_(modes.observation()), scale_(n_, 0.0) {
     needs_force_rate_ = !modes.dynamics().surfaces.empty() && depends_on_force();
     first_scales(x0);
@@ -61,7 +63,8 @@ class ModalOde : public Ode {
     modes.observe(drive(t), x, observation_);
     std::copy(observation_.event.begin(), observation_.event.end(), g);
     for (int i = 0; i < events(); ++i)
-      g[events() + i] = std::isfinite(observation_.slope[i]) ? observation_.slope[i] : 1;
+      g[events() + i] =
+          std::isfinite(observation_.slope[i]) ? observation_.slope[i] + rest_speed * modes.speed(i) : 1;
   }
 
   /// 1 / (rtol |x| + atol), atol being rtol times the largest |x| so far where none is given.
@@ -188,18 +191,27 @@ class SundialsRun {
       if (sliding) run_.summary.stuck += t_ - from;
       if (result == Integrator::Result::failed) return fail();
       if (result == Integrator::Result::reached) break;
-      if (!happen()) return false;
+      if (!happen(integrator_->fired())) return false;
     }
+    if (!catch_up()) return false;
     // a state that rests on a surface drifts by rounding in the interpolants of the integrator
     ode_.modes.project(ode_.drive(t_), x_.data());
     t_ = to;
     return true;
   }
 
-  bool happen() {
+  /// An event function that was zero when its part began can be below zero without a crossing that SUNDIALS has seen.
+  bool catch_up() {
+    ode_.modes.observe(ode_.drive(t_), x_.data(), now_);
+    std::vector<int> missed;
+    for (int i = 0; i < ode_.events(); ++i)
+      if (now_.event[i] < 0) missed.push_back(i);
+    return happen(missed);
+  }
+
+  bool happen(const std::vector<int>& fired) {
     const Drive drive = ode_.drive(t_);
     int last = -1;
-    const std::vector<int> fired = integrator_->fired();
     if (fired.empty()) return true;
     for (const int event : fired) {
       ode_.modes.resolve(event, drive, x_.data());
