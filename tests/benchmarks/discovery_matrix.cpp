@@ -77,7 +77,10 @@ void compare_parameters(const Setting& setting, const json& effects, Outcome& ou
     for (const json& effect : effects) {
       if (effect.value("name", "") != truth.effect || !effect["parameters"].contains(truth.name)) continue;
       const json& found = effect["parameters"][truth.name];
-      const double error = (number(found, "value") - truth.in(*setting.scale)) / number(found, "std");
+      const double wanted = truth.in(*setting.scale), off = number(found, "value") - wanted;
+      // No deviation is stated for a parameter at its bound: it must then be the truth.
+      const double std = number(found, "std");
+      const double error = std > 0 ? off / std : std::abs(off) <= 1e-6 * std::abs(wanted) ? 0 : INFINITY;
       ++outcome.parameters;
       outcome.inside += std::abs(error) <= 1.96;
       if (!(std::abs(error) <= std::abs(outcome.worst))) outcome.worst = error;
