@@ -1,5 +1,5 @@
 // The fixed path of systems with switches or bounds. A substep runs in one frozen mode. Where an event function falls
-// below zero within it, the place is found by stepping to a part of the substep (a bracketed secant), the mode is
+// below zero within it, the place is found by stepping to a part of the substep (a bracketed Newton), the mode is
 // decided there and the rest of the substep follows.
 #include <algorithm>
 #include <limits>
@@ -14,8 +14,9 @@ namespace {
 using Eigen::Index;
 
 /// A place in the substep is known to this part of it.
-constexpr double location_tolerance = 1e-13;
+constexpr double location_tolerance = 1e-12;
 constexpr int location_iterations = 100;
+constexpr int newton_iterations = 10;
 /// A crossing whose speed is below this part of the fastest one met is a graze: its jump is not to be trusted.
 constexpr double grazing_speed = 1e-6;
 /// A slope dx_i'/dx_i beyond this over the step cannot be carried by an explicit step of the sensitivities. It is that
@@ -73,21 +74,19 @@ class EventRun {
   ModeMachine modes_;
   std::vector<double> x_, trial_, stage_, k2_, k3_, k4_;
   Observation now_, then_;
-  std::vector<double> s_, ks_[4], s_stage_, jx_, jtheta_, f_, gradient_;
+  std::vector<double> s_, ks_[4], s_stage_, f_, gradient_;
   FixedOutcome outcome_;
 };
 
 EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
-    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n), modes_(d_, problem.theta, problem.dt / problem.substeps),
-      x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_), k2_(n_), k3_(n_), k4_(n_), now_(modes_.observation()),
-      then_(modes_.observation()), f_(n_), gradient_(d_.inputs()) {
+    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n),
+      modes_(d_, problem.theta, problem.dt / problem.substeps), x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_),
+      k2_(n_), k3_(n_), k4_(n_), now_(modes_.observation()), then_(modes_.observation()), f_(n_), gradient_(d_.inputs()) {
   if (!problem.sensitivities) return;
   s_.assign(n_ * columns_, 0.0);
   for (int i = 0; i < n_; ++i) s_[i * columns_ + p_ + i] = 1;
   s_stage_ = s_;
   for (auto& k : ks_) k = s_;
-  jx_.resize(n_ * n_);
-  jtheta_.resize(n_ * p_);
 }
 
 Segment EventRun::segment(Index row, int substep) const noexcept {
@@ -215,9 +214,9 @@ void EventRun::step_sensitivities(const Segment& segment, double from, double to
       for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + reach[k] * f_[i];
       for (std::size_t i = 0; i < size; ++i) s_stage_[i] = s_[i] + reach[k] * ks_[k - 1][i];
     }
-    modes_.derivatives(segment.drive(parts[k]), stage_.data(), f_.data(), jx_.data(), jtheta_.data());
-    for (int i = 0; i < n_; ++i) jx_[i * n_ + i] = std::clamp(jx_[i * n_ + i], -steepest / h, steepest / h);
-    sensitivity_rate(n_, p_, jx_.data(), jtheta_.data(), s_stage_.data(), ks_[k].data());
+    const Derivatives at = modes_.derivatives(segment.drive(parts[k]), stage_.data());
+    sensitivity_rate(n_, p_, at.jx, at.jtheta, steepest / h, s_stage_.data(), ks_[k].data());
+    std::copy_n(at.f, n_, f_.data());
   }
   for (std::size_t i = 0; i < size; ++i)
     s_[i] += h / 6 * (ks_[0][i] + 2 * (ks_[1][i] + ks_[2][i]) + ks_[3][i]);
@@ -298,40 +297,29 @@ double EventRun::inside(const Segment& segment, double from, double to, int even
   return from;
 }
 
-/// The first place, within (from, to], at which the event function is below zero (regula falsi, Illinois; Dowell &
-/// Jarratt 1971, BIT 11, 168). The trial is left there.
+/// The first place, within (from, to], at which the event function is below zero, by Newton's method within a bracket
+/// (by halving where it has no slope or leaves the bracket). The trial is left there.
 double EventRun::locate(const Segment& segment, double from, double to, int event) noexcept {
-  double low = from, high = to, at_low = now_.event[event], at_high = then_.event[event];
-  if (!(at_low > 0)) {
+  double low = from, high = to;
+  if (!(now_.event[event] > 0)) {
     if (!(now_.slope[event] > 0)) return from;
     low = inside(segment, from, to, event);
-    at_low = then_.event[event];
     if (!(low > from)) {
       probe(segment, from, to, event);
       return to;
     }
   }
-  double last = high;
-  int side = 0;  // the end that moved last
-  for (int i = 0; i < location_iterations && high - low > location_tolerance; ++i) {
-    double at = low + (high - low) * at_low / (at_low - at_high);
-    if (!(at > low && at < high)) at = 0.5 * (low + high);
-    const double value = probe(segment, from, at, event);
-    last = at;
-    if (value > 0) {
-      low = at;
-      at_low = value;
-      if (side == 1) at_high *= 0.5;
-      side = 1;
-    } else {
-      high = at;
-      at_high = value;
-      if (side == -1) at_low *= 0.5;
-      side = -1;
-      if (value == 0) break;
-    }
+  double at = high, value = then_.event[event];
+  for (int i = 0; i < location_iterations && high - low > 4 * location_tolerance; ++i) {
+    // a little beyond the zero of the tangent, so that the other end of the bracket closes in as well
+    const double beyond = value > 0 ? location_tolerance : -location_tolerance;
+    double next = at - value / (then_.slope[event] * segment.h) + beyond;
+    if (!(next > low && next < high) || i > newton_iterations) next = 0.5 * (low + high);
+    at = next;
+    value = probe(segment, from, at, event);
+    (value > 0 ? low : high) = at;
   }
-  if (last != high) probe(segment, from, high, event);
+  if (at != high) probe(segment, from, high, event);
   return high;
 }
 

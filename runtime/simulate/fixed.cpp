@@ -1,5 +1,7 @@
 #include "simulate/fixed.hpp"
 
+#include <algorithm>
+
 #include "expr/error.hpp"
 
 namespace lunid {
@@ -9,14 +11,15 @@ void check_cancelled(const std::atomic<bool>* cancelled) {
     throw InputError("simulate: interrupted", {}, Fault::interrupted);
 }
 
-void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, const double* s, double* out) noexcept {
+void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, double steepest, const double* s,
+                      double* out) noexcept {
   const int columns = p + n;
   for (int i = 0; i < n; ++i) {
     double* row = out + i * columns;
     for (int c = 0; c < p; ++c) row[c] = jtheta[i * p + c];
     for (int c = p; c < columns; ++c) row[c] = 0;
     for (int j = 0; j < n; ++j) {
-      const double slope = jx[i * n + j];
+      const double slope = i == j ? std::clamp(jx[i * n + j], -steepest, steepest) : jx[i * n + j];
       if (slope == 0) continue;
       const double* from = s + j * columns;
       for (int c = 0; c < columns; ++c) row[c] += slope * from[c];

@@ -57,8 +57,9 @@ void check_cancelled(const std::atomic<bool>* cancelled);
 /// Substeps between two looks at `cancelled`.
 constexpr long cancel_interval = 4096;
 
-/// rows of s' = J s + (P, 0): n x (p + n), all row-major.
-void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, const double* s, double* out) noexcept;
+/// rows of s' = J s + (P, 0): n x (p + n), all row-major. The diagonal of J is cut at +-`steepest`.
+void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, double steepest, const double* s,
+                      double* out) noexcept;
 
 inline bool all_finite(const double* x, int n) noexcept {
   double sum = 0;

@@ -94,8 +94,8 @@ VectorXd imposed_force(const System& system, std::span<const double> theta, cons
   check(system, theta);
   const Index rows = record.rows();
   const std::vector<double> still(rows, 0.0);
-  const std::array<std::span<const double>, 3> motion{record["y"], record["v"],
-                                                      system.needs_acceleration() ? record["a"] : std::span<const double>(still)};
+  const std::span<const double> a = system.needs_acceleration() ? record["a"] : std::span<const double>(still);
+  const std::array<std::span<const double>, 3> motion{record["y"], record["v"], a};
   VectorXd force = VectorXd::Constant(rows, std::numeric_limits<double>::quiet_NaN());
   if (dforce) dforce->setConstant(rows, system.parameters(), std::numeric_limits<double>::quiet_NaN());
   ForceSink plain(system, theta, record, motion, force, nullptr), full(system, theta, record, motion, force, dforce);

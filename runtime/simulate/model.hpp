@@ -52,8 +52,8 @@ struct Model {
 /// expression uses, bounds that cross, a first guess outside its bounds, a state without rate.
 Model complete(Model model);
 
-/// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...). Tape inputs: (t, F, x..., theta...); with imposed motion
-/// (t, y, v, a, z..., theta...), where the integrated states are z alone.
+/// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...). Tape inputs:
+/// (t, F, x..., theta...); with imposed motion (t, y, v, a, z..., theta...), where the integrated states are z alone.
 class System {
  public:
   /// Completes the model first (complete()), with its errors. Changes the model's pool.

@@ -41,7 +41,8 @@ bool solve_small(double* a, double* b, int k) noexcept {
 }  // namespace
 
 ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta, double dt)
-    : d_(dynamics), width_time_(surface_width * dt), surfaces_(dynamics.surfaces.size()), bounds_(dynamics.bounds.size()),
+    : d_(dynamics), width_time_(surface_width * dt), surfaces_(dynamics.surfaces.size()),
+      bounds_(dynamics.bounds.size()),
       rate_mode_(dynamics.rate.switches(), 1), derivative_mode_(dynamics.derivatives.switches(), 0),
       gradient_mode_(dynamics.gradients.switches(), 0),
       free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
@@ -234,9 +235,11 @@ void ModeMachine::observe(const Drive& drive, const double* x, Observation& o) n
   }
 }
 
-void ModeMachine::run_derivatives(double* out) noexcept {
+/// The derivative tape on the loaded inputs, in its registers.
+const double* ModeMachine::run_derivatives() noexcept {
   double* r = derivative_r_.data();
-  std::copy_n(inputs(), 1 + d_.exogenous + d_.n, r);
+  const double* in = inputs();
+  for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) r[i] = in[i];
   d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
   ++evaluations;
   const double* results = r + d_.derivatives.output_place();
@@ -246,19 +249,25 @@ void ModeMachine::run_derivatives(double* out) noexcept {
     // a slope that is infinite on the surface itself is so in every mode, and frozen it has at least a sign
     if (!all_finite(results, size)) d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
   }
-  std::copy_n(results, size, out);
+  return results;
+}
+
+void ModeMachine::copy_derivatives(double* out) noexcept {
+  std::copy_n(run_derivatives(), full_.size(), out);
   hold_derivatives(out);
 }
 
-void ModeMachine::derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta) noexcept {
+Derivatives ModeMachine::derivatives(const Drive& drive, const double* x) noexcept {
   load(drive, x);
-  const int n = d_.n, p = d_.p;
-  run_derivatives(full_.data());
-  if (sliding() || !bounds_.empty()) run(drive);
+  const int n = d_.n;
+  if (!sliding() && bounds_.empty()) {
+    const double* results = run_derivatives();
+    return {results, results + n, results + n + n * n};
+  }
+  copy_derivatives(full_.data());
+  run(drive);
   if (sliding()) combine_derivatives();
-  std::copy_n(sliding() || !bounds_.empty() ? out_.data() : full_.data(), n, f);
-  std::copy_n(full_.data() + n, n * n, jx);
-  std::copy_n(full_.data() + n + n * n, n * p, jtheta);
+  return {out_.data(), full_.data() + n, full_.data() + n + n * n};
 }
 
 /// The derivatives in sliding, after run() has left the weights: the weighted derivatives of the sides, then what the
@@ -269,7 +278,7 @@ void ModeMachine::combine_derivatives() noexcept {
   for (int l = 0; l < k; ++l) {
     double* side = full_side_.data() + l * width;
     set_mode(sliding_[l], -1);
-    run_derivatives(side);
+    copy_derivatives(side);
     set_mode(sliding_[l], 1);
     for (std::size_t i = 0; i < width; ++i) side[i] = full_[i] - side[i];
   }

@@ -3,8 +3,9 @@
 // side, on its negative side, or sliding along it (Filippov 1988, Differential equations with discontinuous right-hand
 // sides): where both sides push towards the surface, the motion stays on it with the convex combination of both rates
 // that keeps g = 0. Dry friction sticks so. On a surface of the displacement (a preload sign(y)) the motion can rest in
-// the same way: there g = dg/dt = 0, and both sides push back by their accelerations. A bound of a state is a mode too: the state is held there while its rate
-// pushes outward. Both integrators, fixed step and SUNDIALS, decide by this one class.
+// the same way: there g = dg/dt = 0, and both sides push back by their accelerations. A bound of a state is a mode too:
+// the state is held there while its rate pushes outward. Both integrators, fixed step and SUNDIALS, decide by this one
+// class.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,6 +28,13 @@ struct Observation {
   std::vector<double> slope;  ///< time derivative of `event` where it is that of a side or a gap, else NaN
 };
 
+/// x' (n), dx'/dx (n*n) and dx'/dtheta (n*p), row-major.
+struct Derivatives {
+  const double* f;
+  const double* jx;
+  const double* jtheta;
+};
+
 class ModeMachine {
  public:
   /// `dt`: the time over which a surface crossed at full speed counts as a distance: 1e-13 of that is the width within
@@ -43,8 +51,8 @@ class ModeMachine {
   void rate(const Drive& drive, const double* x, double* f) noexcept;
   /// The same with the event functions.
   void observe(const Drive& drive, const double* x, Observation& out) noexcept;
-  /// x', dx'/dx (n*n) and dx'/dtheta (n*p), row-major, in the present mode; exact in sliding where g is affine.
-  void derivatives(const Drive& drive, const double* x, double* f, double* jx, double* jtheta) noexcept;
+  /// The same with its derivatives; exact in sliding where g is affine. Valid until the next call.
+  Derivatives derivatives(const Drive& drive, const double* x) noexcept;
   /// Derivative of a surface's g or a bound's gap (index as in events) by every input of the rate.
   const double* gradient(int event, const Drive& drive, const double* x) noexcept;
 
@@ -110,7 +118,8 @@ class ModeMachine {
   double along(const double* gradient, const Drive& drive, const double* f) const noexcept;
   void run(const Drive& drive) noexcept;
   void combine(const Drive& drive) noexcept;
-  void run_derivatives(double* out) noexcept;
+  const double* run_derivatives() noexcept;
+  void copy_derivatives(double* out) noexcept;
   void combine_derivatives() noexcept;
   void project_column(double* column, int stride) noexcept;
   bool solve_weights(const Drive& drive) noexcept;

@@ -1,4 +1,5 @@
 // The fixed path of systems without switches and bounds: nothing stands between the tape and the stages.
+#include <limits>
 #include <vector>
 
 #include "simulate/fixed.hpp"
@@ -7,6 +8,8 @@ namespace lunid {
 namespace {
 
 using Eigen::Index;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The registers of a tape that is run in place: its inputs come first, the parameters last among them.
 std::vector<double> registers(const FixedProblem& problem, const Tape& tape) {
@@ -106,7 +109,7 @@ class SensitivityStage {
     d_.derivatives.run_prepared(r_.data());
     std::copy_n(out_, n_, K);
     const double* jx = out_ + n_;
-    sensitivity_rate(n_, p_, jx, jx + n_ * n_, X + n_, K + n_);
+    sensitivity_rate(n_, p_, jx, jx + n_ * n_, infinity, X + n_, K + n_);
   }
 
  private:

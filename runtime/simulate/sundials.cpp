@@ -29,8 +29,9 @@ class ModalOde : public Ode {
  public:
   ModalOde(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
            const SimulateOptions& options)
-      : modes(system.dynamics(), theta, excitation.dt()), excitation_(excitation), options_(options), n_(system.states()),
-        p_(system.parameters()), f_(n_), jtheta_(n_ * p_), observation_(modes.observation()), scale_(n_, 0.0) {
+      : modes(system.dynamics(), theta, excitation.dt()), excitation_(excitation), options_(options),
+        n_(system.states()),
+        observation_(modes.observation()), scale_(n_, 0.0) {
     needs_force_rate_ = !modes.dynamics().surfaces.empty() && depends_on_force();
     first_scales(x0);
   }
@@ -41,7 +42,7 @@ class ModalOde : public Ode {
   Drive drive(double t) const {
     Drive d;
     d.t = t;
-    d.u[0] = excitation_.interpolation() == Interpolation::hold ? excitation_.at(std::min(t, hold_until)) : excitation_.at(t);
+    d.u[0] = excitation_.at(std::min(t, hold_until));
     if (needs_force_rate_) {
       const double step = 1e-6 * excitation_.dt();
       d.rate[0] = (excitation_.at(t + step) - excitation_.at(t - step)) / (2 * step);
@@ -56,7 +57,7 @@ class ModalOde : public Ode {
   }
 
   void jacobian(double t, const double* x, double* j) override {
-    modes.derivatives(drive(t), x, f_.data(), j, jtheta_.data());
+    std::copy_n(modes.derivatives(drive(t), x).jx, n_ * n_, j);
   }
 
   void event_functions(double t, const double* x, double* g) override {
@@ -113,8 +114,7 @@ class ModalOde : public Ode {
 
   const Excitation& excitation_;
   const SimulateOptions& options_;
-  int n_, p_;
-  std::vector<double> f_, jtheta_;
+  int n_;
   Observation observation_;
   std::vector<double> scale_;
   bool needs_force_rate_ = false;

@@ -57,7 +57,8 @@ TEST_P(EverySolver, ABlockAtRestBreaksAwayAtTheFrictionForce) {
   EXPECT_EQ(still.x.col(1).cwiseAbs().maxCoeff(), 0);
   EXPECT_NEAR(still.summary.stuck, 3, 1e-9);
 
-  const lunid::Run ramp = simulate(system, theta, force_of(2, 0.01, [](double t) { return 4 * t; }), state({0, 0}), options());
+  const Excitation growing = force_of(2, 0.01, [](double t) { return 4 * t; });
+  const lunid::Run ramp = simulate(system, theta, growing, state({0, 0}), options());
   ASSERT_TRUE(ramp.summary.completed) << ramp.summary.cause;
   for (Eigen::Index i = 0; i < ramp.x.rows(); ++i) {
     const double s = std::max(0.0, 0.01 * static_cast<double>(i) - 5.0 / 4);  // m dv/dt = 4 (t - 5/4) from there on

@@ -28,7 +28,8 @@ double worst_difference(const System& system, const std::vector<double>& theta, 
     const double h = step * std::max(std::abs(value), c < p ? 1e-3 : 1e-3 * plain.x.col(c - p).cwiseAbs().maxCoeff());
     (c < p ? up[c] : x_up[c - p]) += h;
     (c < p ? down[c] : x_down[c - p]) -= h;
-    const Run a = simulate(system, up, excitation, x_up, options), b = simulate(system, down, excitation, x_down, options);
+    const Run a = simulate(system, up, excitation, x_up, options);
+    const Run b = simulate(system, down, excitation, x_down, options);
     for (int i = 0; i < 2; ++i) {
       const Eigen::VectorXd difference = (a.x.col(i) - b.x.col(i)) / (2 * h);
       const auto& column = (i == 0 ? exact.dy : exact.dv).col(c);

@@ -1,5 +1,6 @@
 // Every kind of switch that the catalogue knows, under forces drawn at random: two unrelated integrators agree, and the
 // sensitivities are the differences of the run.
+#include <ostream>
 #include <random>
 
 #include "simulate_models.hpp"
@@ -18,6 +19,8 @@ struct SwitchCase {
   const char* name;
   const char* restoring;
   std::vector<StateText> states;
+
+  friend void PrintTo(const SwitchCase& c, std::ostream* out) { *out << c.restoring; }
 };
 
 const SwitchCase cases[] = {
