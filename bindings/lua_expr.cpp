@@ -249,6 +249,22 @@ int number_text(lua_State* L) {
   return 1;
 }
 
+/// rename_symbols(expr, {k = "clearance_k", ...}) -> the expression over parameters and states of other names.
+int rename_symbols(lua_State* L) {
+  const Value value = check_value(L, 1);
+  check_table(L, 2);
+  Pool& pool = *runtime(L).pool();
+  std::vector<std::pair<Expr, Expr>> replacements;
+  for (const Expr symbol : symbols(value.expr)) {
+    const auto name = string_field(L, 2, symbol.name().c_str());
+    if (!name) continue;
+    const Expr known = pool.find(*name);
+    replacements.emplace_back(symbol, known.valid() ? known : pool.parameter(*name));
+  }
+  push<Value>(L, {substitute(value.expr, replacements), nullptr});
+  return 1;
+}
+
 int is_expression(lua_State* L) {
   lua_pushboolean(L, test<Value>(L, 1) != nullptr);
   return 1;
@@ -304,6 +320,7 @@ void open_expressions(lua_State* L) {
       {"state", guarded<make_state>},
       {"state_symbol", guarded<make_state_symbol>},
       {"parse", guarded<parse_text>},
+      {"rename_symbols", guarded<rename_symbols>},
       {"declared", guarded<declared>},
       {"number_text", guarded<number_text>},
       {"is_expression", guarded<is_expression>},

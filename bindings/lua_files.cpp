@@ -164,6 +164,14 @@ int raise(lua_State* L) {
   throw InputError(check_string(L, 1), {}, fault);
 }
 
+/// Raises `text` as it is, with the kind of fault that `cause`, an earlier message, had.
+int reraise(lua_State* L) {
+  const std::string text = check_string(L, 1);
+  runtime(L).note_fault(text, runtime(L).fault_of(check_string(L, 2)));
+  lua_settop(L, 1);
+  return lua_error(L);
+}
+
 /// "study.lua:14" of the user's innermost frame, or "".
 int place(lua_State* L) {
   std::string position = user_position(L);
@@ -188,6 +196,22 @@ int nearest(lua_State* L) {
   if (word.empty()) return 0;
   push_text(L, word);
   return 1;
+}
+
+/// What a value is, in words: "a record", "the string 'x'".
+int describe_value(lua_State* L) {
+  push_text(L, describe(L, 1));
+  return 1;
+}
+
+/// add_method(key, name, function): a method of a bound type that the standard library writes.
+int add_method(lua_State* L) {
+  const std::string key = check_string(L, 1), name = check_string(L, 2);
+  if (luaL_getmetatable(L, key.c_str()) != LUA_TTABLE) throw InputError("no bound type '" + key + "'");
+  lua_getfield(L, -1, "__methods");
+  lua_pushvalue(L, 3);
+  lua_setfield(L, -2, name.c_str());
+  return 0;
 }
 
 int set_run(lua_State* L) {
@@ -218,9 +242,12 @@ void open_files(lua_State* L) {
       {"process_id", guarded<process_id>},
       {"is_terminal", guarded<is_terminal>},
       {"raise", guarded<raise>},
+      {"reraise", guarded<reraise>},
       {"place", guarded<place>},
       {"take_interrupt", guarded<take_interrupt>},
       {"nearest", guarded<nearest>},
+      {"describe", guarded<describe_value>},
+      {"add_method", guarded<add_method>},
       {"set_run", guarded<set_run>},
   };
   set_functions(L, functions);

@@ -15,10 +15,10 @@ int main(int argc, char** argv) {
     const lua::Interrupts interrupts(runtime);
     lua::Failure failure;
     const int code = runtime.call("lunid.commands", command.name, command.options, failure);
-    if (!failure.message.empty()) std::cerr << "lunid: " << failure.message << "\n";
+    if (!failure.message.empty()) std::cerr << failure.message << "\n";
     return code;
   } catch (const InputError& error) {
-    std::cerr << "lunid: " << error.what() << "\n";
+    std::cerr << error.what() << "\n";
     return static_cast<int>(error.fault());
   }
 }

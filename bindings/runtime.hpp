@@ -43,6 +43,8 @@ class Runtime {
 
   /// Remembers the kind of fault of a message on its way through Lua.
   void note_fault(const std::string& message, Fault fault) { last_ = {message, fault}; }
+  /// The kind of fault of a message that a command ended with.
+  Fault fault_of(const std::string& message) const;
   /// Hashes a file that a result depends on; once per path.
   void note_input(const std::string& path);
   const std::vector<InputFile>& inputs() const { return inputs_; }
@@ -59,7 +61,6 @@ class Runtime {
 
  private:
   void open_lua();
-  Fault fault_of(const std::string& message) const;
 
   std::filesystem::path executable_, library_;
   std::shared_ptr<Pool> pool_ = std::make_shared<Pool>();

@@ -81,7 +81,7 @@ void set_functions(lua_State* L, std::span<const Entry> entries) {
   }
 }
 
-void make_metatable(lua_State* L, const char* key, std::span<const Entry> methods, std::span<const Entry> meta) {
+void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods, std::span<const Entry> meta) {
   luaL_newmetatable(L, key);
   set_functions(L, meta);
   lua_newtable(L);
@@ -92,6 +92,8 @@ void make_metatable(lua_State* L, const char* key, std::span<const Entry> method
   }
   lua_pop(L, 1);
   lua_setfield(L, -2, "__methods");
+  push_text(L, words);
+  lua_setfield(L, -2, "__words");
   push_text(L, key);
   lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);

@@ -52,8 +52,8 @@ struct Entry {
 };
 /// Sets the entries as fields of the table on top of the stack.
 void set_functions(lua_State* L, std::span<const Entry> entries);
-/// Makes the metatable `key`: methods under __index (or through `index` when given), metamethods, a lock.
-void make_metatable(lua_State* L, const char* key, std::span<const Entry> methods, std::span<const Entry> meta);
+/// Makes the metatable `key`: methods under __methods, and under __index when no metamethod is given; metamethods; a lock.
+void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods, std::span<const Entry> meta);
 
 namespace detail {
 void* test(lua_State* L, int index, const char* key);
@@ -88,7 +88,7 @@ template <class T>
 void make_type(lua_State* L, std::span<const Entry> methods, std::span<const Entry> meta) {
   std::vector<Entry> all(meta.begin(), meta.end());
   all.push_back({"__gc", collect<T>});
-  make_metatable(L, Bound<T>::key, methods, all);
+  make_metatable(L, Bound<T>::key, Bound<T>::words, methods, all);
 }
 
 double check_number(lua_State* L, int index);

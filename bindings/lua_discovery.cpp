@@ -1,0 +1,280 @@
+// Discovery: the catalogue's entries cross from Lua as data plus a guess function; the result goes back whole.
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "discover/discover.hpp"
+#include "runtime.hpp"
+#include "types.hpp"
+
+namespace lunid::lua {
+
+template <>
+struct Bound<Discovery> {
+  static constexpr const char* key = "lunid.discovery";
+  static constexpr const char* words = "a discovery";
+};
+
+namespace {
+
+/// A Lua value kept in the registry for as long as this lives.
+class Reference {
+ public:
+  /// Takes the value on top of the stack.
+  explicit Reference(lua_State* L) : L_(L), key_(luaL_ref(L, LUA_REGISTRYINDEX)) {}
+  ~Reference() { luaL_unref(L_, LUA_REGISTRYINDEX, key_); }
+  Reference(const Reference&) = delete;
+  Reference& operator=(const Reference&) = delete;
+  void push() const { lua_rawgeti(L_, LUA_REGISTRYINDEX, key_); }
+  lua_State* state() const { return L_; }
+
+ private:
+  lua_State* L_;
+  int key_;
+};
+
+void push_scales(lua_State* L, const RecordScales& scales) {
+  lua_newtable(L);
+  for (const auto& [field, value] :
+       {std::pair{"y_max", scales.y_max}, std::pair{"y_min", scales.y_min}, std::pair{"y_std", scales.y_std},
+        std::pair{"v_max", scales.v_max}, std::pair{"v_std", scales.v_std}, std::pair{"force_std", scales.force_std},
+        std::pair{"residual_std", scales.residual_std}, std::pair{"omega", scales.omega},
+        std::pair{"stiffness", scales.stiffness}}) {
+    lua_pushnumber(L, value);
+    lua_setfield(L, -2, field);
+  }
+}
+
+/// The list of guesses on top of the stack, under the entry's private names.
+std::vector<Guess> read_guesses(lua_State* L, const std::string& effect) {
+  const std::string where = "effect " + effect + ": guess: ";
+  if (lua_type(L, -1) != LUA_TTABLE) throw InputError(where + "expected a list of guesses, got " + describe(L, -1));
+  std::vector<Guess> guesses;
+  for_each(L, -1, [&](lua_Integer i) {
+    if (lua_type(L, -1) != LUA_TTABLE) {
+      throw InputError(where + "entry " + std::to_string(i) + ": expected a table, got " + describe(L, -1));
+    }
+    Guess guess;
+    lua_pushnil(L);
+    while (lua_next(L, -2)) {
+      if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TNUMBER) {
+        throw InputError(where + "entry " + std::to_string(i) + ": expected name = number");
+      }
+      guess[effect + "_" + lua_tostring(L, -2)] = lua_tonumber(L, -1);
+      lua_pop(L, 1);
+    }
+    guesses.push_back(std::move(guess));
+  });
+  return guesses;
+}
+
+/// Calls the entry's Lua function. The stack is as before, also when it throws.
+std::vector<Guess> call_guess(const Reference& function, const std::string& effect, const RecordScales& scales) {
+  lua_State* L = function.state();
+  const int top = lua_gettop(L);
+  function.push();
+  push_scales(L, scales);
+  if (lua_pcall(L, 1, 1, 0) != LUA_OK) {
+    const char* said = lua_tostring(L, -1);
+    const std::string message = said ? said : describe(L, -1);
+    lua_settop(L, top);
+    throw InputError("effect " + effect + ": guess: " + message);
+  }
+  std::vector<Guess> guesses = read_guesses(L, effect);
+  lua_settop(L, top);
+  return guesses;
+}
+
+std::vector<Parameter> read_rows(lua_State* L) {
+  std::vector<Parameter> rows;
+  with_field(L, -1, "rows", [&] {
+    for_each(L, -1, [&](lua_Integer) {
+      Parameter row;
+      row.name = string_field(L, -1, "name").value_or("");
+      row.unit = string_field(L, -1, "unit").value_or("");
+      row.min = number_field(L, -1, "min").value_or(row.min);
+      row.max = number_field(L, -1, "max").value_or(row.max);
+      rows.push_back(std::move(row));
+    });
+  });
+  return rows;
+}
+
+/// The entry on top of the stack, as stdlib/effect.lua made it.
+Effect read_effect(lua_State* L) {
+  Effect effect;
+  effect.name = string_field(L, -1, "name").value_or("");
+  effect.family = string_field(L, -1, "family").value_or("");
+  effect.formula = string_field(L, -1, "formula").value_or("");
+  effect.signature = string_field(L, -1, "signature").value_or("");
+  effect.sentence = string_field(L, -1, "sentence").value_or("");
+  effect.source = string_field(L, -1, "source").value_or("");
+  effect.special_case_of = strings_field(L, -1, "special_case_of");
+  effect.confusers = strings_field(L, -1, "confusers");
+  effect.channels = strings_field(L, -1, "channels");
+  effect.parameters = read_rows(L);
+  with_field(L, -1, "variants", [&] {
+    for_each(L, -1, [&](lua_Integer) { effect.variants.push_back(check_value(L, -1).expr); });
+  });
+  with_field(L, -1, "state_values", [&] {
+    for_each(L, -1, [&](lua_Integer) {
+      for (const DeclaredState& row : check_value(L, -1).declared->states) effect.states.push_back(row.state);
+    });
+  });
+  with_field(L, -1, "guess", [&] {
+    lua_pushvalue(L, -1);
+    const auto function = std::make_shared<const Reference>(L);
+    effect.guess = [function, name = effect.name](const RecordScales& scales) {
+      return call_guess(*function, name, scales);
+    };
+  });
+  return effect;
+}
+
+template <class Body>
+void each_record(lua_State* L, int index, Body body) {
+  check_table(L, index);
+  for_each(L, index, [&](lua_Integer) { body(check<Record>(L, -1)); });
+}
+
+DiscoverOptions read_options(lua_State* L, int index) {
+  DiscoverOptions options;
+  options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
+  options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
+  options.max_effects = static_cast<int>(number_field(L, index, "max_effects").value_or(options.max_effects));
+  options.blocks = static_cast<int>(number_field(L, index, "blocks").value_or(options.blocks));
+  options.holdout = number_field(L, index, "holdout").value_or(options.holdout);
+  options.seed = runtime(L).seed;
+  options.threads = runtime(L).threads;
+  options.cancelled = &runtime(L).cancelled();
+  if (isatty(STDERR_FILENO)) {
+    options.progress = [](const std::string& stage, double fraction) {
+      std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * fraction, stage.c_str());
+    };
+  }
+  return options;
+}
+
+/// Wipes the progress line, also when the discovery throws.
+struct ProgressLine {
+  ~ProgressLine() {
+    if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
+  }
+};
+
+/// discover(model, {effects}, {train records}, {test records}, options)
+int run_discovery(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  std::vector<Effect> catalogue;
+  check_table(L, 2);
+  for_each(L, 2, [&](lua_Integer) { catalogue.push_back(read_effect(L)); });
+  std::vector<Record> train, test;
+  each_record(L, 3, [&](const Record& record) { train.push_back(record); });
+  each_record(L, 4, [&](const Record& record) { test.push_back(record); });
+  check_table(L, 5);
+  const DiscoverOptions options = read_options(L, 5);
+  const ProgressLine line;
+  push<Discovery>(L, discover(model, catalogue, train, test, options));
+  return 1;
+}
+
+void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values) {
+  push_column(L, values);
+  lua_setfield(L, -2, field);
+}
+
+void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Comparison& c : comparisons) {
+    lua_newtable(L);
+    push_text(L, c.record);
+    lua_setfield(L, -2, "record");
+    push_text(L, c.role);
+    lua_setfield(L, -2, "role");
+    set_column(L, "t", c.t);
+    set_column(L, "measured", c.measured);
+    set_column(L, "baseline", c.baseline);
+    set_column(L, "final", c.final);
+    set_column(L, "y", c.y);
+    set_column(L, "v", c.v);
+    set_column(L, "residual_before", c.residual_before);
+    set_column(L, "residual_after", c.residual_after);
+    set_column(L, "named_force", c.named_force);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+/// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.
+void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
+  lua_newtable(L);
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    push_column(L, values.col(j));
+    lua_rawseti(L, -2, j + 1);
+  }
+  lua_setfield(L, -2, field);
+}
+
+void push_map(lua_State* L, const ResidualMap& map) {
+  lua_newtable(L);
+  set_column(L, "y", map.y);
+  set_column(L, "v", map.v);
+  set_rows(L, "before", map.before);
+  set_rows(L, "after", map.after);
+  set_rows(L, "count", map.count);
+}
+
+/// discovery.json, without the time that it took: the same run gives the same bits.
+nlohmann::json data_of(const Discovery& found) {
+  auto data = to_json(found);
+  data.erase("seconds");
+  return data;
+}
+
+/// Fields verdict, sentence, model, baseline, data (discovery.json as a table), json (its text), comparisons, map.
+int get(lua_State* L) {
+  const Discovery& found = check<Discovery>(L, 1);
+  const std::string key = check_string(L, 2);
+  if (key == "verdict") push_text(L, found.verdict);
+  else if (key == "sentence") push_text(L, found.sentence);
+  else if (key == "model") push<Model>(L, found.final);
+  else if (key == "baseline") push<Model>(L, found.baseline);
+  else if (key == "data") push_json(L, data_of(found));
+  else if (key == "json") push_text(L, data_of(found).dump(1) + "\n");
+  else if (key == "seconds") lua_pushnumber(L, found.seconds);
+  else if (key == "comparisons") push_comparisons(L, found.comparisons);
+  else if (key == "map") push_map(L, found.map);
+  else if (key == "effects" || key == "warnings") {
+    const auto data = to_json(found);
+    push_json(L, data.value(key, nlohmann::json::array()));
+  } else {
+    luaL_getmetafield(L, 1, "__methods");
+    lua_getfield(L, -1, key.c_str());
+    if (lua_isnil(L, -1)) {
+      throw InputError("a discovery has no '" + key +
+                       "' (fields: verdict sentence model baseline effects warnings data json seconds comparisons map; "
+                       "methods: save)");
+    }
+  }
+  return 1;
+}
+
+int to_string(lua_State* L) {
+  std::string text = to_terminal(check<Discovery>(L, 1));
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  push_text(L, text);
+  return 1;
+}
+
+}  // namespace
+
+void open_discoveries(lua_State* L) {
+  static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
+  make_type<Discovery>(L, {}, meta);
+  static constexpr Entry functions[] = {{"discover", guarded<run_discovery>}};
+  set_functions(L, functions);
+}
+
+}  // namespace lunid::lua

@@ -1,0 +1,148 @@
+-- The commands of the executable. Each gets its options as a table and returns nothing or an exit code.
+local core = require "lunid.core"
+local option = require "lunid.option"
+local output = require "lunid.output"
+local records = require "lunid.records"
+local strict = require "lunid.strict"
+
+local commands = {}
+
+local function fault(message, kind) core.raise(message, kind) end
+
+--- What run.json holds: all that the run depends on.
+local function run_record(command, options)
+  return { schema = 1, version = core.version, command = command, options = options, seed = options.seed,
+    threads = options.threads, inputs = core.inputs() }
+end
+
+--- Runs `work` with an out directory; commits its files, or says what was kept.
+local function with_output(command, options, work)
+  core.set_run(options.seed, options.threads)
+  output.begin(options.out or "lunid-out")
+  local good, message = xpcall(work, function(error) return tostring(error) end)
+  if good then
+    good, message = pcall(output.commit, run_record(command, options))
+    if good then return end
+  end
+  local interrupted = core.take_interrupt()
+  local kept = output.abandon(interrupted)
+  if interrupted then fault("interrupted; " .. kept, "interrupted") end
+  core.reraise(message .. "\n  " .. kept, message)
+end
+
+local function run_study(options)
+  option.take(options.arguments or {})
+  records.folder = core.parent_of(options.study)
+  core.note_input(options.study)
+  strict.load_file(options.study)()
+  option.check_all_read()
+end
+
+--- Repeats a run from its run.json: the same command, options and seed, on inputs that are the same.
+local function repeat_run(options)
+  local run = core.parse_json(core.read_text(options.study))
+  if type(run) ~= "table" or not commands[run.command] or not run.inputs then
+    fault(("'%s' is not the run.json of a run"):format(options.study), "data")
+  end
+  for _, input in ipairs(run.inputs) do
+    if not core.kind_of(input.path) then fault(("the run's input '%s' is missing"):format(input.path), "data") end
+    if core.hash_of(input.path) ~= input.sha256 then
+      fault(("the run's input '%s' has changed since (another SHA-256)"):format(input.path), "data")
+    end
+  end
+  if run.version ~= core.version then
+    io.stderr:write(("lunid: the run was made by version %s, this is %s\n"):format(run.version, core.version))
+  end
+  run.options.out = options.out or run.options.out
+  return commands[run.command](run.options)
+end
+
+commands["run"] = function(options)
+  if options.study:match "%.json$" then return repeat_run(options) end
+  if not core.kind_of(options.study) then fault(("no such study: '%s'"):format(options.study), "usage") end
+  with_output("run", options, function() run_study(options) end)
+end
+
+--- "2:10" -> a window
+local function window(lunid, texts, name)
+  if not texts then return nil end
+  if #texts > 1 then fault(("--%s: expected one A:B, got %d"):format(name, #texts), "usage") end
+  local from, to = texts[1]:match "^([^:]+):([^:]+)$"
+  from, to = tonumber(from), tonumber(to)
+  if not from or not to then fault(("--%s: expected A:B in seconds, got '%s'"):format(name, texts[1]), "usage") end
+  if to <= from then fault(("--%s: expected A < B, got '%s'"):format(name, texts[1]), "usage") end
+  return lunid.window(from, to)
+end
+
+local function baseline(lunid, options)
+  if options.baseline then
+    if options.mass or options.restoring then
+      fault("give --baseline, or --mass and --restoring; not both", "usage")
+    end
+    return lunid.load(options.baseline)
+  end
+  if not options.restoring then fault("--restoring (or --baseline model.lua) is needed", "usage") end
+  if not options.mass and not options.imposed_motion then fault("--mass is needed where the motion is free", "usage") end
+  local symbols = require "lunid.symbols"
+  local function read(text, source)
+    local value = core.parse(text, source)
+    for _, symbol in ipairs(value:symbols()) do
+      if symbol.kind == "parameter" then symbols.check_name(source, symbol.name) end
+    end
+    return value
+  end
+  local mass = read(options.mass or "0", "--mass")
+  return lunid.model { mass = mass, restoring = read(options.restoring, "--restoring"),
+    motion = options.imposed_motion and "imposed" or "free" }
+end
+
+local function read_all(lunid, paths, columns)
+  local list = {}
+  for i, path in ipairs(paths) do list[i] = lunid.read { path, columns = columns } end
+  return list
+end
+
+commands["discover"] = function(options)
+  local lunid = require "lunid"
+  with_output("discover", options, function()
+    local discovery = require "lunid.discovery"
+    local model = baseline(lunid, options)
+    local train = read_all(lunid, options.train, options.columns)
+    local test = options.test and read_all(lunid, options.test, options.columns)
+    local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
+      window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }
+    print(found)
+    print(discovery.where_it_is(discovery.save(found)))
+  end)
+end
+
+commands["simulate"] = function(options)
+  local lunid = require "lunid"
+  with_output("simulate", options, function()
+    local model = lunid.load(options.model)
+    local record = lunid.read { options.excitation, columns = options.columns,
+      window = window(lunid, options.window, "window") }
+    local from
+    if options.from then
+      from = {}
+      for text in options.from:gmatch "[^,]+" do
+        local value = tonumber(text)
+        if not value then fault(("--from: expected numbers \"y,v\", got '%s'"):format(text), "usage") end
+        from[#from + 1] = value
+      end
+      if #from < 2 then fault("--from: expected \"y,v\"", "usage") end
+    end
+    require("lunid.free_run").report(model, record, lunid.simulate { model = model, excitation = record, from = from,
+      solver = options.solver or "auto" })
+  end)
+end
+
+commands["check"] = function(options) return require("lunid.check").study(options.study) end
+commands["list"] = function(options) return require("lunid.help").list(options.topic) end
+commands["help"] = function(options) return require("lunid.help").explain(options.topic) end
+commands["doctor"] = function() return require("lunid.doctor").report() end
+commands["thesis"] = function()
+  fault("the cases of the thesis are not in this version", "usage")
+end
+
+return commands

@@ -1,0 +1,98 @@
+-- Discovery: what a model lacks, named out of the catalogue; and what it writes.
+local core = require "lunid.core"
+local effects = require "lunid.effect"
+local models = require "lunid.models"
+local output = require "lunid.output"
+local schema = require "lunid.schema"
+local types = schema.types
+
+local discovery = {}
+
+local record = types.is("record", "lunid.read")
+local records = types.either(record, types.list(record, 1))
+local window = types.is("window", "lunid.window")
+
+local function as_list(value) return type(value) == "table" and value or { value } end
+
+local function cut(list, part)
+  if not part then return list end
+  local kept = {}
+  for i, each in ipairs(list) do kept[i] = each:window(part.from, part.to) end
+  return kept
+end
+
+--- Writes discovery.json, results.json, model.lua, report.html and figures into `folder`; returns what was made.
+function discovery.save(found, folder)
+  local prefix = folder and folder ~= "" and folder:gsub("/+$", "") .. "/" or ""
+  local made = {
+    json = output.write(prefix .. "discovery.json", found.json),
+    model = output.write(prefix .. "model.lua", models.text(found.model)),
+  }
+  output.write(prefix .. "results.json", found.json)
+  local report = require("lunid.report").write(found, prefix)
+  made.report, made.figures, made.figure_count, made.note = report.path, report.folder, report.count, report.note
+  return made
+end
+
+--- The last line of what the terminal shows.
+function discovery.where_it_is(made)
+  local figures = made.figures and (", %s (%d)"):format(made.figures, made.figure_count) or ""
+  return ("%-11s%s, %s, %s%s%s"):format("", made.report, made.model, made.json, figures,
+    made.note and ("\n%-11s%s"):format("note", made.note) or "")
+end
+
+local definition = {
+  name = "discover",
+  help = "Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.",
+  fields = {
+    { "model", types.is("model", "lunid.model"), required = true, help = "the baseline" },
+    { "train", records, required = true, help = "record or list of records, used for every choice" },
+    { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
+    { "window", window, help = "part of the training records" },
+    { "test_window", window, help = "part of the test records; of the training files where no test is given" },
+    { "catalogue", types.list(types.string, 1), help = "names of entries to try; else all (`lunid list effects`)" },
+    { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
+      help = "entries of your own, beside the catalogue" },
+    { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
+      help = "level of false alarms of the whole search" },
+    { "max_effects", types.integer { min = 1, max = 20 }, default = 4, help = "named one after another" },
+    { "blocks", types.integer { min = 3, max = 100 }, default = 6, help = "left-out blocks of the training records" },
+    { "holdout", types.number { above = 0, max = 0.9 }, default = 0.3, help = "part held out when no test is given" },
+    { "out", types.string, help = "folder for report, model, JSON and figures, below the run's out directory" },
+  },
+  returns = "discovery",
+  example = [[local found = lunid.discover { model = model, train = train, test = test }]],
+}
+
+--- Checks the catalogue, cuts the windows and runs the search.
+local function search(given)
+  local entries = effects.catalogue(given.catalogue)
+  for _, entry in ipairs(given.effects) do
+    for _, known in ipairs(entries) do
+      if known.name == entry.name then
+        schema.fail("discover: effects", ("'%s' is in the catalogue already; give it another name"):format(entry.name))
+      end
+    end
+    entries[#entries + 1] = entry
+  end
+  local train, test = as_list(given.train), given.test and as_list(given.test) or {}
+  if given.test_window then test = cut(#test > 0 and test or train, given.test_window) end
+  train = cut(train, given.window)
+  return core.discover(given.model, entries, train, test, given)
+end
+
+local discover = schema.define(definition, function(given)
+  local found = search(given)
+  if given.out or output.active() then print(discovery.where_it_is(discovery.save(found, given.out))) end
+  return found
+end)
+
+--- The same without writing: for the command line, which shows the result first.
+function discovery.find(given) return search(schema.validate(definition, given)) end
+
+core.add_method("lunid.discovery", "save", function(found, folder)
+  return discovery.save(found, folder)
+end)
+
+discovery.public = { discover = discover }
+return discovery

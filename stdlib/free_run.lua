@@ -1,0 +1,39 @@
+-- What `lunid simulate` shows and writes of a free run.
+local core = require "lunid.core"
+local figures = require "lunid.figures"
+local output = require "lunid.output"
+
+local free_run = {}
+
+--- RMSE of the run over the standard deviation of the measured displacement; nil where nothing was measured.
+local function gap(record, run)
+  if not record.channels.y or record.channels.y.derived then return nil end
+  local measured, modelled = record:column "y", run:column "y"
+  local sum, deviation = 0, measured:std()
+  for i = 1, #measured do sum = sum + (modelled[i] - measured[i]) ^ 2 end
+  return deviation > 0 and math.sqrt(sum / #measured) / deviation or nil
+end
+
+--- Prints what the run did; writes run.csv, results.json and a figure.
+function free_run.report(model, record, run)
+  local summary, result = run.summary, gap(record, run)
+  print(model)
+  print(run)
+  if summary.completed and result then
+    print(("gap        %.4g (free run, from the record's first state where none was given)"):format(result))
+  end
+  local path = run:save "run.csv"
+  output.write_json("results.json", { summary = summary, gap = result, model = model:equation(),
+    excitation = record.name })
+  local series = { { x = run:column "t", y = run:column "y", label = "model, free run", role = "final" } }
+  if record.channels.y then
+    table.insert(series, 1, { x = record:column "t", y = record:column "y", label = "measured", role = "measured" })
+  end
+  local figure = figures.make { panels = { { x = { name = "time", unit = "s" },
+    y = { name = "displacement", unit = "m" }, series = series } } }
+  local good, message = pcall(core.render_figure, figure, output.place "figures/run.png")
+  print(("%-11s%s, %s%s"):format("", path, output.shown "results.json", good and ", " .. output.shown "figures/run.png" or ""))
+  if not good then print(("%-11sno figure: %s"):format("note", message)) end
+end
+
+return free_run

@@ -1,0 +1,92 @@
+-- Where a run's files go: gathered beside the out directory, renamed into it when the run is done.
+local core = require "lunid.core"
+
+local output = {}
+local current  -- { out = what the user asked for, partial = where files are gathered }
+
+--- Begins a run that writes to `out`. A directory that holds other things than an earlier run is refused.
+function output.begin(out)
+  local kind = core.kind_of(out)
+  if kind == "file" then core.raise(("--out: '%s' is a file, not a directory"):format(out), "usage") end
+  if kind == "directory" and #core.list_files(out) > 0 and not core.kind_of(out .. "/run.json") then
+    core.raise(("--out: the directory '%s' holds other things than an earlier run (it has no run.json); "
+      .. "choose another or empty it"):format(out), "usage")
+  end
+  local partial = ("%s.partial-%d"):format((out:gsub("/+$", "")), core.process_id())
+  core.make_directories(partial)
+  current = { out = (out:gsub("/+$", "")), partial = partial }
+end
+
+local function is_relative(path) return path:sub(1, 1) ~= "/" end
+
+--- The path to write to for a path that a study names; relative ones lie below the out directory.
+function output.place(path)
+  if not current or not is_relative(path) then return path end
+  for part in path:gmatch "[^/]+" do
+    if part == ".." then core.raise(("save: '%s' leaves the out directory; give an absolute path"):format(path), "study") end
+  end
+  local full = current.partial .. "/" .. path
+  core.make_directories(core.parent_of(full))
+  return full
+end
+
+--- The path as the user will find it.
+function output.shown(path)
+  if not current or not is_relative(path) then return path end
+  return current.out .. "/" .. path
+end
+
+function output.write(path, text)
+  core.write_text(output.place(path), text)
+  return output.shown(path)
+end
+
+function output.write_json(path, value) return output.write(path, core.json_text(value)) end
+
+--- Does this run own an out directory? (Not in the REPL.)
+function output.active() return current ~= nil end
+
+local function earlier_files(out)
+  if not core.kind_of(out .. "/run.json") then return {} end
+  local good, run = pcall(function() return core.parse_json(core.read_text(out .. "/run.json")) end)
+  return good and type(run) == "table" and run.files or {}
+end
+
+--- Renames the gathered files into the out directory, run.json last, and removes what only the earlier run had.
+function output.commit(run)
+  local files = core.list_files(current.partial)
+  local kept = { ["run.json"] = true }
+  for _, file in ipairs(files) do kept[file] = true end
+  run.files = files
+  output.write_json("run.json", run)
+  local stale = earlier_files(current.out)
+  for _, file in ipairs(files) do
+    core.make_directories(core.parent_of(current.out .. "/" .. file))
+    core.rename(current.partial .. "/" .. file, current.out .. "/" .. file)
+  end
+  core.make_directories(current.out)
+  core.rename(current.partial .. "/run.json", current.out .. "/run.json")
+  for _, file in ipairs(stale) do
+    local path = current.out .. "/" .. file
+    if not kept[file] and is_relative(file) and not file:find("..", 1, true) and core.kind_of(path) == "file" then
+      core.remove_all(path)
+    end
+  end
+  core.remove_all(current.partial)
+  current = nil
+end
+
+--- Ends a run that failed. Whole files that it made stay beside the out directory when `keep`; says what was kept.
+function output.abandon(keep)
+  local run = current
+  current = nil
+  local files = keep and core.list_files(run.partial) or {}
+  local earlier = core.kind_of(run.out) and ("; '%s' is as it was"):format(run.out) or ""
+  if #files == 0 then
+    core.remove_all(run.partial)
+    return "nothing was written" .. earlier
+  end
+  return ("finished files are kept in '%s': %s%s"):format(run.partial, table.concat(files, ", "), earlier)
+end
+
+return output

@@ -1,0 +1,82 @@
+-- Measured records and windows of time.
+local core = require "lunid.core"
+local output = require "lunid.output"
+local schema = require "lunid.schema"
+local types = schema.types
+
+local records = {}
+
+-- Study-relative paths: set by the command that runs a study.
+records.folder = nil
+
+--- The path of an input: beside the study, or from the current directory.
+function records.find(path)
+  if records.folder and path:sub(1, 1) ~= "/" then
+    local beside = records.folder .. "/" .. path
+    if records.folder ~= "" and core.kind_of(beside) then return beside end
+  end
+  return path
+end
+
+local channels = { time = "t", force = "F", displacement = "y", velocity = "v", acceleration = "a" }
+
+records.read = schema.define({
+  name = "read",
+  help = "Reads a CSV file. Columns are t F y v a in SI by default; v and a are derived where absent.",
+  positional = { "path" },
+  fields = {
+    { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
+    { "time", types.string, help = "header of the time column, with its unit: \"t [ms]\"" },
+    { "force", types.string, help = "header of the force column: \"load [kN]\"" },
+    { "displacement", types.string, help = "header of the displacement column: \"y [mm]\"" },
+    { "velocity", types.string, help = "header of the velocity column" },
+    { "acceleration", types.string, help = "header of the acceleration column" },
+    { "columns", types.string, help = "all at once: \"t=time,y=disp [mm],F=load [kN]\"" },
+    { "resample", types.boolean, default = false, help = "resample an uneven time base to its median step" },
+    { "window", types.is("window", "lunid.window"), help = "part of the record to keep" },
+  },
+  returns = "record",
+  example = [[local record = lunid.read("run3.csv", { time = "t", force = "F", displacement = "y [mm]" })]],
+}, function(given)
+  local columns = {}
+  for _, field in ipairs { "time", "force", "displacement", "velocity", "acceleration" } do
+    if given[field] then columns[#columns + 1] = channels[field] .. "=" .. given[field] end
+  end
+  if given.columns then
+    for _, column in ipairs(core.split_columns(given.columns)) do columns[#columns + 1] = column end
+  end
+  local record = core.read(records.find(given.path), { columns = columns, resample = given.resample })
+  return given.window and record:window(given.window.from, given.window.to) or record
+end)
+
+records.window = schema.define({
+  name = "window",
+  help = "A part of a record's time, from <= t <= to.",
+  positional = { "from", "to" },
+  fields = {
+    { "from", types.number(), required = true, unit = "s", help = "first time kept" },
+    { "to", types.number(), required = true, unit = "s", help = "last time kept" },
+  },
+  returns = "window",
+  example = [[window = lunid.window { from = 2, to = 10 }]],
+}, function(given)
+  if given.to <= given.from then
+    schema.fail("window", ("to: expected > from, which is %g, got %g"):format(given.from, given.to))
+  end
+  given.place = core.place()
+  return schema.object("window", given, nil, function(self)
+    return ("window %g to %g s"):format(self.from, self.to)
+  end)
+end)
+
+core.add_method("lunid.record", "save", function(record, path)
+  core.write_record(record, output.place(path))
+  return output.shown(path)
+end)
+
+core.add_method("lunid.run", "save", function(run, path)
+  core.write_record(run:record(), output.place(path))
+  return output.shown(path)
+end)
+
+return records

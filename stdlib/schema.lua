@@ -1,0 +1,210 @@
+-- One schema per constructor: it validates, fills in defaults, feeds `lunid help`, the editor stubs and the docs check.
+local core = require "lunid.core"
+
+local schema = {}
+
+--- Types of fields. A type is { words, check }: check(value) gives true and the value to keep, or false and what was
+--- expected ("> 0" where only the range is wrong).
+local types = {}
+schema.types = types
+
+local function type_of(words, check) return { words = words, check = check } end
+
+local function simple(kind, words)
+  return type_of(words, function(value) return type(value) == kind, type(value) == kind and value or words end)
+end
+
+types.string = simple("string", "a string")
+types.boolean = simple("boolean", "true or false")
+types.callable = simple("function", "a function")
+types.table = simple("table", "a table")
+types.any = type_of("any value", function(value) return true, value end)
+
+--- Range in words: { above = 0 } is "> 0", { min = 0, max = 1 } is "0 to 1".
+local function range_words(range)
+  if range.above and range.below then return ("> %g and < %g"):format(range.above, range.below) end
+  if range.min and range.max then return ("%g to %g"):format(range.min, range.max) end
+  if range.above and range.max then return ("> %g and <= %g"):format(range.above, range.max) end
+  if range.above then return ("> %g"):format(range.above) end
+  if range.min then return (">= %g"):format(range.min) end
+  if range.below then return ("< %g"):format(range.below) end
+  if range.max then return ("<= %g"):format(range.max) end
+end
+
+local function in_range(value, range)
+  return value == value and not (range.min and value < range.min) and not (range.above and value <= range.above)
+    and not (range.max and value > range.max) and not (range.below and value >= range.below)
+end
+
+local function number_type(noun, is)
+  return function(range)
+    range = range or {}
+    local limits = range_words(range)
+    return type_of(limits and noun .. " " .. limits or noun, function(value)
+      if not is(value) then return false, limits and noun .. " " .. limits or noun end
+      if not in_range(value, range) then return false, limits or noun end
+      return true, value
+    end)
+  end
+end
+
+types.number = number_type("a number", function(value) return type(value) == "number" end)
+types.integer = number_type("a whole number", function(value) return math.type(value) == "integer" end)
+
+function types.choice(words)
+  local text = "'" .. table.concat(words, "', '") .. "'"
+  local last = #words > 1 and text:gsub(", ('[^,]*')$", " or %1") or text
+  return type_of(last, function(value)
+    for _, word in ipairs(words) do
+      if value == word then return true, value end
+    end
+    local near = type(value) == "string" and core.nearest(value, words)
+    return false, last, near and (", did you mean '%s'?"):format(near) or nil
+  end)
+end
+
+--- A value of a bound type or of an object of the standard library: types.is("record", "lunid.read").
+function types.is(kind, from)
+  local words = (kind:match "^[aeiou]" and "an " or "a ") .. kind .. (from and " from " .. from or "")
+  return type_of(words, function(value) return getmetatable(value) == "lunid." .. kind, value end)
+end
+
+types.expression = type_of("an expression or a number", function(value)
+  return type(value) == "number" or core.is_expression(value), value
+end)
+
+function types.list(of, least)
+  local words = "a list of " .. of.words:gsub("^an? ", "") .. (least and (" (%d or more)"):format(least) or "")
+  return type_of(words, function(value)
+    if type(value) ~= "table" or getmetatable(value) ~= nil and getmetatable(value) ~= "lunid.list" then
+      return false, words
+    end
+    local kept = {}
+    for i = 1, #value do
+      local good, entry = of.check(value[i])
+      if not good then return false, ("entry %d: expected %s"):format(i, of.words), nil, value[i] end
+      kept[i] = entry
+    end
+    if #kept < (least or 0) then return false, words end
+    return true, kept
+  end)
+end
+
+function types.either(...)
+  local all, words = { ... }, {}
+  for i, each in ipairs(all) do words[i] = each.words end
+  local text = table.concat(words, " or ")
+  return type_of(text, function(value)
+    local said, number_of_matches = nil, 0
+    for _, each in ipairs(all) do
+      local good, kept = each.check(value)
+      if good then return true, kept end
+      if type(value) == "number" and each.words:match "number" then said, number_of_matches = kept, 1 end
+    end
+    return false, number_of_matches > 0 and said or text
+  end)
+end
+
+--- All definitions, by name and in the order of declaration.
+schema.definitions = {}
+
+--- Raises `where: message` with the user's file and line.
+function schema.fail(where, message) core.raise(where .. ": " .. message, "study") end
+
+local function field_named(definition, name)
+  for _, field in ipairs(definition.fields) do
+    if field.name == name then return field end
+  end
+end
+
+local function unknown_field(definition, key)
+  local names = {}
+  for _, field in ipairs(definition.fields) do names[#names + 1] = field.name end
+  local near = type(key) == "string" and core.nearest(key, names)
+  local known = #names > 0 and " (fields: " .. table.concat(names, ", ") .. ")" or " (it has no fields)"
+  return ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near) or known)
+end
+
+local function check_field(definition, field, value)
+  if value == nil then
+    if field.required then
+      schema.fail(definition.name, ("missing field '%s': %s"):format(field.name, field.type.words))
+    end
+    return field.default
+  end
+  local good, kept, hint, culprit = field.type.check(value)
+  if good then return kept end
+  local expected = kept:match "^entry" and kept or "expected " .. kept
+  schema.fail(definition.name .. ": " .. field.name,
+    ("%s, got %s%s"):format(expected, core.describe(culprit == nil and value or culprit), hint or ""))
+end
+
+--- Gives positional entries their names and refuses unknown keys.
+local function named(definition, given)
+  local values = {}
+  for key, value in pairs(given) do
+    local name = key
+    if math.type(key) == "integer" then
+      name = definition.positional and definition.positional[key]
+      if not name then
+        schema.fail(definition.name, ("unexpected entry %d: %s; fields are written name = value"):format(key,
+          core.describe(value)))
+      end
+    elseif not field_named(definition, key) then
+      schema.fail(definition.name, unknown_field(definition, key))
+    end
+    values[name] = value
+  end
+  return values
+end
+
+--- Checks the arguments of a call against a definition; returns the named values with defaults filled in.
+function schema.validate(definition, ...)
+  local given
+  if definition.style == "arguments" then
+    given = { ... }
+    local count = select("#", ...)
+    if count > #definition.positional then
+      schema.fail(definition.name, ("expected %d arguments, got %d"):format(#definition.positional, count))
+    end
+  else
+    local first, second = ...
+    local plain = type(first) == "table" and getmetatable(first) == nil
+    if plain then
+      given = first
+    elseif definition.positional and first ~= nil then  -- lunid.read "run.csv", lunid.read("run.csv", { ... })
+      given = { first }
+      if type(second) == "table" then
+        for key, value in pairs(second) do given[key] = value end
+      end
+    else
+      schema.fail(definition.name, ("expected a table { ... }, got %s"):format(core.describe(first)))
+    end
+  end
+  local values, checked = named(definition, given), {}
+  for _, field in ipairs(definition.fields) do checked[field.name] = check_field(definition, field, values[field.name]) end
+  return checked
+end
+
+--- Declares a public function: definition { name, help, fields = { { "name", type, ... } }, positional, style, returns }
+--- and the body that gets the checked values.
+function schema.define(definition, body)
+  for _, field in ipairs(definition.fields) do
+    field.name, field.type = field.name or field[1], field.type or field[2]
+  end
+  schema.definitions[#schema.definitions + 1] = definition
+  schema.definitions[definition.name] = definition
+  return function(...) return body(schema.validate(definition, ...)) end
+end
+
+--- An object of the standard library: a table whose metatable is locked and says what it is.
+function schema.object(kind, fields, methods, to_string)
+  return setmetatable(fields, {
+    __metatable = "lunid." .. kind,
+    __words = (kind:match "^[aeiou]" and "an " or "a ") .. kind,
+    __index = methods,
+    __tostring = to_string or function() return kind end,
+  })
+end
+
+return schema

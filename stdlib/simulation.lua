@@ -1,0 +1,86 @@
+-- Free runs, and fits on the trajectory.
+local core = require "lunid.core"
+local schema = require "lunid.schema"
+local types = schema.types
+
+local simulation = {}
+
+local solvers = { "auto", "fixed", "bdf", "adams", "explicit" }
+local interpolations = { "hold", "linear", "cubic", "band_limited" }
+simulation.solver_words = {
+  auto = "fixed; BDF where stability limits the explicit path",
+  fixed = "Runge-Kutta locked to the record's samples",
+  bdf = "CVODE BDF, for stiff models and switches to tolerance",
+  adams = "CVODE Adams",
+  explicit = "ARKODE explicit Runge-Kutta",
+}
+simulation.solvers = solvers
+
+local function start_of(given)
+  if given.from == "record" then
+    if not given.record then schema.fail("simulate", "from: 'record' needs a record as excitation") end
+    return nil
+  end
+  if given.from ~= nil then return given.from end
+  if given.record and given.record.channels.y then return nil end
+  return { 0, 0 }
+end
+
+local simulate = schema.define({
+  name = "simulate",
+  help = "Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.",
+  fields = {
+    { "model", types.is("model", "lunid.model"), required = true, help = "what moves" },
+    { "excitation", types.either(types.is("record", "lunid.read"), types.expression), required = true, unit = "N",
+      help = "a record, whose F drives the model, or an expression of lunid.time" },
+    { "from", types.either(types.choice { "record" }, types.list(types.number(), 2)),
+      help = "first state { y, v, ... }, or 'record': that of the record; else the record's, else rest" },
+    { "duration", types.number { above = 0 }, unit = "s", help = "length of the run, where the force is an expression" },
+    { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result, where the force is an expression" },
+    { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
+    { "interpolation", types.choice(interpolations), default = "linear", help = "what the force does between samples" },
+    { "rtol", types.number { above = 0, below = 1 }, default = 1e-8, help = "relative tolerance of SUNDIALS" },
+    { "substeps", types.integer { min = 1, max = 1000 }, help = "of the fixed path, per sample; else chosen" },
+  },
+  returns = "run",
+  example = [[local run = lunid.simulate { model = model, excitation = record, from = { 0, 0 } }]],
+}, function(given)
+  if getmetatable(given.excitation) == "lunid.record" then
+    given.record = given.excitation
+  else
+    given.force = given.excitation
+    if not given.duration or not given.dt then
+      schema.fail("simulate", "duration and dt are needed where the excitation is an expression")
+    end
+  end
+  given.x0 = start_of(given)
+  return core.simulate(given.model, given)
+end)
+
+local fit = schema.define({
+  name = "fit",
+  help = "Refines a model's parameters on the trajectory: least squares on the displacement of free runs.",
+  fields = {
+    { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses" },
+    { "record", types.either(types.is("record", "lunid.read"), types.list(types.is("record", "lunid.read"), 1)),
+      required = true, help = "one record or several" },
+    { "window", types.is("window", "lunid.window"), help = "part of the records" },
+    { "interpolation", types.choice(interpolations), default = "linear", help = "what the force does between samples" },
+    { "max_iterations", types.integer { min = 1, max = 1000 }, default = 40, help = "of Levenberg-Marquardt" },
+  },
+  returns = "model",
+  example = [[local fitted = lunid.fit { model = model, record = train }]],
+}, function(given)
+  local list = type(given.record) == "table" and given.record or { given.record }
+  for i, record in ipairs(list) do
+    list[i] = given.window and record:window(given.window.from, given.window.to) or record
+  end
+  local model, summary = core.fit(given.model, list, given)
+  if not summary.converged then
+    print(("%s: fit: did not converge (%s)"):format(core.place(), summary.stopped))
+  end
+  return model
+end)
+
+simulation.public = { simulate = simulate, fit = fit }
+return simulation

@@ -1,0 +1,73 @@
+-- The environment of a study: reading or writing an undeclared global is an error with its name and line.
+local core = require "lunid.core"
+
+local strict = {}
+
+-- What a study may use of Lua itself. `load` and friends would leave the strict environment.
+local allowed = { "assert", "coroutine", "error", "getmetatable", "io", "ipairs", "math", "next", "os", "pairs",
+  "pcall", "print", "rawequal", "rawget", "rawlen", "rawset", "select", "setmetatable", "string", "table", "tonumber",
+  "tostring", "type", "utf8", "xpcall", "_VERSION" }
+
+local loaded = {}  -- the study's own modules, by path
+
+--- Names that are in sight of the study's innermost frame, for "did you mean".
+local function names_in_sight(environment)
+  local names = {}
+  for name in pairs(environment) do names[#names + 1] = name end
+  table.sort(names)
+  for level = 3, 6 do
+    local info = debug.getinfo(level, "Sf")
+    if info and info.what ~= "C" then
+      for i = 1, 200 do
+        local name = debug.getlocal(level, i)
+        if not name then break end
+        names[#names + 1] = name
+      end
+      for i = 1, 60 do
+        local name = debug.getupvalue(info.func, i)
+        if not name then break end
+        names[#names + 1] = name
+      end
+      break
+    end
+  end
+  return names
+end
+
+--- A fresh environment. `folder`: where the study's own modules are.
+function strict.environment(folder)
+  local environment = {}
+  for _, name in ipairs(allowed) do environment[name] = _G[name] end
+  function environment.require(name)
+    if name == "lunid" or type(name) ~= "string" then return require(name) end
+    local path = (folder ~= "" and folder .. "/" or "") .. name:gsub("%.", "/") .. ".lua"
+    if not core.kind_of(path) then
+      core.raise(("require: no module '%s' (looked for '%s')"):format(name, path), "study")
+    end
+    if loaded[path] == nil then
+      core.note_input(path)
+      local module = strict.load_file(path)()
+      loaded[path] = module == nil and true or module
+    end
+    return loaded[path]
+  end
+  return setmetatable(environment, {
+    __metatable = "locked",
+    __index = function(_, name)
+      local near = core.nearest(tostring(name), names_in_sight(environment))
+      core.raise(("undeclared name '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or ""), "study")
+    end,
+    __newindex = function(_, name)
+      core.raise(("assignment to the undeclared name '%s'; write `local %s = ...`"):format(name, name), "study")
+    end,
+  })
+end
+
+--- Compiles a file for a fresh strict environment; messages carry its path as given.
+function strict.load_file(path)
+  local chunk, message = load(core.read_text(path), "@" .. path, "t", strict.environment(core.parent_of(path)))
+  if not chunk then core.raise(message, "study") end
+  return chunk
+end
+
+return strict

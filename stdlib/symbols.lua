@@ -1,0 +1,93 @@
+-- Symbols: signals, parameters, internal states, and the functions of the language.
+local core = require "lunid.core"
+local schema = require "lunid.schema"
+local types = schema.types
+
+local symbols = {
+  displacement = core.channel "y",
+  velocity = core.channel "v",
+  acceleration = core.channel "a",
+  time = core.channel "t",
+  force = core.channel "F",
+  pi = math.pi,
+}
+
+--- sin cos ... where, and the conditions greater, less, greater_equal, less_equal.
+for name, f in pairs(core.functions) do symbols[name] = f end
+
+local keywords = {}
+for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true
+               until while lunid]]):gmatch "%S+" do
+  keywords[word] = true
+end
+
+--- A name that can stand in an expression and in a saved model.
+local function check_name(where, name)
+  if not name:match "^[%a_][%w_]*$" then
+    schema.fail(where, ("name: expected letters, digits and _, got '%s'"):format(name))
+  end
+  if keywords[name] then schema.fail(where, ("name: '%s' is a word of Lua; choose another"):format(name)) end
+end
+symbols.check_name = check_name
+
+local function check_bounds(where, given)
+  if given.min and given.max and given.min > given.max then
+    schema.fail(where, ("min: expected <= max, which is %g, got %g"):format(given.max, given.min))
+  end
+end
+
+symbols.parameter = schema.define({
+  name = "parameter",
+  help = "An unknown number to fit. It stands in expressions as a symbol.",
+  positional = { "name", "value" },
+  fields = {
+    { "name", types.string, required = true, help = "how it is written in equations and results" },
+    { "value", types.number(), help = "first guess; without one it is read off the data" },
+    { "min", types.number(), help = "least admissible value" },
+    { "max", types.number(), help = "largest admissible value" },
+    { "unit", types.string, default = "", help = "SI unit, such as \"N/m\"" },
+    { "fixed", types.boolean, default = false, help = "held at its value" },
+    { "std", types.number { min = 0 }, help = "standard deviation, in a saved model" },
+  },
+  returns = "expression",
+  example = [[local k = lunid.parameter { "k", 2e4, min = 0, unit = "N/m" }]],
+}, function(given)
+  check_name("parameter", given.name)
+  check_bounds("parameter: " .. given.name, given)
+  local value = given.value
+  if value and (value < (given.min or value) or value > (given.max or value)) then
+    schema.fail("parameter: " .. given.name, ("value: expected within %g to %g, got %g"):format(
+      given.min or -math.huge, given.max or math.huge, value))
+  end
+  given.place = core.place()
+  return core.parameter(given)
+end)
+
+symbols.state = schema.define({
+  name = "state",
+  help = "An internal state z with a rate of its own. Held at a bound while its rate pushes outward.",
+  positional = { "name" },
+  fields = {
+    { "name", types.string, required = true, help = "how it is written in equations and results" },
+    { "rate", types.either(types.expression, types.callable), required = true,
+      help = "dz/dt; function(z) return ... end where the rate holds z itself" },
+    { "initial", types.number(), default = 0, help = "value at the start of a run" },
+    { "min", types.expression, help = "lower bound; may follow the motion" },
+    { "max", types.expression, help = "upper bound; may follow the motion" },
+  },
+  returns = "expression",
+  example = [[local z = lunid.state { "z", rate = function(z) return v - 40*lunid.abs(v)*z end }]],
+}, function(given)
+  check_name("state", given.name)
+  if type(given.rate) == "function" then
+    given.rate = given.rate(core.state_symbol(given.name))
+    if not types.expression.check(given.rate) then
+      schema.fail("state: " .. given.name,
+        "rate: expected the function to return an expression, got " .. core.describe(given.rate))
+    end
+  end
+  given.place = core.place()
+  return core.state(given)
+end)
+
+return symbols
