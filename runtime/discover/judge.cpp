@@ -65,10 +65,9 @@ Whitening residual_colour(const Study& study, const Candidate& candidate) {
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening) {
   if (!candidate.ran()) return;
   FitOptions options;
-  options.max_iterations = 15;
+  options.max_iterations = 8;
   options.whitening = whitening;
-  options.substeps = candidate.fit.substeps;
-  options.cancelled = study.options->cancelled;
+  options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
   if (!std::isfinite(whitened.cost)) whitened = candidate.fit;
   std::vector<Eigen::VectorXd> parts;
@@ -93,7 +92,7 @@ void run_left_out(const Study& study, Candidate& candidate, const Whitening& whi
   for (int part = 0; part < parts; ++part) {
     const auto data = without_part(study, part, parts);
     FitOptions options;
-    options.max_iterations = 6;
+    options.max_iterations = 3;
     options.tolerance = 1e-4;
     options.substeps = candidate.fit.substeps;
     options.whitening = whitening;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int beam = 2;       // sets that grow by one more effect
 constexpr int full_fits = 6;  // sets of one size that are fitted on the trajectory
-constexpr int finalists = 4;  // sets that are judged under the common noise colour
+constexpr int finalists = 3;  // sets that are judged under the common noise colour
 
 class Search {
  public:
@@ -54,7 +54,7 @@ class Search {
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
-    return rms(after) < (1 - study_.options->minimum_gain) * rms(before) && rms(after) > 1.02 * study_.sensor_noise();
+    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) && rms(after) > 1.02 * study_.sensor_noise();
   }
 
   static bool holds(const Choices& set, const Effect* effect) {
@@ -155,10 +155,10 @@ class Search {
     options.max_iterations = 12;
     options.tolerance = 1e-4;
     options.cancelled = study_.options->cancelled;
+    if (parent.ran()) options.substeps = std::max(1, (result_.baseline.fit.substeps + 1) / 2);
     if (candidate.choices.size() == 1 || !parent.ran()) {
       fit(study_, candidate, options);
     } else {
-      options.substeps = parent.fit.substeps;
       candidate.fit = fit_trajectory(*candidate.system, candidate.starts.front(), study_.train, options);
     }
     if (!parent.ran()) return;
@@ -166,7 +166,6 @@ class Search {
     warm.head(parent.fit.theta.size()) = parent.fit.theta;
     for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
       if (candidate.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
-    options.substeps = std::max(parent.fit.substeps, candidate.fit.substeps);
     FitResult again = fit_trajectory(*candidate.system, warm, study_.train, options);
     if (again.cost < candidate.fit.cost) candidate.fit = std::move(again);
   }

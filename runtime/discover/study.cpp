@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/spectrum.hpp"
+
 namespace lunid {
 
 namespace {
@@ -54,6 +56,18 @@ Record smoothed(const Record& record, const SavitzkyGolay& kernel) {
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
+/// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
+/// signal (sampling theorem), however few samples a period has.
+double power_at_band_edge(const Record& record) {
+  const auto f = record["F"];
+  Eigen::Index length = 64;
+  while (length * 8 <= record.rows() && length < 4096) length *= 2;
+  const Eigen::VectorXd density = welch(f, length).density;
+  const Eigen::Index edge = density.size() / 10;
+  const double total = density.tail(density.size() - 2).sum();
+  return total > 0 ? density.tail(edge).sum() / total : 1;
+}
+
 /// Which straight or curved line through its neighbours predicts a sample of the force best.
 Interpolation guess_interpolation(const std::vector<Record>& records) {
   double hold = 0, line = 0, cubic = 0, power = 0;
@@ -69,6 +83,9 @@ Interpolation guess_interpolation(const std::vector<Record>& records) {
   }
   if (!(power > 0)) return Interpolation::linear;
   if (cubic < line && cubic < hold) return cubic > 1e-4 * power ? Interpolation::band_limited : Interpolation::cubic;
+  double edge = 0;
+  for (const auto& record : records) edge = std::max(edge, power_at_band_edge(record));
+  if (edge < 1e-4) return Interpolation::band_limited;
   return line <= hold ? Interpolation::linear : Interpolation::hold;
 }
 

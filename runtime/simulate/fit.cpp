@@ -358,9 +358,13 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
   for (const auto& d : data) {
     const Eigen::Index rows = std::min<Eigen::Index>(d.record.rows(), 400);
     const Eigen::Index first = (d.record.rows() - rows) / 2;
-    std::vector<double> values(d.record["y"].begin(), d.record["y"].end());
+    const auto y = d.record["y"];
+    const Eigen::Map<const Eigen::VectorXd> values(y.data(), d.record.rows());
+    const double spread = std::sqrt((values.array() - values.mean()).square().mean());
+    // A twentieth of what the sensor's noise hides.
+    const double tolerance = std::clamp(0.05 * d.record.channel("y").noise / spread, 1e-5, 1e-3);
     const int chosen = choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())},
-                                       slice(d.excitation, first, rows, 8), measured_state(system, d.record, first), 1e-4);
+                                       slice(d.excitation, first, rows, 8), measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, 64);
