@@ -82,7 +82,7 @@ Fit stlsq(const Statistic& data, const StlsqOptions& options = {}, std::span<con
 
 struct LassoOptions {
   /// Dimensionless, > 0; empty: by cross-validation over the blocks given. At the first entry of a path all are zero.
-  std::optional<double> lambda;
+  std::optional<double> lambda = std::nullopt;
   int path = 100;              ///< values of lambda on the path, >= 2
   double path_ratio = 1e-3;    ///< last over first value, 0 < ratio < 1
   bool one_standard_error = true;  ///< cross-validation: the largest lambda within one standard error of the least

@@ -92,6 +92,8 @@ class OrthantWalk {
     if (q.blocked >= 0) return false;
     for (int row : q.active)
       if (row >= user_rows_) q.x[penalised_[static_cast<std::size_t>(row - user_rows_)]] = 0;
+    for (Index k : penalised_)
+      if (q.x[k] * sign_[k] < 0) q.x[k] = 0;  // outside its orthant by rounding
     point_.u = std::move(q.x);
     point_.multipliers = std::move(q.multipliers);
     point_.active = std::move(q.active);
@@ -148,6 +150,7 @@ class OrthantWalk {
 std::vector<double> lambdas(const LassoOptions& options, double greatest) {
   std::vector<double> grid(static_cast<std::size_t>(options.path));
   const double ratio = std::log(options.path_ratio) / (options.path - 1);
+  greatest *= 1 + 1e-10;  // or rounding decides whether the first point is 0
   for (std::size_t i = 0; i < grid.size(); ++i) grid[i] = greatest * std::exp(ratio * static_cast<double>(i));
   return grid;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lunid {
 
@@ -69,6 +70,15 @@ void Statistic::merge(const Statistic& other) {
   if (names_ != other.names_) throw InputError("statistic: merged with one of other features");
   triangularise(r_, other.r_);
   rows_ += other.rows_;
+}
+
+Statistic Statistic::leading(int count) const {
+  Statistic out(std::vector<std::string>(names_.begin(), names_.begin() + count));
+  LongMatrix block(r_.rows(), count + 2);
+  block << r_.leftCols(count + 1), r_.rightCols(1);
+  triangularise(out.r_, std::move(block));
+  out.rows_ = rows_;
+  return out;
 }
 
 LongMatrix Statistic::factor() const {

@@ -42,6 +42,9 @@ class Statistic {
   /// Adds the rows of another statistic of the same features. Throws InputError when they differ.
   void merge(const Statistic& other);
 
+  /// The statistic of the first `count` features and the target.
+  Statistic leading(int count) const;
+
   int features() const { return static_cast<int>(names_.size()); }
   const std::vector<std::string>& names() const { return names_; }
   Eigen::Index rows() const { return rows_; }

@@ -1,0 +1,134 @@
+#include "regress/columns.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <thread>
+
+#include "regress/number.hpp"
+
+namespace lunid::detail {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+/// Rows that are built and folded in together: the folding's fixed cost is small beside them, and the work space of
+/// 23 columns stays in the cache.
+constexpr Index kRows = 4096;
+
+std::vector<Expr> inputs_of(const std::vector<Expr>& outputs, SymbolKind kind) {
+  std::vector<Expr> found;
+  for (const Expr& f : outputs)
+    for (const Expr& s : symbols(f, kind))
+      if (std::find(found.begin(), found.end(), s) == found.end()) found.push_back(s);
+  return found;
+}
+
+}  // namespace
+
+Columns::Columns(std::vector<Expr> features, Expr target) {
+  for (const Expr& f : features) names_.push_back(to_text(f));
+  features.push_back(target);
+  const std::vector<Expr> states = inputs_of(features, SymbolKind::state);
+  if (!states.empty())
+    throw InputError("state '" + states.front().name() +
+                     "' is not measured: a regression knows channels only, fit such a model on its trajectory");
+  std::vector<Expr> inputs = inputs_of(features, SymbolKind::channel);
+  for (const Expr& s : inputs) channels_.push_back(s.name());
+  for (const Expr& s : inputs_of(features, SymbolKind::parameter)) {
+    parameters_.push_back(s.name());
+    inputs.push_back(s);
+  }
+  tape_ = Tape(features, inputs);
+}
+
+void Columns::run(const Record& record, Index first, std::span<const double> values, MatrixXd& work) const {
+  const Index rows = work.rows();
+  std::vector<double> time;
+  std::vector<const double*> in;
+  std::vector<int> stride;
+  for (const std::string& name : channels_) {
+    stride.push_back(1);
+    if (name == "t" && !record.has("t")) {
+      time.resize(static_cast<std::size_t>(rows));
+      for (Index i = 0; i < rows; ++i) time[static_cast<std::size_t>(i)] = record.time(first + i);
+      in.push_back(time.data());
+    } else {
+      in.push_back(record[name].data() + first);
+    }
+  }
+  for (const double& value : values) {
+    stride.push_back(0);
+    in.push_back(&value);
+  }
+  std::vector<double*> out;
+  for (Index j = 1; j < work.cols(); ++j) out.push_back(work.col(j).data());
+  tape_.run_columns(in, stride, static_cast<std::size_t>(rows), out);
+}
+
+void Columns::refuse(const Record& record, Index first, const MatrixXd& work) const {
+  for (Index i = 0; i < work.rows(); ++i)
+    for (Index j = 1; j < work.cols(); ++j) {
+      if (std::isfinite(work(i, j))) continue;
+      const bool target = j == work.cols() - 1;
+      throw InputError((target ? std::string("the target") : "feature '" + names_[static_cast<std::size_t>(j - 1)] + "'") +
+                           " is " + (std::isnan(work(i, j)) ? "not a number" : "infinite") + " at t = " +
+                           number(record.time(first + i), 6) + " s (row " + std::to_string(first + i + 1) + " of " +
+                           record.name() + "): leave such rows out of the window, or the feature out of the list",
+                       {}, Fault::data);
+    }
+  throw InputError("the columns overflow when added up: scale the features", {}, Fault::data);
+}
+
+Statistic Columns::statistic(const Record& record, Index first, Index count, std::span<const double> values) const {
+  Statistic sum(names_);
+  MatrixXd work;
+  for (Index at = 0; at < count; at += kRows) {
+    work.resize(std::min(kRows, count - at), static_cast<Index>(names_.size()) + 2);
+    run(record, first + at, values, work);
+    for (Index j = 1; j < work.cols(); ++j)
+      if (!std::isfinite(work.col(j).sum())) refuse(record, first + at, work);
+    sum.add_in_place(work);
+  }
+  return sum;
+}
+
+std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Index least) {
+  std::vector<TimeBlock> out;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Index rows = records[r].rows();
+    const Index count = std::clamp<Index>(rows / std::max<Index>(least, 1), 1, blocks);
+    for (Index k = 0; k < count; ++k) {
+      const Index from = rows * k / count, to = rows * (k + 1) / count;
+      out.push_back({r, from, to - from});
+    }
+  }
+  return out;
+}
+
+std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
+                                  std::span<const TimeBlock> blocks, std::span<const double> values, int threads) {
+  std::vector<Statistic> out(blocks.size());
+  std::vector<std::exception_ptr> faults(blocks.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < blocks.size();) try {
+        out[i] = columns.statistic(records[blocks[i].record], blocks[i].first, blocks[i].count, values);
+      } catch (...) {
+        faults[i] = std::current_exception();
+      }
+  };
+  const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+  std::vector<std::jthread> others;
+  for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), blocks.size()); ++i) others.emplace_back(work);
+  work();
+  others.clear();
+  for (const std::exception_ptr& fault : faults)
+    if (fault) std::rethrow_exception(fault);
+  return out;
+}
+
+}  // namespace lunid::detail
