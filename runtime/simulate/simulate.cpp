@@ -93,6 +93,19 @@ bool refuse_mass(const System& system, std::span<const double> theta, const Vect
   return true;
 }
 
+/// BDF where explicit steps are too many, or where they exploded, which may have been the method and not the model: the
+/// implicit run then replaces `run` if it completes.
+void try_implicit(const System& system, std::span<const double> theta, const Excitation& excitation,
+                  const VectorXd& x0, SimulateOptions options, bool exploded, Run& run) {
+  options.solver = Solver::bdf;
+  Run implicit = run_sundials(system, theta, excitation, x0, options);
+  if (exploded && !implicit.summary.completed) return;
+  run = std::move(implicit);
+  run.summary.solver += exploded ? " (auto: explicit steps explode)"
+                                 : " (auto: explicit steps would need more than " + std::to_string(explicit_limit) +
+                                       " per sample)";
+}
+
 }  // namespace
 
 Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
@@ -117,16 +130,10 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   } else if (automatic || options.solver == Solver::fixed) {
     StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance,
                                           automatic ? explicit_limit : fixed_limit, options);
-    if (choice.reached || !automatic) {
-      run = std::move(choice.finer);
-      run.summary.error = choice.change;
-    } else {
-      SimulateOptions implicit = options;
-      implicit.solver = Solver::bdf;
-      run = run_sundials(system, theta, excitation, x0, implicit);
-      run.summary.solver += " (auto: explicit steps would need more than " + std::to_string(explicit_limit) +
-                            " per sample)";
-    }
+    run = std::move(choice.finer);
+    run.summary.error = choice.change;
+    if (automatic && !(choice.reached && run.summary.completed))
+      try_implicit(system, theta, excitation, x0, options, choice.reached, run);
   } else {
     run = run_sundials(system, theta, excitation, x0, options);
   }
@@ -153,7 +160,8 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   int substeps = options.substeps;
   if (substeps == 0) {
     const StepChoice choice =
-        choose_by_halving(system, theta, excitation, x0, default_tolerance, fixed_limit, options);
+        choose_by_halving(system, theta, excitation, x0, default_tolerance,
+                          options.solver == Solver::fixed ? fixed_limit : explicit_limit, options);
     substeps = choice.substeps;
     summary.error = choice.change;
   }

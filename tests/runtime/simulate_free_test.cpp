@@ -1,4 +1,6 @@
 // Free runs against closed forms and independent integrations.
+#include <thread>
+
 #include "simulate_models.hpp"
 
 namespace lunid {
@@ -215,6 +217,38 @@ TEST(FreeRun, TakesTheImplicitMethodWhereTheModelIsStiff) {
   EXPECT_EQ(run.summary.solver, "CVODE BDF (auto: explicit steps would need more than 64 per sample)");
   for (Eigen::Index i = 0; i < run.x.rows(); ++i)  // s follows e y at once; k + e is the stiffness
     EXPECT_NEAR(run.x(i, 0), linear(1, 0.5, 40, 1, 3, 0, 0, 0, 0.01 * i), 1e-6);
+}
+
+// A state that becomes stiff half-way: at the start nothing tells of it, and explicit steps explode there.
+TEST(FreeRun, TakesTheImplicitMethodWhereExplicitStepsExplode) {
+  const System system(model_of("1", "4*y + s", {{"s", "where(t > 0.5, rate*(5*y - s), 0)", "", ""}}));
+  const auto theta = theta_of(system, {{"rate", 1e7}});
+  const lunid::Run run = simulate(system, theta, zero_force(2, 0.01), state({1, 0, 0}));
+  ASSERT_TRUE(run.summary.completed) << run.summary.cause;
+  EXPECT_EQ(run.summary.solver, "CVODE BDF (auto: explicit steps explode)");
+  const double y = std::cos(1), v = -2 * std::sin(1);  // at t = 0.5; from there on the stiffness is 4 + 5
+  for (Eigen::Index i = 51; i < run.x.rows(); ++i) {
+    const double t = 0.01 * static_cast<double>(i) - 0.5;
+    EXPECT_NEAR(run.x(i, 0), y * std::cos(3 * t) + v / 3 * std::sin(3 * t), 1e-5);
+  }
+}
+
+TEST(FreeRun, IsTheSameInEveryThread) {
+  const System system(model_of("1", "k*y + 0.5*v + Fc*sign(v)"));
+  std::vector<double> force(301);
+  for (int i = 0; i < 301; ++i) force[i] = 6 * std::sin(0.06 * i) + 3 * std::sin(0.231 * i + 1);
+  const Excitation excitation(0, 0.01, force, Interpolation::band_limited);
+  const auto run_of = [&](int i) {
+    return simulate(system, std::vector<double>{90.0 + i, 0.8}, excitation, state({0, 0}), with_substeps(1 + i % 3));
+  };
+  std::vector<Eigen::MatrixXd> found(12);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = t; i < 12; i += 4) found[i] = run_of(i).x;
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (int i = 0; i < 12; ++i) EXPECT_EQ((found[i] - run_of(i).x).cwiseAbs().maxCoeff(), 0) << i;
 }
 
 TEST(FreeRun, ChoosesSubstepsByTheFastestMotion) {
