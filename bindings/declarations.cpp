@@ -67,6 +67,14 @@ DeclarationsPtr join(const DeclarationsPtr& a, const DeclarationsPtr& b) {
   return std::make_shared<const Declarations>(std::move(both));
 }
 
+const Parameter* find_declared(const DeclarationsPtr& declared, const std::string& name) {
+  if (!declared) return nullptr;
+  for (const DeclaredParameter& row : declared->parameters) {
+    if (row.parameter.name == name) return &row.parameter;
+  }
+  return nullptr;
+}
+
 DeclarationsPtr declarations_of(const Model& model) {
   Declarations all;
   for (const Parameter& parameter : model.parameters) all.parameters.push_back({parameter, {}});

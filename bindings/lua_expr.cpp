@@ -157,11 +157,7 @@ int evaluate(lua_State* L) {
   std::vector<double> in;
   for (const Expr symbol : inputs) {
     auto given = number_field(L, 2, symbol.name().c_str());
-    if (!given && value.declared) {
-      for (const auto& declared : value.declared->parameters) {
-        if (declared.parameter.name == symbol.name()) given = declared.parameter.value;
-      }
-    }
+    if (const Parameter* row = find_declared(value.declared, symbol.name()); !given && row) given = row->value;
     if (!given) throw InputError("at: no value for '" + symbol.name() + "'");
     in.push_back(*given);
   }
@@ -229,18 +225,6 @@ int make_state(lua_State* L) {
 int parse_text(lua_State* L) {
   push<Value>(L, {parse(*runtime(L).pool(), check_string(L, 1), check_string(L, 2)), nullptr});
   return 1;
-}
-
-/// The declared parameter behind a symbol: {name=, value=, ...} or nil.
-int declared(lua_State* L) {
-  const Value value = check_value(L, 1);
-  if (!value.expr.is_symbol() || !value.declared) return 0;
-  for (const auto& row : value.declared->parameters) {
-    if (row.parameter.name != value.expr.name()) continue;
-    push_parameter(L, row.parameter);
-    return 1;
-  }
-  return 0;
 }
 
 /// Digits of a number that read back to the same double, as Lua writes it.
@@ -321,7 +305,6 @@ void open_expressions(lua_State* L) {
       {"state_symbol", guarded<make_state_symbol>},
       {"parse", guarded<parse_text>},
       {"rename_symbols", guarded<rename_symbols>},
-      {"declared", guarded<declared>},
       {"number_text", guarded<number_text>},
       {"is_expression", guarded<is_expression>},
   };

@@ -33,6 +33,8 @@ struct Value {
 };
 /// Joins two sets. Throws InputError when a name is declared twice with different values.
 DeclarationsPtr join(const DeclarationsPtr& a, const DeclarationsPtr& b);
+/// The row of a parameter as it was declared, or null.
+const Parameter* find_declared(const DeclarationsPtr& declared, const std::string& name);
 /// A Value or a number as a Value; throws InputError otherwise.
 Value check_value(lua_State* L, int index);
 Value field_value(lua_State* L, int index, const char* field);  ///< empty Expr when absent

@@ -3,7 +3,7 @@ local core = require "lunid.core"
 
 local public = { version = core.version }
 
-for _, room in ipairs { "symbols", "records", "models", "constraints", "simulation", "effect",
+for _, room in ipairs { "symbols", "records", "models", "constraints", "regression", "simulation", "effect",
   "discovery", "figures", "option" } do
   local exported = require("lunid." .. room)
   for name, value in pairs(exported.public or exported) do
