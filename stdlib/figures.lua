@@ -82,5 +82,5 @@ local lines = schema.define({
     series = given.series } } }
 end)
 
-figures.public = { figure = { series = series, lines = lines } }
+figures.public = { figure = schema.strict_table("lunid.figure", { series = series, lines = lines }) }
 return figures

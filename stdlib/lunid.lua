@@ -1,5 +1,6 @@
 -- The module `lunid`: everything that a study may call.
 local core = require "lunid.core"
+local schema = require "lunid.schema"
 
 local public = { version = core.version }
 
@@ -11,20 +12,4 @@ for _, room in ipairs { "symbols", "records", "models", "constraints", "regressi
   end
 end
 
-local names = {}
-for name in pairs(public) do names[#names + 1] = name end
-table.sort(names)
-
-return setmetatable({}, {
-  __metatable = "lunid",
-  __index = function(_, name)
-    local value = public[name]
-    if value == nil then
-      local near = core.nearest(tostring(name), names)
-      core.raise(("lunid has no '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or ""), "study")
-    end
-    return value
-  end,
-  __newindex = function(_, name) core.raise(("lunid.%s cannot be assigned"):format(name), "study") end,
-  __pairs = function() return next, public, nil end,
-})
+return schema.strict_table("lunid", public)

@@ -207,4 +207,24 @@ function schema.object(kind, fields, methods, to_string)
   })
 end
 
+--- A table of public functions: an unknown name is an error with "did you mean"; nothing can be assigned.
+function schema.strict_table(words, public)
+  local names = {}
+  for name in pairs(public) do names[#names + 1] = name end
+  table.sort(names)
+  return setmetatable({}, {
+    __metatable = "locked",
+    __index = function(_, name)
+      local value = public[name]
+      if value == nil then
+        local near = core.nearest(tostring(name), names)
+        core.raise(("%s has no '%s'%s"):format(words, name, near and (", did you mean '%s'?"):format(near) or ""), "study")
+      end
+      return value
+    end,
+    __newindex = function(_, name) core.raise(("%s.%s cannot be assigned"):format(words, name), "study") end,
+    __pairs = function() return next, public, nil end,
+  })
+end
+
 return schema

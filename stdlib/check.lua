@@ -1,0 +1,195 @@
+-- `lunid check STUDY.lua`: reads a study without running it. Finds what Lua itself would let pass or find late.
+local core = require "lunid.core"
+local schema = require "lunid.schema"
+local strict = require "lunid.strict"
+
+local check = {}
+
+local keywords = {}
+for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true
+               until while]]):gmatch "%S+" do
+  keywords[word] = true
+end
+
+--- Tokens { kind = "name" | "word" | "string" | "number" | "symbol", text, line }.
+local function tokens_of(text)
+  local tokens, at, line = {}, 1, 1
+  local function add(kind, piece)
+    if kind then tokens[#tokens + 1] = { kind = kind, text = piece, line = line } end
+    line = line + select(2, piece:gsub("\n", ""))
+    at = at + #piece
+  end
+  while at <= #text do
+    local long = text:match("^%-%-%[(=*)%[", at)
+    local bracket = text:match("^%[(=*)%[", at)
+    local quote = text:match("^[\"']", at)
+    if long or bracket then
+      local stop = select(2, text:find("]" .. (long or bracket) .. "]", at, true)) or #text
+      add(bracket and "string", text:sub(at, stop))
+    elseif text:match("^%-%-", at) then add(nil, text:match("^[^\n]*", at))
+    elseif text:match("^%s", at) then add(nil, text:match("^%s+", at))
+    elseif quote then
+      local stop = at + 1
+      while stop <= #text and text:sub(stop, stop) ~= quote do
+        stop = stop + (text:sub(stop, stop) == "\\" and 2 or 1)
+      end
+      add("string", text:sub(at, stop))
+    elseif text:match("^[%a_]", at) then
+      local name = text:match("^[%w_]+", at)
+      add(keywords[name] and "word" or "name", name)
+    elseif text:match("^%.?%d", at) then add("number", text:match("^0[xX][%x%.]+", at) or text:match("^[%d%.]+[eE][%+%-]?%d+", at) or text:match("^[%d%.]+", at))
+    else add("symbol", text:match("^[=~<>]=", at) or text:match("^%.%.%.?", at) or text:match("^::", at) or text:sub(at, at)) end
+  end
+  return tokens
+end
+
+--- Names that the study declares anywhere: locals, arguments, loop variables, functions. Scopes are not told apart:
+--- a name that is declared too late passes here and is found when the study runs.
+local function declared_names(tokens)
+  local declared = {}
+  local i = 1
+  while i <= #tokens do
+    local token = tokens[i]
+    if token.text == "local" or token.text == "for" then
+      i = i + 1
+      if tokens[i] and tokens[i].text == "function" then i = i + 1 end
+      while tokens[i] and (tokens[i].kind == "name" or tokens[i].text == ",") do
+        if tokens[i].kind == "name" then declared[tokens[i].text] = true end
+        i = i + 1
+        if tokens[i] and tokens[i].text == "<" then i = i + 3 end
+      end
+    elseif token.text == "function" then
+      i = i + 1
+      while tokens[i] and tokens[i].text ~= "(" do i = i + 1 end
+      while tokens[i] and tokens[i].text ~= ")" do
+        if tokens[i].kind == "name" then declared[tokens[i].text] = true end
+        i = i + 1
+      end
+    else
+      i = i + 1
+    end
+  end
+  return declared
+end
+
+local openers = { ["{"] = "}", ["("] = ")", ["["] = "]" }
+
+--- Calls `visit(token, i, inside)` with the innermost open bracket (its token, or nil) of each token.
+local function walk(tokens, visit)
+  local open = {}
+  for i, token in ipairs(tokens) do
+    visit(token, i, open[#open])
+    if token.kind == "symbol" and openers[token.text] then
+      open[#open + 1] = { text = token.text, at = i }
+    elseif token.text == "function" and token.kind == "word" then
+      open[#open + 1] = { text = "function", at = i }
+    elseif token.kind == "word" and (token.text == "do" or token.text == "then" or token.text == "repeat") then
+      if token.text ~= "then" or not (open[#open] and open[#open].text == "if") then
+        open[#open + 1] = { text = token.text == "then" and "if" or token.text, at = i }
+      end
+    elseif token.kind == "word" and (token.text == "end" or token.text == "until") then
+      open[#open] = nil
+    elseif token.kind == "word" and token.text == "elseif" or token.text == "else" then
+      if open[#open] and open[#open].text == "if" and token.text == "elseif" then open[#open] = nil end
+    elseif token.kind == "symbol" and (token.text == "}" or token.text == ")" or token.text == "]") then
+      open[#open] = nil
+    end
+  end
+end
+
+local function is_field(tokens, i, inside)
+  local before, after = tokens[i - 1], tokens[i + 1]
+  if before and (before.text == "." or before.text == ":" or before.text == "::" or before.text == "goto") then return true end
+  return inside and inside.text == "{" and after and after.text == "=" and before
+    and (before.text == "{" or before.text == "," or before.text == ";")
+end
+
+--- Names bound to expressions: locals made from lunid's signals and parameters.
+local function expressions_in(text)
+  local found = {}
+  for names, values in text:gmatch "local%s+([%w_,%s]-)%s*=%s*([^\n]*)" do
+    if values:match "lunid%.parameter" or values:match "lunid%.displacement" or values:match "lunid%.velocity"
+      or values:match "lunid%.acceleration" or values:match "lunid%.time" or values:match "lunid%.state" then
+      for name in names:gmatch "[%a_][%w_]*" do found[name] = true end
+    end
+  end
+  return found
+end
+
+local function fields_of(definition)
+  local known = {}
+  for _, field in ipairs(definition.fields) do known[#known + 1] = field.name end
+  return known
+end
+
+local function contains(list, word)
+  for _, each in ipairs(list) do
+    if each == word then return true end
+  end
+  return false
+end
+
+--- The constructor whose braces open at `inside`: tokens lunid . name { (also lunid . figure . lines {).
+local function constructor_at(tokens, inside)
+  if not inside or inside.text ~= "{" then return nil end
+  local at = inside.at - 1
+  if tokens[at] and tokens[at].text == "(" then at = at - 1 end
+  local parts = {}
+  while tokens[at] and tokens[at].kind == "name" do
+    table.insert(parts, 1, tokens[at].text)
+    if not (tokens[at - 1] and tokens[at - 1].text == ".") then break end
+    at = at - 2
+  end
+  if parts[1] ~= "lunid" or #parts < 2 then return nil end
+  return schema.definitions[table.concat(parts, ".", 2)]
+end
+
+--- All that is wrong or doubtful: list of { line, text, fatal }.
+function check.findings(text)
+  local lunid = require "lunid"
+  local tokens, found = tokens_of(text), {}
+  local declared, expressions = declared_names(tokens), expressions_in(text)
+  local environment = strict.environment ""
+  local function add(line, words, fatal) found[#found + 1] = { line = line, text = words, fatal = fatal } end
+  walk(tokens, function(token, i, inside)
+    local before, after = tokens[i - 1], tokens[i + 1]
+    if token.kind == "name" and not is_field(tokens, i, inside) then
+      if not declared[token.text] and rawget(environment, token.text) == nil then
+        add(token.line, ("undeclared name '%s'"):format(token.text), true)
+      end
+    elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "lunid" then
+      local good, message = pcall(function() return lunid[token.text] end)
+      if not good then add(token.line, tostring(message):gsub("^%S+:%d+: ", ""), true) end
+    elseif token.kind == "name" then
+      local definition = constructor_at(tokens, inside)
+      if definition and after and after.text == "=" and definition.style ~= "arguments"
+        and not contains(fields_of(definition), token.text) then
+        local near = core.nearest(token.text, fields_of(definition))
+        add(token.line, ("%s: unknown field '%s'%s"):format(definition.name, token.text,
+          near and (", did you mean '%s'?"):format(near) or ""), true)
+      end
+    elseif token.kind == "symbol" and (token.text == "==" or token.text == "~=") then
+      local name = before and expressions[before.text] and before.text or after and expressions[after.text] and after.text
+      if name then
+        add(token.line, ("'%s' with the expression '%s' compares identity at once and gives true or false; "
+          .. "for a condition use lunid.greater, lunid.less and lunid.where"):format(token.text, name), false)
+      end
+    end
+  end)
+  return found
+end
+
+--- Prints the findings with file and line; exit code 1 when one of them would stop the study.
+function check.study(path)
+  if not core.kind_of(path) then core.raise(("no such study: '%s'"):format(path), "usage") end
+  strict.load_file(path)
+  local fatal = 0
+  for _, finding in ipairs(check.findings(core.read_text(path))) do
+    print(("%s:%d: %s%s"):format(path, finding.line, finding.fatal and "" or "warning: ", finding.text))
+    fatal = fatal + (finding.fatal and 1 or 0)
+  end
+  if fatal == 0 then print(path .. ": nothing that would stop it") end
+  return fatal > 0 and 1 or 0
+end
+
+return check

@@ -1,0 +1,157 @@
+-- `lunid help TOPIC` and `lunid list`: written from the schemas and the catalogue, never by hand.
+local core = require "lunid.core"
+local effects = require "lunid.effect"
+local regression = require "lunid.regression"
+local schema = require "lunid.schema"
+local simulation = require "lunid.simulation"
+
+local help = {}
+
+local command_words = {
+  { "run", "STUDY.lua [--out DIR] [--seed N] [--threads N] [key=value ...]", "run a study, or repeat a run from its run.json" },
+  { "discover", "TRAIN.csv [MORE.csv ...] --mass M --restoring \"k*y + c*v\"", "name the effect that a model of a record lacks" },
+  { "simulate", "model.lua --excitation RECORD.csv [--out DIR]", "run a model freely under a record's force" },
+  { "check", "STUDY.lua", "look through a study without running it" },
+  { "repl", "", "type expressions and see their values" },
+  { "list", "[effects|features|solvers|cases]", "what there is" },
+  { "help", "TOPIC", "explain a constructor or an effect" },
+  { "doctor", "", "say what is installed and whether figures work here" },
+}
+
+--- One line for a field: name, type, unit, default, help.
+local function field_line(definition, field)
+  local notes = {}
+  if field.required then notes[#notes + 1] = "required" end
+  if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
+    notes[#notes + 1] = "default " .. tostring(field.default)
+  end
+  if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
+  local note = #notes > 0 and " (" .. table.concat(notes, ", ") .. ")" or ""
+  return ("  %-14s %s%s\n%17s%s"):format(field.name, field.type.words, note, "", field.help)
+end
+
+--- "lunid.window { from, to }" or "lunid.at_least(feature, bound)"
+function help.signature(definition)
+  if definition.style == "arguments" then
+    return ("lunid.%s(%s)"):format(definition.name, table.concat(definition.positional, ", "))
+  end
+  local parts = {}
+  for _, name in ipairs(definition.positional or {}) do parts[#parts + 1] = name end
+  local seen = {}
+  for _, name in ipairs(parts) do seen[name] = true end
+  for _, field in ipairs(definition.fields) do
+    if not seen[field.name] then parts[#parts + 1] = field.name .. " =" end
+  end
+  return #parts > 0 and ("lunid.%s { %s }"):format(definition.name, table.concat(parts, ", "))
+    or ("lunid.%s {}"):format(definition.name)
+end
+
+local function explain_constructor(definition)
+  print(help.signature(definition))
+  print(definition.help)
+  if #definition.fields > 0 then print "" end
+  for _, field in ipairs(definition.fields) do print(field_line(definition, field)) end
+  print("\nGives: " .. definition.returns .. "\n\n  " .. definition.example:gsub("\n", "\n  "))
+end
+
+local function explain_effect(entry)
+  print(("%s (%s)\n  %s"):format(entry.name, entry.family, entry.formula))
+  print("  " .. entry.sentence)
+  for _, row in ipairs(entry.parameters) do
+    local bounds = (row.min and (", at least %g"):format(row.min) or "") .. (row.max and (", at most %g"):format(row.max) or "")
+    print(("  %-14s %s%s"):format(row[1], row.unit or "no unit", bounds))
+  end
+  print("  shows as: " .. entry.signature)
+  if #entry.confusers > 0 then print("  easily taken for: " .. table.concat(entry.confusers, ", ")) end
+  if #entry.special_case_of > 0 then print("  a special case of: " .. table.concat(entry.special_case_of, ", ")) end
+  print("  source: " .. entry.source)
+end
+
+local function overview()
+  print "Lunid: from a measured record to the equation of its motion.\n\nCommands"
+  for _, row in ipairs(command_words) do print(("  lunid %-9s %s\n%17s%s"):format(row[1], row[2], "", row[3])) end
+  print "\nConstructors of the language (lunid help NAME)"
+  for _, definition in ipairs(schema.definitions) do
+    print(("  %-15s %s"):format(definition.name, definition.help:match "^[^.]*%."))
+  end
+  print "\nEffects (lunid help NAME)"
+  print("  " .. table.concat(effects.names, "\n  "))
+end
+
+function help.explain(topic)
+  require "lunid"  -- all constructors declare themselves
+  if not topic then return overview() end
+  if topic == "stubs" then
+    io.write(require("lunid.stubs").text())
+    return
+  end
+  local definition = schema.definitions[topic:gsub("^lunid%.", "")]
+  local names = {}
+  for _, each in ipairs(schema.definitions) do names[#names + 1] = each.name end
+  if definition then explain_constructor(definition) end
+  for _, row in ipairs(command_words) do
+    names[#names + 1] = row[1]
+    if row[1] == topic then
+      print((definition and "\nOn the command line (all options: lunid %s --help)\n" or "%s: all options: lunid %s --help\n")
+        :format(topic, topic) .. ("  lunid %s %s\n  %s"):format(row[1], row[2], row[3]))
+      definition = row
+    end
+  end
+  for _, name in ipairs(effects.names) do
+    names[#names + 1] = name
+    if name == topic then
+      explain_effect(effects.catalogue { name }[1])
+      definition = name
+    end
+  end
+  if definition then return end
+  local near = core.nearest(topic, names)
+  core.raise(("no help on '%s'%s"):format(topic, near and (", did you mean '%s'?"):format(near) or "; see `lunid help`"),
+    "usage")
+end
+
+local lists = {}
+
+function lists.effects()
+  for _, entry in ipairs(effects.catalogue()) do
+    print(("%-21s%-12s%-34s%s"):format(entry.name, entry.family, (entry.formula:gsub(", d%w+/dt.*", "")), entry.sentence))
+  end
+end
+
+function lists.features()
+  print "signals     displacement y, velocity v, acceleration a, time t, force F"
+  print "sets        lunid.polynomials({ y, v }, order)"
+  local names = {}
+  for name in pairs(core.functions) do names[#names + 1] = name end
+  table.sort(names)
+  print("functions   " .. table.concat(names, " "))
+end
+
+function lists.solvers()
+  print "of a regression"
+  for _, name in ipairs(regression.solver_names) do
+    print(("  %-15s%s"):format(name, schema.definitions[name].help))
+  end
+  print "of a simulation (solver = \"...\")"
+  for _, name in ipairs(simulation.solvers) do print(("  %-15s%s"):format(name, simulation.solver_words[name])) end
+end
+
+function lists.cases() print "the cases of the thesis are not in this version" end
+
+function help.list(topic)
+  require "lunid"
+  if not topic then
+    for _, name in ipairs { "effects", "features", "solvers" } do
+      print(name:upper())
+      lists[name]()
+      print ""
+    end
+    return
+  end
+  if not lists[topic] then
+    core.raise(("list: expected effects, features, solvers or cases, got '%s'"):format(topic), "usage")
+  end
+  lists[topic]()
+end
+
+return help

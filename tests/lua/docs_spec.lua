@@ -1,0 +1,75 @@
+-- docs/language.md and the editor stubs say what the schemas say: every constructor, every field, nothing else.
+local spec = require "spec"
+
+local function read(path)
+  local file = assert(io.open(path))
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+local manual = read "docs/language.md"
+local stubs = read "stdlib/meta/lunid.lua"
+
+--- Constructors and their fields, out of the stubs, which are compared with the schemas first.
+local function documented()
+  local constructors, fields = {}, {}
+  for line in stubs:gmatch "[^\n]+" do
+    local field = line:match "^%-%-%-@field ([%w_]+)" or line:match "^%-%-%-@param ([%w_]+)"
+    local name = line:match "^function lunid%.([%w_.]+)%("
+    if field and field ~= "fields" then fields[#fields + 1] = field end
+    if name then
+      constructors[#constructors + 1] = { name = name, fields = fields }
+      fields = {}
+    end
+  end
+  return constructors
+end
+
+--- The section of the manual under a heading with the constructor's name.
+local function section_of(name)
+  local heading = "\n### `lunid." .. name .. "`"
+  local at = manual:find(heading, 1, true)
+  if not at then return nil end
+  local stop = manual:find("\n##", at + #heading)
+  return manual:sub(at, stop or #manual)
+end
+
+spec.case("the stubs are those of the schemas", function()
+  local said, code = spec.lunid "help stubs"
+  spec.equal(code, 0)
+  spec.equal(said, stubs)
+end)
+
+spec.case("every constructor and field is in the manual", function()
+  local constructors = documented()
+  assert(#constructors > 15, "the stubs hold too few constructors")
+  for _, constructor in ipairs(constructors) do
+    local section = section_of(constructor.name)
+    assert(section, "docs/language.md has no section `lunid." .. constructor.name .. "`")
+    for _, field in ipairs(constructor.fields) do
+      assert(section:find("`" .. field .. "`", 1, true),
+        ("docs/language.md: lunid.%s: the field `%s` is not mentioned"):format(constructor.name, field))
+    end
+  end
+end)
+
+spec.case("the manual describes no constructor that there is not", function()
+  local known = {}
+  for _, constructor in ipairs(documented()) do known[constructor.name] = true end
+  for name in manual:gmatch "\n### `lunid%.([%w_.]+)`" do assert(known[name], "no such constructor: lunid." .. name) end
+end)
+
+spec.case("help answers for every constructor and effect", function()
+  for _, topic in ipairs { "lasso", "discover", "figure.lines", "bouc_wen", "run" } do
+    local said, code = spec.lunid("help " .. topic)
+    spec.equal(code, 0)
+    assert(#said > 100, "help is too short: " .. said)
+  end
+  local said, code = spec.lunid "help regres"
+  spec.equal(code, 2)
+  spec.equal(said, "no help on 'regres', did you mean 'regress'?\n")
+end)
+
+spec.clean()
+spec.finish()
