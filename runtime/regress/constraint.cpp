@@ -5,6 +5,9 @@
 #include "regress/number.hpp"
 
 namespace lunid {
+
+using detail::number;
+
 namespace {
 
 std::string left_side(const Constraint& constraint, std::span<const std::string> features) {

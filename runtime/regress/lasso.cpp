@@ -9,6 +9,9 @@
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
+
+using detail::number;
+
 namespace {
 
 using detail::Point;

@@ -8,6 +8,7 @@
 
 namespace lunid {
 
+using detail::number;
 using detail::Problem;
 using detail::Stopwatch;
 using Eigen::Index;

@@ -2,7 +2,7 @@
 #include <charconv>
 #include <string>
 
-namespace lunid {
+namespace lunid::detail {
 
 /// The shortest text that reads back to the same double, for messages.
 inline std::string number(double value) {
@@ -18,4 +18,4 @@ inline std::string number(double value, int digits) {
   return {text, end.ptr};
 }
 
-}  // namespace lunid
+}  // namespace lunid::detail

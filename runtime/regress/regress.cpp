@@ -11,6 +11,7 @@
 
 namespace lunid {
 
+using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
