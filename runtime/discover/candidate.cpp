@@ -50,6 +50,7 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
     std::vector<Eigen::Index> open;
     for (Eigen::Index j = 0; j < p; ++j)
       if (!held[static_cast<std::size_t>(j)]) open.push_back(j);
+    if (open.empty()) break;
     Eigen::MatrixXd part(open.size(), open.size());
     Eigen::VectorXd right(open.size());
     const Eigen::VectorXd rest = b - a * step;

@@ -36,10 +36,7 @@ class Spine {
   Discovery run() {
     refit_baseline();
     SearchResult found = search(study_, model_, baseline_, catalogue_, step());
-    if (rechoose_interpolation(found.chosen)) {
-      refit_baseline_on_current_force();
-      found = search(study_, model_, baseline_, catalogue_, step());
-    }
+    if (rechoose_interpolation(found.chosen)) refit_on_current_force(found);
     progress("decide", 0.88);
     decide(found);
     progress("open the test record", 0.94);
@@ -89,8 +86,13 @@ class Spine {
     if (again.cost < baseline_.fit.cost) baseline_.fit = std::move(again);
   }
 
-  void refit_baseline_on_current_force() {
-    baseline_.fit = fit_trajectory(*baseline_.system, baseline_.fit.theta, study_.train, fit_options(40));
+  /// The names stay; what was fitted is fitted again with the force between its samples as it is now.
+  void refit_on_current_force(SearchResult& found) const {
+    for (Candidate* c : {&found.baseline, &found.chosen}) {
+      judge(study_, *c, found.whitening);
+      run_left_out(study_, *c, found.whitening);
+    }
+    for (auto& c : found.steps) judge(study_, c, found.whitening);
   }
 
   /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.

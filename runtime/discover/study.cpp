@@ -126,7 +126,7 @@ Record thinned(const Record& record) {
 Record smooth_motion(const Record& record, bool imposed, Eigen::Index* edge) {
   if (edge) *edge = 0;
   if (imposed) return record;
-  const SavitzkyGolay kernel = choose_savitzky_golay(record["y"], record.channel("y").noise, 2);
+  const SavitzkyGolay kernel = choose_savitzky_golay(record["y"], record.channel("y").noise, 1);
   if (edge) *edge = kernel.half_width;
   return smoothed(record, kernel);
 }
