@@ -66,11 +66,15 @@ end
 --- A value of a bound type or of an object of the standard library: types.is("record", "lunid.read").
 function types.is(kind, from)
   local words = (kind:match "^[aeiou]" and "an " or "a ") .. kind .. (from and " from " .. from or "")
-  return type_of(words, function(value) return getmetatable(value) == "lunid." .. kind, value end)
+  return type_of(words, function(value)
+    local good = getmetatable(value) == "lunid." .. kind
+    return good, good and value or words
+  end)
 end
 
 types.expression = type_of("an expression or a number", function(value)
-  return type(value) == "number" or core.is_expression(value), value
+  local good = type(value) == "number" or core.is_expression(value)
+  return good, good and value or "an expression or a number"
 end)
 
 function types.list(of, least)

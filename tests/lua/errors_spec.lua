@@ -1,0 +1,131 @@
+-- Every error of a user, on its full text with file and line.
+local spec = require "spec"
+
+local head = [[
+local lunid = require "lunid"
+local y, v = lunid.displacement, lunid.velocity
+]]
+
+--- Runs a study whose line 3 is `line`; its only output must be `expected`.
+local function line_3(line, expected)
+  local said, code = spec.study(head .. line .. "\n")
+  spec.equal(said, expected .. "\n  nothing was written\n")
+  spec.equal(code, 1)
+end
+
+spec.case("unknown field, with the nearest one", function()
+  line_3("lunid.regress { feature = { y } }",
+    "study.lua:3: regress: unknown field 'feature', did you mean 'features'?")
+  line_3("lunid.least_squares { weight = 1 }", "study.lua:3: least_squares: unknown field 'weight' (it has no fields)")
+  line_3("lunid.window { begin = 1 }", "study.lua:3: window: unknown field 'begin' (fields: from, to)")
+end)
+
+spec.case("a value out of range", function()
+  line_3("lunid.lasso { lambda = -1 }", "study.lua:3: lasso: lambda: expected > 0, got -1")
+  line_3("lunid.stlsq { threshold = 2 }", "study.lua:3: stlsq: threshold: expected > 0 and < 1, got 2")
+end)
+
+spec.case("a value of another type", function()
+  line_3("lunid.lasso { lambda = {} }",
+    "study.lua:3: lasso: lambda: expected a number > 0 or 'cross-validate', got a table")
+  line_3("lunid.model { mass = 'heavy', restoring = y }",
+    "study.lua:3: model: mass: expected an expression or a number, got the string 'heavy'")
+  line_3("lunid.model { mass = 1, restoring = y, motion = 'imposd' }",
+    "study.lua:3: model: motion: expected 'free' or 'imposed', got the string 'imposd', did you mean 'imposed'?")
+  line_3("lunid.model { mass = 1, restoring = y, states = { y, 'z' } }",
+    "study.lua:3: model: states: entry 2: expected an expression or a number, got the string 'z'")
+end)
+
+spec.case("a required field that is missing", function()
+  line_3("lunid.model { mass = 1 }", "study.lua:3: model: missing field 'restoring': an expression or a number")
+end)
+
+spec.case("a call without its table", function()
+  line_3("lunid.model(3)", "study.lua:3: model: expected a table { ... }, got 3")
+  line_3("lunid.fixed(v, 10, 11)", "study.lua:3: fixed: expected 2 arguments, got 3")
+  line_3("lunid.model { y, mass = 1 }",
+    "study.lua:3: model: unexpected entry 1: an expression; fields are written name = value")
+end)
+
+spec.case("names that cannot be", function()
+  line_3("lunid.parameter { 'k 2' }", "study.lua:3: parameter: name: expected letters, digits and _, got 'k 2'")
+  line_3("lunid.parameter { 'end' }", "study.lua:3: parameter: name: 'end' is a word of Lua; choose another")
+end)
+
+spec.case("bounds", function()
+  line_3("lunid.parameter { 'k', 5, min = 6 }",
+    "study.lua:3: parameter: k: value: expected within 6 to inf, got 5")
+  line_3("lunid.window { from = 3, to = 2 }", "study.lua:3: window: to: expected > from, which is 3, got 2")
+end)
+
+spec.case("an unknown word of the module", function()
+  line_3("lunid.regres {}", "study.lua:3: lunid has no 'regres', did you mean 'regress'?")
+  line_3("lunid.figure.line {}", "study.lua:3: lunid.figure has no 'line', did you mean 'lines'?")
+  line_3("lunid.read = 3", "study.lua:3: lunid.read cannot be assigned")
+end)
+
+spec.case("undeclared globals, read and written", function()
+  line_3("print(vv)", "study.lua:3: undeclared name 'vv', did you mean 'v'?")
+  line_3("speed = 3", "study.lua:3: assignment to the undeclared name 'speed'; write `local speed = ...`")
+end)
+
+spec.case("an error inside a function is blamed on its line", function()
+  local said = spec.study(head .. "local function f()\n  return lunid.sin('x')\nend\nf()\n")
+  spec.equal(said, "study.lua:4: sin: argument 1: expected a number or an expression, got the string 'x'\n"
+    .. "  nothing was written\n")
+end)
+
+spec.case("comparison of expressions", function()
+  line_3("local low = y <= 3", "study.lua:3: an expression cannot be compared by < <= > >=, because Lua makes a boolean "
+    .. "of it: write lunid.at_most(a, b), lunid.at_least(a, b) for a constraint, or lunid.less(a, b), "
+    .. "lunid.greater(a, b) for the condition of lunid.where")
+end)
+
+spec.case("syntax", function()
+  local said, code = spec.study(head .. "local k = = 3\n")
+  spec.equal(said, "study.lua:3: unexpected symbol near '='\n  nothing was written\n")
+  spec.equal(code, 1)
+end)
+
+spec.case("a model that cannot be", function()
+  line_3("lunid.model { mass = -2, restoring = y }", "study.lua:3: model: mass: expected > 0, got -2 (a mass of 0 needs imposed "
+    .. "motion)")
+end)
+
+spec.case("a guess of the user's own effect that fails", function()
+  spec.write("record.csv", (function()
+    local rows = { "t,F,y" }
+    for i = 0, 400 do rows[#rows + 1] = ("%.3f,%.17g,%.17g"):format(i * 0.01, math.sin(i * 0.1), math.sin(i * 0.1 + 1)) end
+    return table.concat(rows, "\n") .. "\n"
+  end)())
+  local said, code = spec.study(head .. [[
+local magnet = lunid.effect { name = "magnet", family = "stiffness", contribution = "k*sin(p*y)",
+  parameters = { { "k" }, { "p" } }, guess = function(scale) return { { p = scale.nothing / 2 } } end }
+lunid.discover { model = lunid.model { mass = 1, restoring = 0 }, train = lunid.read "record.csv",
+  catalogue = { "cubic_stiffness" }, effects = { magnet } }
+]])
+  spec.contains(said, "effect magnet: guess: study.lua:4: attempt to perform arithmetic on a nil value (field 'nothing')")
+  spec.equal(code, 1)
+end)
+
+spec.case("an effect that does not exist", function()
+  line_3("lunid.discover { model = lunid.model { mass = 1, restoring = y }, train = {}, catalogue = { 'x' } }",
+    "study.lua:3: discover: train: expected a record from lunid.read or a list of record from lunid.read (1 or more), "
+    .. "got a table")
+end)
+
+spec.case("an option of the command line that the study does not read", function()
+  spec.write("study.lua", head .. "local n = lunid.option { 'count', 3 }\nprint(n + 1)\n")
+  local said, code = spec.lunid "run study.lua count=4 --out study-out"
+  spec.equal(said, "5\n")
+  spec.equal(code, 0)
+  said, code = spec.lunid "run study.lua cout=4 --out study-out"
+  spec.contains(said, "the study has no option 'cout', did you mean 'count'?")
+  spec.equal(code, 2)
+  said, code = spec.lunid "run study.lua count=four --out study-out"
+  spec.contains(said, "option: count: expected a number, got 'four'")
+  spec.equal(code, 2)
+end)
+
+spec.clean()
+spec.finish()
