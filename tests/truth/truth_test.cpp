@@ -84,8 +84,8 @@ TEST(Cases, halving_the_step_changes_nothing_that_noise_could_hide) {
   const Signal signal = multisine(0.15, 2.2, 40, 3);
   for (const Case& each : cases()) {
     if (each.kind == Kind::null) continue;
-    const Motion coarse = integrate(each.physics, signal, 0.05, {}, 1500, 2 * M_PI / 40, 24);
-    const Motion fine = integrate(each.physics, signal, 0.05, {}, 1500, 2 * M_PI / 40, 48);
+    const Motion coarse = integrate(each.physics, signal, 0.05, {}, 800, 2 * M_PI / 40, 24);
+    const Motion fine = integrate(each.physics, signal, 0.05, {}, 800, 2 * M_PI / 40, 48);
     EXPECT_LT(largest_difference(coarse.x, fine.x), 1e-6)
         << each.name;  // 40 dB of noise is 1e-2 of the motion
   }
@@ -94,7 +94,7 @@ TEST(Cases, halving_the_step_changes_nothing_that_noise_could_hide) {
 TEST(Cases, the_hidden_effect_carries_a_tenth_to_four_tenths_of_the_restoring_force) {
   for (const Case& each : cases()) {
     if (each.kind == Kind::null) continue;
-    const Records records = make_records(each, scale_named("milli"), {.rows = 3000, .substeps = 8});
+    const Records records = make_records(each, scale_named("milli"), {.rows = 1500, .substeps = 4});
     EXPECT_GT(records.train.hidden_share, 0.1) << each.name;
     EXPECT_LT(records.train.hidden_share, 0.4) << each.name;
     EXPECT_LT(records.train.stuck_share, 0.1) << each.name;
