@@ -5,6 +5,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cstdlib>
 #include <iostream>
 
 namespace lunid::lua {
@@ -47,7 +48,11 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
   discover->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
-  discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)");
+  discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
+      ->check([](const std::string& text) {
+        const double alpha = std::strtod(text.c_str(), nullptr);
+        return alpha > 0 && alpha < 0.5 ? "" : "expected > 0 and < 0.5, got " + text;
+      });
   add_shared(discover, values);
 }
 

@@ -1,4 +1,5 @@
 #include <csignal>
+#include <string_view>
 
 #include "runtime.hpp"
 
@@ -9,7 +10,14 @@ namespace {
 // A signal handler has no argument to reach its Runtime by: this is the one variable of file scope.
 std::atomic<Runtime*> listening{nullptr};
 
-void stop_lua(lua_State* L, lua_Debug*) { luaL_error(L, "interrupted"); }
+/// Stops the user's code only: the standard library's own calls look at the flag themselves, and must be able to put
+/// away what was done.
+void stop_lua(lua_State* L, lua_Debug* frame) {
+  lua_getinfo(L, "S", frame);
+  if (*frame->what != 'C' && !std::string_view(frame->source).starts_with(library_prefix)) {
+    luaL_error(L, "interrupted");
+  }
+}
 
 void on_signal(int) {
   Runtime* runtime = listening.load();

@@ -1,5 +1,6 @@
 #include "support.hpp"
 
+#include <cstdio>
 #include <cstring>
 #include <new>
 
@@ -38,9 +39,8 @@ std::string describe(lua_State* L, int index) {
     case LUA_TNONE:
     case LUA_TNIL: return "nothing";
     case LUA_TNUMBER: {
-      lua_pushvalue(L, index);
-      std::string text = lua_tostring(L, -1);
-      lua_pop(L, 1);
+      char text[32];
+      std::snprintf(text, sizeof text, "%.14g", lua_tonumber(L, index));
       return text;
     }
     case LUA_TSTRING: return "the string '" + std::string(lua_tostring(L, index)) + "'";

@@ -91,9 +91,12 @@ local function baseline(lunid, options)
     end
     return value
   end
-  local mass = read(options.mass or "0", "--mass")
-  return lunid.model { mass = mass, restoring = read(options.restoring, "--restoring"),
-    motion = options.imposed_motion and "imposed" or "free" }
+  local good, model = pcall(function()
+    return lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring, "--restoring"),
+      motion = options.imposed_motion and "imposed" or "free" }
+  end)
+  if not good then fault(model, "usage") end
+  return model
 end
 
 local function read_all(lunid, paths, columns)

@@ -77,8 +77,9 @@ models.load = schema.define({
   example = [[local model = lunid.load "pile.lua"]],
 }, function(given)
   local path = records.find(given.path)
+  local chunk = strict.load_file(path)
   core.note_input(path)
-  local model = strict.load_file(path)()
+  local model = chunk()
   if getmetatable(model) ~= "lunid.model" then
     schema.fail("load", ("'%s' returned %s, not a lunid.model"):format(path, core.describe(model)))
   end

@@ -45,8 +45,9 @@ function strict.environment(folder)
       core.raise(("require: no module '%s' (looked for '%s')"):format(name, path), "study")
     end
     if loaded[path] == nil then
+      local chunk = strict.load_file(path)
       core.note_input(path)
-      local module = strict.load_file(path)()
+      local module = chunk()
       loaded[path] = module == nil and true or module
     end
     return loaded[path]

@@ -1,0 +1,225 @@
+-- Bad input through the real executable: each with its message, its exit code, and no earlier result lost.
+local spec = require "spec"
+
+--- A free decay under a small force, sampled; changed row by row by `change(i, cells)` (returning nil drops the row).
+local function record(name, rows, change, header)
+  local lines, y, v = { header or "t,F,y" }, 0.01, 0
+  local h = 0.01
+  for i = 0, rows - 1 do
+    local force = 20 * math.sin(0.7 * i * h * 10)
+    local cells = { ("%.3f"):format(i * h), ("%.17g"):format(force), ("%.17g"):format(y) }
+    if change then cells = change(i, cells) end
+    if cells then lines[#lines + 1] = table.concat(cells, ",") end
+    for _ = 1, 10 do  -- semi-implicit Euler at a tenth of the sample: good enough for bad input
+      v = v + h / 10 * (force - 100 * y - 1000 * y ^ 3 - 0.8 * v)
+      y = y + h / 10 * v
+    end
+  end
+  spec.write(name, table.concat(lines, "\n") .. "\n")
+end
+
+local usual = '--mass 1 --restoring "k*y + c*v" --out out'
+
+--- Runs discover on a file; the whole output must be `expected`, and the exit code `code`.
+local function refused(file, options, expected, code)
+  local said, got = spec.lunid(("discover %s %s"):format(file, options))
+  spec.equal(said, expected)
+  spec.equal(got, code)
+  spec.equal(spec.shell "cat out/run.json", "the earlier run\n")
+end
+
+spec.shell "mkdir out"
+spec.write("out/run.json", "the earlier run\n")
+local kept = "\n  nothing was written; 'out' is as it was\n"
+
+record("good.csv", 600)
+
+spec.case("missing file", function()
+  refused("nowhere.csv", usual, "nowhere.csv: no such file" .. kept, 3)
+end)
+
+spec.case("empty CSV", function()
+  spec.write("empty.csv", "")
+  refused("empty.csv", usual, "empty.csv: the file is empty" .. kept, 3)
+end)
+
+spec.case("text in a number column", function()
+  record("text.csv", 100, function(i, cells)
+    if i == 40 then cells[2] = "n/a" end
+    return cells
+  end)
+  refused("text.csv", usual, "text.csv:42: column 'F': expected a number, got 'n/a'" .. kept, 3)
+end)
+
+spec.case("two columns of one name", function()
+  record("twice.csv", 100, nil, "t,y,y")
+  refused("twice.csv", usual, "twice.csv:1: two columns of one name: columns 2 and 3 are both 'y'" .. kept, 3)
+end)
+
+spec.case("a time column that runs backwards", function()
+  record("back.csv", 100, function(i, cells)
+    if i == 50 then cells[1] = "0.1" end
+    return cells
+  end)
+  refused("back.csv", usual, "back.csv:52: time runs backwards: t = 0.1 s after t = 0.49 s" .. kept, 3)
+end)
+
+spec.case("5 rows", function()
+  record("short.csv", 5)
+  refused("short.csv", usual, "short.csv: expected at least 6 rows, got 5" .. kept, 3)
+end)
+
+spec.case("a constant displacement", function()
+  record("still.csv", 600, function(_, cells)
+    cells[3] = "0.25"
+    return cells
+  end)
+  refused("still.csv", usual, "still.csv: discover: the displacement is constant (0.250000 m in every row); "
+    .. "nothing can be learned from a record without motion" .. kept, 3)
+end)
+
+spec.case("mass <= 0 without imposed motion", function()
+  refused("good.csv", '--mass 0 --restoring "k*y" --out out',
+    "model: mass: expected > 0, got 0 (a mass of 0 needs imposed motion)" .. kept, 2)
+  refused("good.csv", '--mass=-3 --restoring "k*y" --out out',
+    "model: mass: expected > 0, got -3 (a mass of 0 needs imposed motion)" .. kept, 2)
+end)
+
+spec.case("a parameter that the data do not excite", function()
+  local said, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + k2*y + c*v" --out out'
+  spec.contains(said, "k2")
+  spec.equal(code, 3)
+end)
+
+spec.case("an unknown function in --restoring", function()
+  refused("good.csv", '--mass 1 --restoring "k*y + sine(v)" --out out',
+    "--restoring:1:7: unknown function 'sine', did you mean 'sin'?" .. kept, 2)
+end)
+
+spec.case("unbalanced parentheses", function()
+  refused("good.csv", '--mass 1 --restoring "k*(y + c*v" --out out',
+    "--restoring:1:11: expected ')' to close the '(' in column 3, got the end" .. kept, 2)
+end)
+
+spec.case("wrong usage", function()
+  local said, code = spec.lunid "discover good.csv --mass 1 --out out"
+  spec.equal(said, "--restoring (or --baseline model.lua) is needed" .. kept)
+  spec.equal(code, 2)
+  said, code = spec.lunid "discover good.csv --restoring y --out out"
+  spec.equal(said, "--mass is needed where the motion is free" .. kept)
+  spec.equal(code, 2)
+  said, code = spec.lunid("discover good.csv --window 8 " .. usual)
+  spec.equal(said, "--window: expected A:B in seconds, got '8'" .. kept)
+  spec.equal(code, 2)
+  said, code = spec.lunid "discver good.csv"
+  spec.equal(code, 2)
+  said, code = spec.lunid("discover good.csv --alpha 2 " .. usual)
+  spec.contains(said, "--alpha: expected > 0 and < 0.5, got 2\n")
+  spec.equal(code, 2)
+end)
+
+spec.case("a directory that holds other things is refused", function()
+  spec.shell "mkdir mine && echo hello > mine/notes.txt"
+  local said, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v" --out mine'
+  spec.equal(said, "--out: the directory 'mine' holds other things than an earlier run (it has no run.json); "
+    .. "choose another or empty it\n")
+  spec.equal(code, 2)
+  spec.equal(spec.shell "ls mine", "notes.txt\n")
+  said, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v" --out mine/notes.txt'
+  spec.equal(said, "--out: 'mine/notes.txt' is a file, not a directory\n")
+  spec.equal(code, 2)
+end)
+
+local heavy = [[
+local lunid = require "lunid"
+local y = lunid.displacement
+lunid.model { mass = 1, restoring = 2*y }:save "model.lua"
+io.stdout:write("saved\n")
+io.stdout:flush()
+local n = 0
+while true do n = n + 1 end
+]]
+
+spec.case("Ctrl-C in Lua code: exit 130, finished files are kept, the earlier result is as it was", function()
+  spec.write("loop.lua", heavy)
+  local said = spec.shell(([[('%s' run loop.lua --out out > said 2>&1 & p=$!; while ! grep -q saved said; do sleep 0.05; done
+    kill -INT $p; wait $p; echo "[exit $?]") ; sed 's/partial-[0-9]*/partial-N/' said]]):format(spec.executable))
+  spec.equal(said, "[exit 130]\nsaved\ninterrupted; finished files are kept in 'out.partial-N': model.lua; "
+    .. "'out' is as it was\n")
+  spec.equal(spec.shell "cat out/run.json", "the earlier run\n")
+  spec.contains(spec.shell "cat out.partial-*/model.lua", "restoring = 2*y")
+  spec.shell "rm -r out.partial-*"
+end)
+
+spec.case("Ctrl-C in a discovery", function()
+  record("long.csv", 20000)
+  local said = spec.shell(([[('%s' discover long.csv %s > said 2>&1 & p=$!; sleep 1; kill -INT $p; wait $p; echo "[exit $?]"); cat said]])
+    :format(spec.executable, usual))
+  spec.contains(said, "[exit 130]\ninterrupted; nothing was written; 'out' is as it was\n")
+  spec.equal(spec.shell "cat out/run.json", "the earlier run\n")
+  spec.equal(spec.shell "ls -d out.partial-* 2>/dev/null", "")
+end)
+
+spec.case("a disk that is full", function()
+  -- A limit on the size of files stands for the full disk where no small file system can be mounted.
+  spec.write("big.lua", [[
+local lunid = require "lunid"
+lunid.read("good.csv"):save "copy.csv"
+]])
+  local said, code = spec.lunid("run big.lua --out out", "trap '' XFSZ; ulimit -f 8;")
+  spec.contains(said, "/copy.csv: cannot write: File too large\n  asked for at big.lua:2\n")
+  spec.contains(said, "nothing was written; 'out' is as it was")
+  spec.equal(code, 3)
+  spec.equal(spec.shell "cat out/run.json", "the earlier run\n")
+end)
+
+spec.case("a full file system", function()
+  local mounted = spec.shell "mkdir -p tiny && mount -t tmpfs -o size=16k tmpfs tiny 2>/dev/null && echo yes"
+  if mounted == "" then
+    print "skipped: a full file system (no right to mount one)"
+    return
+  end
+  local said, code = spec.lunid("run big.lua --out tiny/out")
+  local left = spec.shell "ls tiny; umount tiny"
+  spec.contains(said, "No space left on device")
+  spec.equal(code, 3)
+  spec.equal(left, "")
+end)
+
+spec.case("run.json repeats a run bit for bit, and tells a changed input", function()
+  local _, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v" --out first --seed 7'
+  spec.equal(code, 0)
+  _, code = spec.lunid "run first/run.json --out second"
+  spec.equal(code, 0)
+  spec.equal(spec.shell "diff -r -x run.json first second && echo same", "same\n")
+  spec.shell "sed 's/\"out\": \"[a-z]*\"//' first/run.json > a; sed 's/\"out\": \"[a-z]*\"//' second/run.json > b"
+  spec.equal(spec.shell "diff a b && echo same", "same\n")
+  record("good.csv", 601)
+  local said
+  said, code = spec.lunid "run first/run.json --out second"
+  spec.equal(said, "the run's input 'good.csv' has changed since (another SHA-256)\n")
+  spec.equal(code, 3)
+end)
+
+spec.case("a second run replaces the files of the first and keeps the user's own", function()
+  spec.write("s.lua", 'local lunid = require "lunid"\nlocal name = lunid.option { "name", "a" }\n'
+    .. 'lunid.model { mass = 1, restoring = lunid.displacement }:save(name .. ".lua")\n')
+  spec.lunid "run s.lua name=a --out third"
+  spec.write("third/notes.txt", "mine")
+  local _, code = spec.lunid "run s.lua name=b --out third"
+  spec.equal(code, 0)
+  spec.equal(spec.shell "ls third", "b.lua\nnotes.txt\nrun.json\n")
+end)
+
+spec.case("simulate", function()
+  spec.write("m.lua", 'local lunid = require "lunid"\nreturn lunid.model { mass = 1, restoring = 100*lunid.displacement }\n')
+  local said, code = spec.lunid "simulate m.lua --excitation good.csv --from 0.01,0 --out sim"
+  spec.equal(code, 0)
+  spec.contains(said, "sim/run.csv")
+  said, code = spec.lunid "simulate nowhere.lua --excitation good.csv --out sim"
+  spec.contains(said, "no such file: 'nowhere.lua'")
+  spec.equal(code, 3)
+end)
+
+spec.clean()
+spec.finish()
