@@ -228,7 +228,8 @@ class Spine {
         after_test = before_test;
         const Closure closure = test_closure(study_, found.baseline, found.whitening);
         const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > required_gain(study_, found.baseline.left_out_gap);
-        out_.verdict = structure ? "unknown-effect" : "nothing-missing";
+        const Gap gap = pool_gap(before_test, 0);
+        out_.verdict = structure || !(gap.value < 5 * gap.floor) ? "unknown-effect" : "nothing-missing";
         shape_ = closure.shape;
         out_.gap_left_out_after = out_.gap_left_out_before;
       }
@@ -247,6 +248,8 @@ class Spine {
     const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
     if (!std::isfinite(last.value)) return false;
     if (!std::isfinite(first.value)) return true;
+    // Far above the floor with a good part of the gap still open: the name patches something else.
+    if (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9) return false;
     return last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2;
   }
 
