@@ -91,6 +91,16 @@ int to_list(lua_State* L) {
   return 1;
 }
 
+/// column:every(n): rows 1, n + 1, 2n + 1, ...
+int every(lua_State* L) {
+  const Column column = check<Column>(L, 1);
+  const long long step = check_integer(L, 2);
+  if (step < 1) throw InputError("column: every: expected >= 1, got " + std::to_string(step));
+  const auto count = (column.values->size() + step - 1) / step;
+  push_column(L, Eigen::VectorXd::NullaryExpr(count, [&](Eigen::Index i) { return (*column.values)[i * step]; }));
+  return 1;
+}
+
 /// column(list of numbers)
 int make_column(lua_State* L) {
   push_column(L, check_column(L, 1));
@@ -102,7 +112,7 @@ int make_column(lua_State* L) {
 void open_columns(lua_State* L) {
   static constexpr Entry methods[] = {
       {"min", guarded<minimum>},   {"max", guarded<maximum>},  {"mean", guarded<mean>},
-      {"std", guarded<deviation>}, {"list", guarded<to_list>},
+      {"std", guarded<deviation>}, {"list", guarded<to_list>}, {"every", guarded<every>},
   };
   static constexpr Entry meta[] = {
       {"__index", guarded<get>}, {"__len", guarded<length>}, {"__tostring", guarded<to_string>}};

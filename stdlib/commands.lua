@@ -15,14 +15,14 @@ local function run_record(command, options)
     threads = options.threads, inputs = core.inputs() }
 end
 
---- Runs `work` with an out directory; commits its files, or says what was kept.
+--- Runs `work` with an out directory; commits its files and returns their names, or says what was kept.
 local function with_output(command, options, work)
   core.set_run(options.seed, options.threads)
   output.begin(options.out or "lunid-out")
   local good, message = xpcall(work, function(error) return tostring(error) end)
   if good then
     good, message = pcall(output.commit, run_record(command, options))
-    if good then return end
+    if good then return message end
   end
   local interrupted = core.take_interrupt()
   local kept = output.abandon(interrupted)
@@ -60,7 +60,8 @@ end
 commands["run"] = function(options)
   if options.study:match "%.json$" then return repeat_run(options) end
   if not core.kind_of(options.study) then fault(("no such study: '%s'"):format(options.study), "usage") end
-  with_output("run", options, function() run_study(options) end)
+  local files = with_output("run", options, function() run_study(options) end)
+  if #files > 0 then print(("%-11s%s"):format("wrote", output.summary(options.out or "lunid-out", files))) end
 end
 
 --- "2:10" -> a window

@@ -83,7 +83,10 @@ end
 
 local discover = schema.define(definition, function(given)
   local found = search(given)
-  if given.out or output.active() then print(discovery.where_it_is(discovery.save(found, given.out))) end
+  if given.out or output.active() then
+    local made = discovery.save(found, given.out)
+    if made.note then print(("%-11s%s"):format("note", made.note)) end
+  end
   return found
 end)
 

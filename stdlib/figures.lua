@@ -82,5 +82,44 @@ local lines = schema.define({
     series = given.series } } }
 end)
 
-figures.public = { figure = schema.strict_table("lunid.figure", { series = series, lines = lines }) }
+local most_points = 1000  -- drawn with a surface: more would hide it
+
+--- A surface of lunid.rfs as a figure, with the measured points near it: all of them, or some that leave it in sight.
+function figures.of_surface(given, all_points)
+  local surface = given.surface
+  local cells, points = surface.table, surface.points
+  local step = all_points and 1 or math.ceil(#points.y / most_points)
+  local label = step == 1 and "measured" or ("measured, 1 of %d"):format(step)
+  return figures.make { title = given.title, x = axis "displacement [m]", y = axis "velocity [m/s]",
+    z = axis "restoring force [N]", grid_x = cells.y, grid_y = cells.v, surface = cells.f,
+    clouds = given.points ~= false and { { label = label, x = points.y:every(step), y = points.v:every(step),
+      z = points.f:every(step), role = "measured" } } or {}, azimuth = given.azimuth, elevation = given.elevation }
+end
+
+local surface = schema.define({
+  name = "figure.surface",
+  help = "A restoring force surface over displacement and velocity, with the measured points near it.",
+  positional = { "surface" },
+  fields = {
+    { "surface", types.is("surface", "lunid.rfs"), required = true, help = "what to draw" },
+    { "title", types.string, default = "", help = "above the figure" },
+    { "points", types.boolean, default = true, help = "draw the measured points too" },
+    { "azimuth", types.number(), unit = "degrees", help = "where it is seen from, about the force axis" },
+    { "elevation", types.number { min = -90, max = 90 }, unit = "degrees", help = "where it is seen from, above the plane" },
+  },
+  returns = "figure",
+  example = [[lunid.figure.surface(surface):save "surface.png"]],
+}, function(given) return figures.of_surface(given) end)
+
+local map = schema.define({
+  name = "figure.residual_map",
+  help = "Where baseline and final model leave force unexplained, over displacement and velocity.",
+  positional = { "discovery" },
+  fields = { { "discovery", types.is("discovery", "lunid.discover"), required = true, help = "what was found" } },
+  returns = "figure",
+  example = [[lunid.figure.residual_map(found):save "map.png"]],
+}, function(given) return require("lunid.report").residual_map(given.discovery) end)
+
+figures.public = { figure = schema.strict_table("lunid.figure", { series = series, lines = lines, surface = surface,
+  residual_map = map }) }
 return figures

@@ -74,6 +74,21 @@ function output.commit(run)
   end
   core.remove_all(current.partial)
   current = nil
+  return files
+end
+
+--- "out/report.html, out/figures (4 files)": what a run wrote, folders as one.
+function output.summary(out, files)
+  local names, counts = {}, {}
+  for _, file in ipairs(files) do
+    local top = file:match "^[^/]+"
+    if not counts[top] then names[#names + 1] = top end
+    counts[top] = (counts[top] or 0) + (file == top and 0 or 1)
+  end
+  for i, name in ipairs(names) do
+    names[i] = out .. "/" .. name .. (counts[name] > 0 and (" (%d files)"):format(counts[name]) or "")
+  end
+  return table.concat(names, ", ")
 end
 
 --- Ends a run that failed. Whole files that it made stay beside the out directory when `keep`; says what was kept.

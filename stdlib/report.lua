@@ -53,10 +53,20 @@ local function map_panel(map, rows, title, most)
       colour = { name = "mean unexplained force", unit = "N", min = most and -most, max = most } } }
 end
 
+--- Both maps side by side, in one range of colours.
+function report.residual_map(found)
+  local map = found.map
+  local most = largest(map.before)
+  return figures.make { columns = 2, size = { width_cm = 24 }, panels = {
+    map_panel(map, map.before, "baseline", most), map_panel(map, map.after, "final model", most) } }
+end
+
 --- Name, caption and figure of each picture, in the report's order.
 local function pictures(found)
   local list = {}
-  local function add(name, caption, fields) list[#list + 1] = { name = name, caption = caption, figure = figures.make(fields) } end
+  local function add(name, caption, fields)
+    list[#list + 1] = { name = name, caption = caption, figure = figures.make(fields) }
+  end
   local train
   for _, comparison in ipairs(found.comparisons) do
     if comparison.role == "train" and not train then train = comparison end
@@ -69,13 +79,10 @@ local function pictures(found)
         comparison.record, comparison.role),
       { panels = { history(found, comparison, ""), residuals(comparison, "") } })
   end
-  local map = found.map
-  if #map.y > 1 and #map.v > 1 then
-    local most = largest(map.before)
-    add("residual_map", "Mean force that the model leaves unexplained, over displacement and velocity: where the "
-      .. "baseline fails, and what is left. Hatched: no data.",
-      { columns = 2, size = { width_cm = 24 }, panels = { map_panel(map, map.before, "baseline", most),
-        map_panel(map, map.after, "final model", most) } })
+  if #found.map.y > 1 and #found.map.v > 1 then
+    list[#list + 1] = { name = "residual_map", figure = report.residual_map(found),
+      caption = "Mean force that the model leaves unexplained, over displacement and velocity: where the "
+        .. "baseline fails, and what is left. Hatched: no data." }
   end
   if train and #found.effects > 0 then
     add("named_force", "The force of what was named, against the force that the baseline leaves unexplained.",

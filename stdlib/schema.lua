@@ -162,6 +162,17 @@ local function named(definition, given)
   return values
 end
 
+--- Values without names, and named ones in a table at the end, as one table.
+local function positional(...)
+  local given, count = { ... }, select("#", ...)
+  local last = given[count]
+  if count > 1 and type(last) == "table" and getmetatable(last) == nil then
+    given[count] = nil
+    for key, value in pairs(last) do given[key] = value end
+  end
+  return given
+end
+
 --- Checks the arguments of a call against a definition; returns the named values with defaults filled in.
 function schema.validate(definition, ...)
   local given
@@ -172,15 +183,11 @@ function schema.validate(definition, ...)
       schema.fail(definition.name, ("expected %d arguments, got %d"):format(#definition.positional, count))
     end
   else
-    local first, second = ...
-    local plain = type(first) == "table" and getmetatable(first) == nil
-    if plain then
+    local first = ...
+    if type(first) == "table" and getmetatable(first) == nil then
       given = first
     elseif definition.positional and first ~= nil then  -- lunid.read "run.csv", lunid.read("run.csv", { ... })
-      given = { first }
-      if type(second) == "table" then
-        for key, value in pairs(second) do given[key] = value end
-      end
+      given = positional(...)
     else
       schema.fail(definition.name, ("expected a table { ... }, got %s"):format(core.describe(first)))
     end

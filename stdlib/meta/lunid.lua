@@ -197,24 +197,6 @@ function lunid.fixed(feature, value) end
 ---@return lunid.constraint
 function lunid.between(feature, lower, upper) end
 
----Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
----@class lunid.discover.fields
----@field model lunid.model # the baseline
----@field train any # record or list of records, used for every choice
----@field test? any # opened once, after the verdict; else the last part of each record is held out
----@field window? lunid.window # part of the training records
----@field test_window? lunid.window # part of the test records; of the training files where no test is given
----@field catalogue? table # names of entries to try; else all (`lunid list effects`)
----@field effects? table # entries of your own, beside the catalogue
----@field alpha? number # level of false alarms of the whole search
----@field max_effects? integer # named one after another
----@field blocks? integer # left-out blocks of the training records
----@field holdout? number # part held out when no test is given
----@field out? string # folder for report, model, JSON and figures, below the run's out directory
----@param fields lunid.discover.fields
----@return lunid.discovery
-function lunid.discover(fields) end
-
 ---A curve or a cloud of points, for figure.lines.
 ---@class lunid.figure.series.fields
 ---@field x any # a column, such as record:column "t", or a list
@@ -236,5 +218,62 @@ function lunid.figure.series(fields) end
 ---@param fields lunid.figure.lines.fields
 ---@return lunid.figure
 function lunid.figure.lines(fields) end
+
+---A restoring force surface over displacement and velocity, with the measured points near it.
+---@class lunid.figure.surface.fields
+---@field surface lunid.surface # what to draw
+---@field title? string # above the figure
+---@field points? boolean # draw the measured points too
+---@field azimuth? number # where it is seen from, about the force axis
+---@field elevation? number # where it is seen from, above the plane
+---@param fields lunid.figure.surface.fields
+---@return lunid.figure
+function lunid.figure.surface(fields) end
+
+---Where baseline and final model leave force unexplained, over displacement and velocity.
+---@class lunid.figure.residual_map.fields
+---@field discovery lunid.discovery # what was found
+---@param fields lunid.figure.residual_map.fields
+---@return lunid.figure
+function lunid.figure.residual_map(fields) end
+
+---Bilinear interpolation between the corners of equal cells; cells without data stay empty.
+---@class lunid.grid.fields
+---@field cells? table # number of cells along displacement and velocity
+---@field least_count? integer # cells with fewer points have no data
+---@field smoothness? number # weight of the squared second differences
+---@param fields lunid.grid.fields
+---@return lunid.interpolator
+function lunid.grid(fields) end
+
+---The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial.
+---@class lunid.rfs.fields
+---@field record any # one record or several
+---@field mass? number|lunid.expression # without it the surface is that of F itself
+---@field window? lunid.window # part of the records
+---@field interpolate? lunid.interpolator # how it is drawn; else by the polynomial
+---@field order? table # of the polynomial in displacement and in velocity
+---@field blocks? integer # blocks of time left out in turn for the score
+---@param fields lunid.rfs.fields
+---@return lunid.surface
+function lunid.rfs(fields) end
+
+---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
+---@class lunid.discover.fields
+---@field model lunid.model # the baseline
+---@field train any # record or list of records, used for every choice
+---@field test? any # opened once, after the verdict; else the last part of each record is held out
+---@field window? lunid.window # part of the training records
+---@field test_window? lunid.window # part of the test records; of the training files where no test is given
+---@field catalogue? table # names of entries to try; else all (`lunid list effects`)
+---@field effects? table # entries of your own, beside the catalogue
+---@field alpha? number # level of false alarms of the whole search
+---@field max_effects? integer # named one after another
+---@field blocks? integer # left-out blocks of the training records
+---@field holdout? number # part held out when no test is given
+---@field out? string # folder for report, model, JSON and figures, below the run's out directory
+---@param fields lunid.discover.fields
+---@return lunid.discovery
+function lunid.discover(fields) end
 
 return lunid
