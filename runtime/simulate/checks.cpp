@@ -100,8 +100,7 @@ double default_bound(const System& system, std::span<const double> theta, const 
     d.rate.run_point(in.data(), out.data(), scratch.data());
     return out[1];
   };
-  double largest = 0;
-  for (const double f : excitation.grid(1)) largest = std::max(largest, std::abs(f));
+  const double largest = excitation.peak();
   const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
   double reach = std::abs(acceleration(excitation.at(excitation.t0()), false));
   reach = std::max(reach, std::abs(acceleration(largest, true) - acceleration(0, true)));

@@ -155,6 +155,11 @@ Dynamics compile(const DynamicsSource& s) {
   map_rate_switches(d, table, s);
   d.derivative_switches = map_switches(d.derivatives, table);
 
+  std::vector<Expr> moving = gaps;
+  for (const Surface& surface : d.surfaces) moving.push_back(surface.g);
+  for (const Expr& f : moving)
+    for (const Expr& u : s.exogenous) d.input_rates |= depends_on(f, u);
+
   outputs.clear();
   for (const Surface& surface : d.surfaces) append_gradient(outputs, surface.g, inputs);
   for (const Expr& gap : gaps) append_gradient(outputs, gap, inputs);

@@ -35,6 +35,7 @@ struct Dynamics {
   /// where it is not positional)
   Tape gradients;
   bool constant_gradients = true;  ///< gradients depend on theta alone
+  bool input_rates = false;        ///< a surface or a bound moves with an exogenous input
   std::vector<Surface> surfaces;
   std::vector<StateBound> bounds;
   std::vector<std::string> names;  ///< of the states

@@ -5,18 +5,22 @@
 #include <limits>
 #include <vector>
 
+#include "simulate/dormand_prince.hpp"
 #include "simulate/fixed.hpp"
 #include "simulate/modes.hpp"
 
 namespace lunid {
 namespace {
 
+namespace dp = dormand_prince;
 using Eigen::Index;
 
 /// A place in the substep is known to this part of it.
 constexpr double location_tolerance = 1e-12;
 constexpr int location_iterations = 100;
 constexpr int newton_iterations = 10;
+/// Beyond this many events the rest of a substep is taken in one mode: the motion chatters faster than steps resolve.
+constexpr int events_per_substep = 50;
 /// A crossing whose speed is below this part of the fastest one met is a graze: its jump is not to be trusted.
 constexpr double grazing_speed = 1e-6;
 /// A slope dx_i'/dx_i beyond this over the step cannot be carried by an explicit step of the sensitivities. It is that
@@ -25,21 +29,52 @@ constexpr double steepest = 2;
 /// Rates that agree to this part on both sides of an event do not jump there.
 constexpr double continuity = 1e-12;
 
-/// One substep: time, length, and its inputs at the start, the middle and the end.
+/// One substep: time, length, and its inputs at the places of the stages, the end the last.
 struct Segment {
   double t = 0, h = 0;
   int exogenous = 0;
-  double start[3], middle[3], end[3];
+  bool rates = false;  ///< the rates of the inputs are wanted
+  double input[3][dp::nodes + 1];
 
-  /// The parabola through the three at the part s of the substep.
+  /// At the place of a stage of the whole substep.
+  Drive at_node(int node) const noexcept {
+    Drive d;
+    d.t = t + dp::place[node] * h;
+    for (int i = 0; i < exogenous; ++i) d.u[i] = input[i][node];
+    if (rates) add_rates(dp::place[node], d);
+    return d;
+  }
+
+  /// The polynomial through all places, at the part s of the substep.
   Drive drive(double s) const noexcept {
+    for (int node = 0; node <= dp::nodes; ++node)
+      if (s == dp::place[node]) return at_node(node);
     Drive d;
     d.t = t + s * h;
-    for (int i = 0; i < exogenous; ++i) {
-      d.u[i] = start[i] * (1 - s) * (1 - 2 * s) + middle[i] * 4 * s * (1 - s) + end[i] * s * (2 * s - 1);
-      d.rate[i] = (start[i] * (4 * s - 3) + middle[i] * (4 - 8 * s) + end[i] * (4 * s - 1)) / h;
+    for (int node = 0; node <= dp::nodes; ++node) {
+      double weight = 1;
+      for (int other = 0; other <= dp::nodes; ++other)
+        if (other != node) weight *= (s - dp::place[other]) / (dp::place[node] - dp::place[other]);
+      for (int i = 0; i < exogenous; ++i) d.u[i] += weight * input[i][node];
     }
+    if (rates) add_rates(s, d);
     return d;
+  }
+
+  /// The derivative of that polynomial.
+  void add_rates(double s, Drive& d) const noexcept {
+    for (int node = 0; node <= dp::nodes; ++node) {
+      double slope = 0;
+      for (int missing = 0; missing <= dp::nodes; ++missing) {
+        if (missing == node) continue;
+        double product = 1 / (dp::place[node] - dp::place[missing]);
+        for (int other = 0; other <= dp::nodes; ++other)
+          if (other != node && other != missing)
+            product *= (s - dp::place[other]) / (dp::place[node] - dp::place[other]);
+        slope += product;
+      }
+      for (int i = 0; i < exogenous; ++i) d.rate[i] += slope / h * input[i][node];
+    }
   }
 };
 
@@ -72,21 +107,21 @@ class EventRun {
   const Dynamics& d_;
   const int n_, p_, columns_;
   ModeMachine modes_;
-  std::vector<double> x_, trial_, stage_, k2_, k3_, k4_;
+  std::vector<double> x_, trial_, stage_, k_;
   Observation now_, then_;
-  std::vector<double> s_, ks_[4], s_stage_, f_, gradient_;
+  std::vector<double> s_, ks_, s_stage_, gradient_;
   FixedOutcome outcome_;
 };
 
 EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
     : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n),
       modes_(d_, problem.theta, problem.dt / problem.substeps), x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_),
-      k2_(n_), k3_(n_), k4_(n_), now_(modes_.observation()), then_(modes_.observation()), f_(n_), gradient_(d_.inputs()) {
+      k_(dp::stages * n_), now_(modes_.observation()), then_(modes_.observation()), gradient_(d_.inputs()) {
   if (!problem.sensitivities) return;
   s_.assign(n_ * columns_, 0.0);
   for (int i = 0; i < n_; ++i) s_[i * columns_ + p_ + i] = 1;
   s_stage_ = s_;
-  for (auto& k : ks_) k = s_;
+  ks_.resize(dp::stages * s_.size());
 }
 
 Segment EventRun::segment(Index row, int substep) const noexcept {
@@ -96,11 +131,11 @@ Segment EventRun::segment(Index row, int substep) const noexcept {
   g.t = problem_.t0 + static_cast<double>(index) * g.h;
   g.exogenous = d_.exogenous;
   const bool last = row + 1 == problem_.rows;  // the last row has no interval after it
+  g.rates = d_.input_rates;
   for (int i = 0; i < d_.exogenous; ++i) {
-    const double* u = problem_.drive[i] + 2 * index;
-    g.start[i] = u[0];
-    g.middle[i] = last ? u[0] : u[1];
-    g.end[i] = last || problem_.hold ? g.middle[i] : u[2];
+    const double* u = problem_.drive[i] + dp::nodes * index;
+    for (int node = 0; node <= dp::nodes; ++node) g.input[i][node] = last ? u[0] : u[node];
+    if (problem_.hold) g.input[i][dp::nodes] = u[0];
   }
   return g;
 }
@@ -159,12 +194,12 @@ bool EventRun::failed(const Segment& segment, double at, Stop stop) {
 /// One substep with all its events; false when the run stops.
 bool EventRun::advance(const Segment& segment) {
   double at = 0;
-  int idle = 0;  // events in a row at one place
+  int idle = 0, met = 0;  // events in a row at one place, and all of this substep
   while (at < 1) {
     double to = 1;
     const int event = first_event(segment, at, to);
     if (!all_finite(trial_.data(), n_)) return failed(segment, at, Stop::exploded);
-    const bool circling = event >= 0 && idle > 4 * modes_.events();
+    const bool circling = event >= 0 && (idle > 4 * modes_.events() || met > events_per_substep);
     if (event < 0 || circling) {
       if (circling) probe(segment, at, to = 1, event);
       accept(segment, at, to);
@@ -176,6 +211,7 @@ bool EventRun::advance(const Segment& segment) {
       if (to > at) accept(segment, at, to);
       happen(segment, to, event);
       at = to;
+      ++met;
       if (++outcome_.events > problem_.max_events) {
         outcome_.event = event;
         return failed(segment, at, Stop::too_many_events);
@@ -187,39 +223,40 @@ bool EventRun::advance(const Segment& segment) {
   return true;
 }
 
+/// The input at a stage of the step from one part of the substep to another.
+Drive stage_drive(const Segment& segment, double from, double to, int stage) noexcept {
+  if (from == 0 && to == 1) return segment.at_node(std::min(stage, dp::nodes));
+  return segment.drive(stage >= dp::nodes ? to : from + dp::place[stage] * (to - from));
+}
+
 /// trial_ = x_ carried from one part of the substep to another in the present mode.
 void EventRun::step(const Segment& segment, double from, double to) noexcept {
   const double h = (to - from) * segment.h;
-  const Drive middle = segment.drive(0.5 * (from + to)), end = segment.drive(to);
-  const double* k1 = now_.f.data();
-  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k1[i];
-  modes_.rate(middle, stage_.data(), k2_.data());
-  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + 0.5 * h * k2_[i];
-  modes_.rate(middle, stage_.data(), k3_.data());
-  for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + h * k3_[i];
-  modes_.rate(end, stage_.data(), k4_.data());
-  for (int i = 0; i < n_; ++i) trial_[i] = x_[i] + h / 6 * (k1[i] + 2 * (k2_[i] + k3_[i]) + k4_[i]);
+  std::copy_n(now_.f.data(), n_, k_.data());
+  for (int stage = 1; stage < dp::stages; ++stage) {
+    dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
+    modes_.rate(stage_drive(segment, from, to, stage), stage_.data(), k_.data() + stage * n_);
+  }
+  dp::stage_state<6>(n_, h, x_.data(), k_.data(), trial_.data());
 }
 
 /// s_ carried along with x_, which stays.
 void EventRun::step_sensitivities(const Segment& segment, double from, double to) noexcept {
   const double h = (to - from) * segment.h;
-  const double parts[4] = {from, 0.5 * (from + to), 0.5 * (from + to), to}, reach[4] = {0, 0.5 * h, 0.5 * h, h};
-  const std::size_t size = s_.size();
-  for (int k = 0; k < 4; ++k) {
-    if (k == 0) {
+  const int size = static_cast<int>(s_.size());
+  for (int stage = 0; stage < dp::stages; ++stage) {
+    if (stage == 0) {
       stage_ = x_;
       s_stage_ = s_;
     } else {
-      for (int i = 0; i < n_; ++i) stage_[i] = x_[i] + reach[k] * f_[i];
-      for (std::size_t i = 0; i < size; ++i) s_stage_[i] = s_[i] + reach[k] * ks_[k - 1][i];
+      dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
+      dp::stage_state(stage, size, h, s_.data(), ks_.data(), s_stage_.data());
     }
-    const Derivatives at = modes_.derivatives(segment.drive(parts[k]), stage_.data());
-    sensitivity_rate(n_, p_, at.jx, at.jtheta, steepest / h, s_stage_.data(), ks_[k].data());
-    std::copy_n(at.f, n_, f_.data());
+    const Derivatives at = modes_.derivatives(stage_drive(segment, from, to, stage), stage_.data());
+    sensitivity_rate(n_, p_, at.jx, at.jtheta, steepest / h, s_stage_.data(), ks_.data() + stage * size);
+    std::copy_n(at.f, n_, k_.data() + stage * n_);
   }
-  for (std::size_t i = 0; i < size; ++i)
-    s_[i] += h / 6 * (ks_[0][i] + 2 * (ks_[1][i] + ks_[2][i]) + ks_[3][i]);
+  dp::stage_state<6>(size, h, s_.data(), ks_.data(), s_.data());
 }
 
 /// Steps to a part of the substep and returns the event function there (NaN where the state is not finite).

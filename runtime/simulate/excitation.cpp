@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -55,15 +56,16 @@ VectorXd continued(const VectorXd& f, double slope) {
   return g;
 }
 
-void refine_band_limited(const VectorXd& f, int parts, VectorXd& out) {
+/// Fills what lies between the samples of `out`, which has one value per sample and place.
+void refine_band_limited(const VectorXd& f, std::span<const double> places, VectorXd& out) {
   const double slope = (f[f.size() - 1] - f[0]) / static_cast<double>(f.size() - 1);
   const VectorXd g = continued(f, slope);
-  for (int phase = 1; phase < parts; ++phase) {
-    const double fraction = static_cast<double>(phase) / parts;
-    const VectorXd w = kernel(fraction);
+  const auto count = static_cast<Index>(places.size());
+  for (Index i = 1; i < count; ++i) {
+    const VectorXd w = kernel(places[i]);
     for (Index row = 0; row + 1 < f.size(); ++row)
-      out[row * parts + phase] = w.dot(g.segment(row + 1, 2 * half_width)) + f[0] +
-                                 slope * (static_cast<double>(row) + fraction);
+      out[row * count + i] = w.dot(g.segment(row + 1, 2 * half_width)) + f[0] +
+                             slope * (static_cast<double>(row) + places[i]);
   }
 }
 
@@ -109,20 +111,31 @@ void check(double t0, double dt, Index rows) {
   if (rows < 2) throw InputError("excitation: expected 2 rows or more, got " + std::to_string(rows));
 }
 
+void check_finite(const VectorXd& force) {
+  for (Index i = 0; i < force.size(); ++i)
+    if (!std::isfinite(force[i]))
+      throw InputError("excitation: force: row " + std::to_string(i + 1) + ": expected a finite value, got " +
+                       number(force[i]));
+}
+
+void check_substeps(int substeps) {
+  if (substeps < 1) throw InputError("excitation: substeps: expected >= 1, got " + std::to_string(substeps));
+}
+
 }  // namespace
 
 /// What all parts of an excitation share.
 struct Excitation::Source {
   double t0 = 0, dt = 1;
-  Index rows = 0;
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
   std::function<double(double)> function;
-  std::mutex mutex;  ///< guards grids
-  std::map<int, VectorXd> grids;
+  std::mutex mutex;  ///< guards the grids
+  std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
 
-  VectorXd refine(int substeps) const;
-  const VectorXd& grid(int substeps);
+  VectorXd refine(std::span<const double> places) const;
+  const VectorXd& even_grid(int substeps);
+  const VectorXd& stage_grid(int substeps);
 };
 
 std::string to_string(Interpolation interpolation) {
@@ -139,15 +152,11 @@ Excitation::Excitation(double t0, double dt, std::span<const double> force, Inte
     : t0_(t0), dt_(dt), rows_(static_cast<Index>(force.size())), interpolation_(interpolation),
       source_(std::make_shared<Source>()) {
   check(t0, dt, rows_);
-  for (Index i = 0; i < rows_; ++i)
-    if (!std::isfinite(force[i]))
-      throw InputError("excitation: force: row " + std::to_string(i + 1) + ": expected a finite value, got " +
-                       number(force[i]));
   source_->t0 = t0;
   source_->dt = dt;
-  source_->rows = rows_;
   source_->interpolation = interpolation;
   source_->samples = Eigen::Map<const VectorXd>(force.data(), rows_);
+  check_finite(source_->samples);
 }
 
 Excitation::Excitation(double t0, double dt, Index rows, std::function<double(double)> force)
@@ -156,8 +165,10 @@ Excitation::Excitation(double t0, double dt, Index rows, std::function<double(do
   if (!force) throw InputError("excitation: no function of time is given");
   source_->t0 = t0;
   source_->dt = dt;
-  source_->rows = rows;
   source_->interpolation = interpolation_;
+  source_->samples.resize(rows);
+  for (Index i = 0; i < rows; ++i) source_->samples[i] = force(t0 + dt * static_cast<double>(i));
+  check_finite(source_->samples);
   source_->function = std::move(force);
 }
 
@@ -174,51 +185,72 @@ double Excitation::at(double t) const {
     case Interpolation::hold: return fraction < 1 - on_sample ? f[row] : f[row + 1];
     case Interpolation::linear: return f[row] + fraction * (f[row + 1] - f[row]);
     case Interpolation::cubic: return local_cubic(f, row, fraction);
-    case Interpolation::band_limited: return sextic(source_->grid(at_substeps), position * 2 * at_substeps);
+    case Interpolation::band_limited: return sextic(source_->even_grid(at_substeps), position * 2 * at_substeps);
   }
   return 0;
 }
 
-VectorXd Excitation::Source::refine(int substeps) const {
-  const int parts = 2 * substeps;
-  VectorXd out((rows - 1) * parts + 1);
+/// The force at `places` (parts of an interval, the first 0) of each interval, then the last sample.
+VectorXd Excitation::Source::refine(std::span<const double> places) const {
+  const auto count = static_cast<Index>(places.size());
+  const Index rows = samples.size();
+  VectorXd out((rows - 1) * count + 1);
+  for (Index row = 0; row < rows; ++row) out[row * count] = samples[row];
   if (function) {
-    for (Index i = 0; i < out.size(); ++i) out[i] = function(t0 + dt * (static_cast<double>(i) / parts));
+    for (Index row = 0; row + 1 < rows; ++row)
+      for (Index i = 1; i < count; ++i)
+        out[row * count + i] = function(t0 + dt * (static_cast<double>(row) + places[i]));
     return out;
   }
-  for (Index row = 0; row < rows; ++row) out[row * parts] = samples[row];
   if (interpolation == Interpolation::band_limited) {
-    refine_band_limited(samples, parts, out);
+    refine_band_limited(samples, places, out);
     return out;
   }
   for (Index row = 0; row + 1 < rows; ++row)
-    for (int phase = 1; phase < parts; ++phase) {
-      const double fraction = static_cast<double>(phase) / parts;
+    for (Index i = 1; i < count; ++i) {
       const double from = samples[row], to = samples[row + 1];
-      out[row * parts + phase] = interpolation == Interpolation::hold     ? from
-                                 : interpolation == Interpolation::linear ? from + fraction * (to - from)
-                                                                          : local_cubic(samples, row, fraction);
+      out[row * count + i] = interpolation == Interpolation::hold     ? from
+                             : interpolation == Interpolation::linear ? from + places[i] * (to - from)
+                                                                      : local_cubic(samples, row, places[i]);
     }
   return out;
 }
 
-const VectorXd& Excitation::Source::grid(int substeps) {
+const VectorXd& Excitation::Source::even_grid(int substeps) {
   const std::lock_guard lock(mutex);
-  VectorXd& entry = grids[substeps];  // a map's entries stay where they are
-  if (entry.size() == 0) entry = refine(substeps);
+  VectorXd& entry = even_grids[substeps];  // a map's entries stay where they are
+  if (entry.size() == 0) {
+    std::vector<double> places(2 * substeps);
+    for (int i = 0; i < 2 * substeps; ++i) places[i] = static_cast<double>(i) / (2 * substeps);
+    entry = refine(places);
+  }
   return entry;
 }
 
-std::span<const double> Excitation::grid(int substeps) const {
-  if (substeps < 1) throw InputError("excitation: substeps: expected >= 1, got " + std::to_string(substeps));
-  const VectorXd& whole = source_->grid(substeps);
-  const Index parts = 2 * substeps;
-  return {whole.data() + first_ * parts, static_cast<std::size_t>((rows_ - 1) * parts + 1)};
+const VectorXd& Excitation::Source::stage_grid(int substeps) {
+  const std::lock_guard lock(mutex);
+  VectorXd& entry = stage_grids[substeps];
+  if (entry.size() == 0) {
+    std::vector<double> places;
+    for (int j = 0; j < substeps; ++j)
+      for (int i = 0; i < dormand_prince::nodes; ++i) places.push_back((j + dormand_prince::place[i]) / substeps);
+    entry = refine(places);
+  }
+  return entry;
 }
 
+double Excitation::peak() const { return source_->samples.segment(first_, rows_).cwiseAbs().maxCoeff(); }
+
 VectorXd Excitation::refined(int substeps) const {
-  const std::span<const double> values = grid(substeps);
-  return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
+  check_substeps(substeps);
+  const Index parts = 2 * substeps;
+  return source_->even_grid(substeps).segment(first_ * parts, (rows_ - 1) * parts + 1);
+}
+
+std::span<const double> Excitation::stage_grid(int substeps) const {
+  check_substeps(substeps);
+  const Index parts = dormand_prince::nodes * substeps;
+  return {source_->stage_grid(substeps).data() + first_ * parts, static_cast<std::size_t>((rows_ - 1) * parts + 1)};
 }
 
 Excitation Excitation::part(Index first, Index count) const {

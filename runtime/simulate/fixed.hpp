@@ -1,6 +1,6 @@
 #pragma once
-// The record-locked fixed-step path: the classical fourth-order Runge-Kutta method on whole substeps of each sample
-// interval (its stages need the force at the ends and in the middle of a substep, which the refined grid holds).
+// The record-locked fixed-step path: the fifth-order method of Dormand and Prince on whole substeps of each sample
+// interval (the force at its stages is that of the stage grid).
 // Steps are split at the switches of the right-hand side (ModeMachine), so that each piece is smooth and the order
 // holds; sensitivities are integrated along with their jumps at the switches.
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ struct FixedProblem {
   double t0 = 0, dt = 1;
   Eigen::Index rows = 0;
   int substeps = 1;
-  std::array<const double*, 3> drive{};  ///< refined grid of each exogenous input (Excitation::refined)
+  std::array<const double*, 3> drive{};  ///< stage grid of each exogenous input (Excitation::stage_grid)
   bool hold = false;                     ///< inputs jump at the samples
   double bound = 0;                      ///< the run stops where |x[0]| passes it; 0: none
   long max_events = 1000000;

@@ -81,7 +81,7 @@ void run_states(const System& system, std::span<const double> theta, const Recor
   problem.rows = record.rows();
   problem.substeps = substeps;
   problem.sensitivities = sensitivities;
-  for (int i = 0; i < 3; ++i) problem.drive[i] = motion[i].grid(substeps).data();
+  for (int i = 0; i < 3; ++i) problem.drive[i] = motion[i].stage_grid(substeps).data();
   run_fixed(problem, initial_states(system), sink);
 }
 

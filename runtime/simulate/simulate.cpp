@@ -56,7 +56,7 @@ FixedProblem free_problem(const System& system, std::span<const double> theta, c
   problem.dt = excitation.dt();
   problem.rows = excitation.rows();
   problem.substeps = substeps;
-  problem.drive[0] = excitation.grid(substeps).data();
+  problem.drive[0] = excitation.stage_grid(substeps).data();
   problem.hold = excitation.interpolation() == Interpolation::hold;
   problem.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
   problem.max_events = options.max_events;
@@ -64,12 +64,8 @@ FixedProblem free_problem(const System& system, std::span<const double> theta, c
   return problem;
 }
 
-std::string fixed_name(int substeps) {
-  return "fixed RK4, " + std::to_string(substeps) + (substeps == 1 ? " substep" : " substeps");
-}
-
 void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome, const System& system) {
-  summary.solver = fixed_name(problem.substeps);
+  summary.solver = fixed_solver_name(problem.substeps);
   summary.steps = outcome.steps;
   summary.evaluations = outcome.evaluations;
   summary.events = outcome.events;
@@ -107,6 +103,10 @@ void try_implicit(const System& system, std::span<const double> theta, const Exc
 }
 
 }  // namespace
+
+std::string fixed_solver_name(int substeps) {
+  return "fixed DP5, " + std::to_string(substeps) + (substeps == 1 ? " substep" : " substeps");
+}
 
 Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
              int substeps, const SimulateOptions& options) {

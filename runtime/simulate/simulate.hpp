@@ -26,7 +26,8 @@ class Excitation {
   Excitation() = default;
   /// F at t0 + i*dt. Throws InputError when fewer than 2 samples or a value is not finite, or dt <= 0.
   Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation = Interpolation::linear);
-  /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples).
+  /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples). The same
+  /// errors.
   Excitation(double t0, double dt, Eigen::Index rows, std::function<double(double)> force);
 
   Eigen::Index rows() const { return rows_; }
@@ -36,12 +37,14 @@ class Excitation {
   Interpolation interpolation() const { return interpolation_; }
   bool analytic() const;
   double at(double t) const;  ///< F(t); constant beyond the ends
+  double peak() const;        ///< largest |F| on the samples
   /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
   /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1. With `hold`, an entry on a sample is
   /// the value from there on. Throws InputError when substeps < 1.
   Eigen::VectorXd refined(int substeps) const;
-  /// refined() without the copy: made once, valid as long as this excitation or a copy or part of it lives.
-  std::span<const double> grid(int substeps) const;
+  /// The force at the stages of the fixed path: five values per substep (at 0, 1/5, 3/10, 4/5, 8/9 of it), then the
+  /// last sample. Made once; valid as long as this excitation or a copy or part of it lives.
+  std::span<const double> stage_grid(int substeps) const;
   /// Rows [first, first + count); the force between them is that of the whole. Throws InputError outside the rows.
   Excitation part(Eigen::Index first, Eigen::Index count) const;
 
@@ -68,9 +71,12 @@ struct SimulateOptions {
   const std::atomic<bool>* cancelled = nullptr;  ///< set by Ctrl-C; throws InputError(Fault::interrupted)
 };
 
+/// The name of the fixed path in summaries: "fixed DP5, 2 substeps".
+std::string fixed_solver_name(int substeps);
+
 /// What a run did.
 struct RunSummary {
-  std::string solver;      ///< "fixed RK4, 2 substeps" | "CVODE BDF" | ...
+  std::string solver;      ///< "fixed DP5, 2 substeps" | "CVODE BDF" | ...
   bool completed = true;   ///< false: stopped early (exploded, too many events, solver failure)
   double stopped_at = 0;   ///< [s], when not completed
   std::string cause;       ///< in words, when not completed

@@ -8,9 +8,9 @@
 namespace lunid {
 namespace {
 
-/// |h * eigenvalue| up to which the classical Runge-Kutta method is stable on the negative real axis (2.785) and on
-/// the imaginary axis (2.83); Hairer & Wanner, Solving ODEs II, IV.2.
-constexpr double stability = 2.7;
+/// |h * eigenvalue| up to which the method of Dormand and Prince is stable on the negative real axis; Hairer & Wanner,
+/// Solving ODEs II, IV.2.
+constexpr double stability = 3.3;
 /// Halving that leaves more than this part of the change, twice in a row, is no convergence.
 constexpr double stalled_ratio = 0.5;
 

@@ -32,7 +32,6 @@ class ModalOde : public Ode {
       : modes(system.dynamics(), theta, excitation.dt()), excitation_(excitation), options_(options),
         n_(system.states()),
         observation_(modes.observation()), scale_(n_, 0.0) {
-    needs_force_rate_ = !modes.dynamics().surfaces.empty() && depends_on_force();
     first_scales(x0);
   }
 
@@ -43,7 +42,7 @@ class ModalOde : public Ode {
     Drive d;
     d.t = t;
     d.u[0] = excitation_.at(std::min(t, hold_until));
-    if (needs_force_rate_) {
+    if (modes.dynamics().input_rates) {
       const double step = 1e-6 * excitation_.dt();
       d.rate[0] = (excitation_.at(t + step) - excitation_.at(t - step)) / (2 * step);
     }
@@ -81,17 +80,9 @@ class ModalOde : public Ode {
   double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
 
  private:
-  bool depends_on_force() const {
-    for (const Surface& surface : modes.dynamics().surfaces)
-      for (const Expr& symbol : symbols(surface.g, SymbolKind::channel))
-        if (symbol.name() == "F") return true;
-    return false;
-  }
-
   /// The size of each state before there is motion to read it off: what a sample's time makes of the first rates.
   void first_scales(const VectorXd& x0) {
-    double largest = 0;
-    for (const double f : excitation_.grid(1)) largest = std::max(largest, std::abs(f));
+    const double largest = excitation_.peak();
     Drive d;
     d.t = excitation_.t0();
     const double dt = excitation_.dt();
@@ -117,7 +108,6 @@ class ModalOde : public Ode {
   int n_;
   Observation observation_;
   std::vector<double> scale_;
-  bool needs_force_rate_ = false;
   long calls_ = 0;
 };
 

@@ -74,7 +74,7 @@ TEST_P(EverySwitch, IsMetAlikeByBothIntegratorsAndBySensitivities) {
 
     const lunid::Run other = simulate(system, theta, force, x0, with_solver(Solver::explicit_rk, 1e-10));
     ASSERT_TRUE(other.summary.completed) << other.summary.cause;
-    // 8000 steps of RK4 at 1/100 of the fastest period, and impacts that amplify
+    // 8000 steps at 1/400 of the fastest period, and impacts that amplify
     EXPECT_LT((other.x.col(0) - exact.run.x.col(0)).cwiseAbs().maxCoeff(), 1e-5 * scale) << "trial " << trial;
     EXPECT_NEAR(other.summary.stuck, exact.run.summary.stuck, 1e-3) << "trial " << trial;
 
