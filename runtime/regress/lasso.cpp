@@ -20,7 +20,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// min |r u - z|^2 / 2 + lambda * sum kappa_k |u_k| under the problem's constraints, for one lambda after another.
+/// min |r u - z|^2 / 2 + lambda * sum kappa_k |u_k - kink_k| under the problem's constraints, for one lambda after
+/// another. The kinks lie at 0, but for constraints: those often hold with equality just there (b1 <= b2 at b1 = b2 =
+/// 0), and then no single sign could change. The walk therefore sees the kinks moved by parts in 1e9, each by its own;
+/// the active set that it ends with is solved with the kinks at 0.
 class OrthantWalk {
  public:
   OrthantWalk(const Statistic& data, std::span<const Constraint> constraints, const std::vector<bool>& zero)
@@ -34,9 +37,12 @@ class OrthantWalk {
       if (kappa_[k] > 0) penalised_.push_back(k);
     }
     sign_ = VectorXd::Ones(n);
+    kink_ = VectorXd::Zero(n);
+    if (user_rows_ > 0)
+      for (Index k = 0; k < n; ++k) kink_[k] = 1e-9 * problem_.z.norm() * (std::fmod(0.618 * static_cast<double>(k + 1), 1) - 0.5);
     point_.u = user_rows_ == 0 ? unpenalised_only() : solve(problem_, data, constraints).u;
     const VectorXd fall = -gradient(point_.u);
-    for (Index k = 0; k < n; ++k) sign_[k] = (point_.u[k] != 0 ? point_.u[k] : fall[k]) < 0 ? -1 : 1;
+    for (Index k = 0; k < n; ++k) sign_[k] = (point_.u[k] != kink_[k] ? point_.u[k] - kink_[k] : fall[k]) < 0 ? -1 : 1;
     const Index rows = user_rows_ + static_cast<Index>(penalised_.size());
     problem_.c.conservativeResizeLike(MatrixXd::Zero(rows, n));
     problem_.d.conservativeResizeLike(VectorXd::Zero(rows));
@@ -65,6 +71,7 @@ class OrthantWalk {
         moved = flip({wrong[i]}, lambda, iterations);
       if (!moved) sign_ = before;
     }
+    if (user_rows_ > 0) put_kinks_back(lambda);
     point_.iterations = iterations;
     point_.kkt = kkt_residual(lambda);
   }
@@ -73,7 +80,7 @@ class OrthantWalk {
   VectorXd gradient(const VectorXd& u) const { return problem_.r.transpose() * (problem_.r * u - problem_.z); }
 
   double objective(const VectorXd& u, double lambda) const {
-    return 0.5 * (problem_.r * u - problem_.z).squaredNorm() + lambda * kappa_.dot(u.cwiseAbs());
+    return 0.5 * (problem_.r * u - problem_.z).squaredNorm() + lambda * kappa_.dot((u - kink_).cwiseAbs());
   }
 
   /// The fit of the coefficients that carry no penalty (the constant), all others 0.
@@ -86,17 +93,20 @@ class OrthantWalk {
 
   /// The optimum within the orthant of sign_; false when the programme finds no point there (rounding).
   bool step(double lambda, int& iterations) {
-    for (std::size_t i = 0; i < penalised_.size(); ++i)
-      problem_.c(user_rows_ + static_cast<Index>(i), penalised_[i]) = sign_[penalised_[i]];
+    for (std::size_t i = 0; i < penalised_.size(); ++i) {
+      const Index row = user_rows_ + static_cast<Index>(i), k = penalised_[i];
+      problem_.c(row, k) = sign_[k];
+      problem_.d[row] = sign_[k] * kink_[k];
+    }
     const VectorXd slope = lambda * kappa_.cwiseProduct(sign_);
     const VectorXd z = problem_.z - problem_.r.transpose().triangularView<Eigen::Lower>().solve(slope);
     QuadraticSolution q = solve_quadratic(problem_.r, z, problem_.c, problem_.d, problem_.equalities);
     iterations += q.iterations;
     if (q.blocked >= 0) return false;
     for (int row : q.active)
-      if (row >= user_rows_) q.x[penalised_[static_cast<std::size_t>(row - user_rows_)]] = 0;
+      if (row >= user_rows_) q.x[at_kink(row)] = kink_[at_kink(row)];
     for (Index k : penalised_)
-      if (q.x[k] * sign_[k] < 0) q.x[k] = 0;  // outside its orthant by rounding
+      if ((q.x[k] - kink_[k]) * sign_[k] < 0) q.x[k] = kink_[k];  // outside its orthant by rounding
     point_.u = std::move(q.x);
     point_.multipliers = std::move(q.multipliers);
     point_.active = std::move(q.active);
@@ -104,12 +114,28 @@ class OrthantWalk {
     return true;
   }
 
+  /// The coefficient whose sign's row this is.
+  Index at_kink(int row) const { return penalised_[static_cast<std::size_t>(row - user_rows_)]; }
+
+  /// The solution with the same signs and active rows, the kinks at 0.
+  void put_kinks_back(double lambda) {
+    const Index n = problem_.r.cols();
+    Problem exact = problem_;
+    exact.d.tail(exact.d.size() - user_rows_).setZero();
+    const LongVector slope = (lambda * kappa_.cwiseProduct(sign_)).cast<long double>();
+    exact.exact.col(n).head(n) -=
+        exact.exact.topLeftCorner(n, n).transpose().triangularView<Eigen::Lower>().solve(slope);
+    polish(exact, point_);
+    for (int row : point_.active)
+      if (row >= user_rows_) point_.u[at_kink(row)] = 0;
+  }
+
   /// Zero coefficients that would lower the objective on the other side of 0.
   std::vector<Index> wrong_signs(double lambda) const {
     std::vector<Index> wrong;
     for (int row : point_.active) {
       if (row < user_rows_) continue;
-      const Index k = penalised_[static_cast<std::size_t>(row - user_rows_)];
+      const Index k = at_kink(row);
       if (point_.multipliers[row] > 2 * lambda * kappa_[k] * (1 + 1e-10)) wrong.push_back(k);
     }
     return wrong;
@@ -146,7 +172,7 @@ class OrthantWalk {
   Problem problem_;
   Index user_rows_;                // rows of c that are the user's; the signs' rows follow
   std::vector<Index> penalised_;
-  VectorXd kappa_, sign_;
+  VectorXd kappa_, sign_, kink_;
   Point point_;
 };
 

@@ -126,35 +126,6 @@ void add_constraints(Problem& p, const Statistic& data, std::span<const Constrai
   }
 }
 
-/// The solution on the active rows in extended precision, by a basis of their null space, whatever path led there.
-void polish(const Problem& p, Point& point) {
-  const Index q = static_cast<Index>(point.active.size()), n = p.r.cols();
-  const auto r = p.exact.topLeftCorner(n, n);
-  const auto z = p.exact.col(n).head(n);
-  if (q == 0) {
-    point.u = r.triangularView<Eigen::Upper>().solve(z).cast<double>();
-    return;
-  }
-  LongMatrix rows(n, q);
-  LongVector bound(q);
-  for (Index k = 0; k < q; ++k) {
-    rows.col(k) = p.c.row(point.active[at(k)]).transpose().cast<long double>();
-    bound[k] = p.d[point.active[at(k)]];
-  }
-  const FullQr qr = full_qr(rows);
-  const auto triangle = qr.triangle.triangularView<Eigen::Upper>();
-  LongVector u = qr.q.leftCols(q) * triangle.transpose().solve(bound);
-  if (q < n) {
-    const LongMatrix free = qr.q.rightCols(n - q);
-    u += free * solve_by_qr(r * free, z - r * u);
-  }
-  const LongVector gradient = r.transpose() * (r * u - z);
-  const VectorXd multiplier = triangle.solve(qr.q.leftCols(q).transpose() * gradient).cast<double>();
-  point.u = u.cast<double>();
-  point.multipliers.setZero();
-  for (Index k = 0; k < q; ++k) point.multipliers[point.active[at(k)]] = multiplier[k];
-}
-
 /// Rounds the exact factor.
 void set_factor(Problem& p, LongMatrix factor) {
   const Index f = factor.cols() - 1;
@@ -225,6 +196,36 @@ void penalise(Problem& p, const VectorXd& weight) {
   block.leftCols(f).diagonal() = weight.cwiseSqrt().cast<long double>();
   triangularise(factor, std::move(block));
   set_factor(p, std::move(factor));
+}
+
+void polish(const Problem& p, Point& point) {
+  const Index q = static_cast<Index>(point.active.size()), n = p.r.cols();
+  const auto r = p.exact.topLeftCorner(n, n);
+  const auto z = p.exact.col(n).head(n);
+  if (q == 0) {
+    point.u = r.triangularView<Eigen::Upper>().solve(z).cast<double>();
+    return;
+  }
+  LongMatrix rows(n, q);
+  LongVector bound(q);
+  for (Index k = 0; k < q; ++k) {
+    rows.col(k) = p.c.row(point.active[at(k)]).transpose().cast<long double>();
+    bound[k] = p.d[point.active[at(k)]];
+  }
+  const FullQr qr = full_qr(rows);
+  const auto triangle = qr.triangle.triangularView<Eigen::Upper>();
+  LongVector u = qr.q.leftCols(q) * triangle.transpose().solve(bound);
+  if (q < n) {
+    const LongMatrix free = qr.q.rightCols(n - q);
+    u += free * solve_by_qr(r * free, z - r * u);
+  }
+  const LongVector gradient = r.transpose() * (r * u - z);
+  const VectorXd multiplier = triangle.solve(qr.q.leftCols(q).transpose() * gradient).cast<double>();
+  // What the rows hold at 0 is 0, not what rounding leaves.
+  const long double rounding = 1e-15L * p.z.norm();
+  point.u = (u.array().abs() <= rounding).select(LongVector::Zero(n), u).cast<double>();
+  point.multipliers.setZero();
+  for (Index k = 0; k < q; ++k) point.multipliers[point.active[at(k)]] = multiplier[k];
 }
 
 Point solve(const Problem& p, const Statistic& data, std::span<const Constraint> constraints) {

@@ -49,6 +49,10 @@ struct Point {
 /// Solves the problem; throws InputError naming the constraint that cannot be met.
 Point solve(const Problem& problem, const Statistic& data, std::span<const Constraint> constraints);
 
+/// The solution where the rows `point.active` (independent) hold with equality, in extended precision: sets u and
+/// multipliers.
+void polish(const Problem& problem, Point& point);
+
 /// All coefficients, in the user's units and order.
 Eigen::VectorXd expand(const Problem& problem, const Eigen::VectorXd& u);
 

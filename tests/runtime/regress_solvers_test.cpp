@@ -6,6 +6,7 @@
 #include <random>
 
 #include "regress/fit.hpp"
+#include "regress/quadratic.hpp"
 
 using namespace lunid;
 using Eigen::Index;
@@ -272,6 +273,64 @@ TEST(RegressLasso, under_sign_constraints_no_point_of_a_grid_is_better) {
   };
   for (double p = -1; p <= 0.7; p += 0.01)
     for (double q = -0.2; q <= 1; q += 0.01) EXPECT_GE(objective({p, q}), objective(fit.coefficients) - 1e-12);
+}
+
+TEST(RegressLasso, with_any_constraints_agrees_with_the_split_programme) {
+  // The textbook form: b = p - q with p, q >= 0, twice the variables; singular, so a ridge of (1e-4)^2 is added, which
+  // moves the objective by some 1e-8; what rounding leaves of so flat a programme is of that size too.
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal;
+  int active = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Index n = 2 + static_cast<Index>(random() % 5), rows = 40;
+    const MatrixXd x = MatrixXd::NullaryExpr(rows, n, [&] { return normal(random); });
+    const VectorXd z = VectorXd::NullaryExpr(rows, [&] { return normal(random); }) + x.col(0) - 0.5 * x.col(1);
+    std::vector<std::string> names;
+    for (Index j = 0; j < n; ++j) names.push_back("x" + std::to_string(j));
+    Statistic data(names);
+    data.add(x, z);
+    const auto any = [&] { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    std::vector<Constraint> constraints = {at_least(any(), random() % 2 ? 0 : -0.1)};
+    if (random() % 2) constraints.push_back(at_most(any(), 0.3));
+    if (random() % 2) constraints.push_back(at_least(any(), 0));
+    const int first = any(), second = any();
+    if (first != second) constraints.push_back(ordered(first, second));
+
+    const double lambda = 0.02 + 0.1 * static_cast<double>(random() % 5);
+    const Fit fit = lasso(std::span(&data, 1), {.lambda = lambda}, constraints);
+    const VectorXd size = data.rms();
+    const auto objective = [&](const VectorXd& b) {
+      return (z - x * b).squaredNorm() / (2 * rows * size[n] * size[n]) +
+             lambda * size.head(n).dot(b.cwiseAbs()) / size[n];
+    };
+    MatrixXd wide(rows + 2 * n, 2 * n + 1), r = MatrixXd::Zero(2 * n + 1, 2 * n + 1);
+    const double scale = 1 / (std::sqrt(rows) * size[n]);
+    wide << scale * x, -scale * x, scale * z, 1e-4 * MatrixXd::Identity(2 * n, 2 * n), VectorXd::Zero(2 * n);
+    triangularise(r, wide);
+    const MatrixXd factor = r.topLeftCorner(2 * n, 2 * n);
+    const VectorXd slope = lambda / size[n] * size.head(n).replicate(2, 1);
+    const VectorXd right =
+        r.col(2 * n).head(2 * n) - factor.transpose().triangularView<Eigen::Lower>().solve(slope);
+    MatrixXd c = MatrixXd::Zero(2 * n + static_cast<Index>(constraints.size()), 2 * n);
+    VectorXd d = VectorXd::Zero(c.rows());
+    c.topRows(2 * n).setIdentity();
+    for (std::size_t i = 0; i < constraints.size(); ++i) {
+      const Index row = 2 * n + static_cast<Index>(i);
+      const bool upper = std::isfinite(constraints[i].upper);
+      for (const auto& [j, weight] : constraints[i].terms) {
+        c(row, j) += upper ? -weight : weight;
+        c(row, n + j) -= upper ? -weight : weight;
+      }
+      d[row] = upper ? -constraints[i].upper : constraints[i].lower;
+    }
+    const QuadraticSolution split = solve_quadratic(factor, right, c, d, 0);
+    ASSERT_EQ(split.blocked, -1);
+    const VectorXd reference = split.x.head(n) - split.x.tail(n);
+    EXPECT_NEAR(objective(fit.coefficients), objective(reference), 1e-7) << "trial " << trial;
+    EXPECT_LE(fit.summary.kkt, 1e-10) << "trial " << trial;
+    active += !fit.active.empty();
+  }
+  EXPECT_GT(active, 50);
 }
 
 TEST(RegressOptions, texts_of_what_is_refused) {
