@@ -70,21 +70,45 @@ std::vector<Guess> read_guesses(lua_State* L, const std::string& effect) {
   return guesses;
 }
 
-/// Calls the entry's Lua function. The stack is as before, also when it throws.
-std::vector<Guess> call_guess(const Reference& function, const std::string& effect, const RecordScales& scales) {
+/// The limits on top of the stack, under the entry's private names.
+Ranges read_ranges(lua_State* L, const std::string& effect) {
+  const std::string where = "effect " + effect + ": range: ";
+  if (lua_type(L, -1) != LUA_TTABLE) throw InputError(where + "expected name = { least, most }, got " + describe(L, -1));
+  Ranges ranges;
+  lua_pushnil(L);
+  while (lua_next(L, -2)) {
+    std::vector<double> ends;
+    if (lua_type(L, -2) == LUA_TSTRING && lua_type(L, -1) == LUA_TTABLE) {
+      for_each(L, -1, [&](lua_Integer) {
+        if (lua_type(L, -1) == LUA_TNUMBER) ends.push_back(lua_tonumber(L, -1));
+      });
+    }
+    if (ends.size() != 2 || !(ends[0] < ends[1])) throw InputError(where + "expected name = { least, most }");
+    ranges[effect + "_" + lua_tostring(L, -2)] = {ends[0], ends[1]};
+    lua_pop(L, 1);
+  }
+  return ranges;
+}
+
+/// Calls `function(scale, variant)` of an entry and reads what it returns. The stack is as before, also when it throws.
+template <class Read>
+auto call_entry(const Reference& function, const std::string& effect, const char* field, const RecordScales& scales,
+                int variant, Read read) {
   lua_State* L = function.state();
   const int top = lua_gettop(L);
+  struct Restore {
+    lua_State* L;
+    int top;
+    ~Restore() { lua_settop(L, top); }
+  } restore{L, top};
   function.push();
   push_scales(L, scales);
-  if (lua_pcall(L, 1, 1, 0) != LUA_OK) {
+  lua_pushinteger(L, variant + 1);
+  if (lua_pcall(L, 2, 1, 0) != LUA_OK) {
     const char* said = lua_tostring(L, -1);
-    const std::string message = said ? said : describe(L, -1);
-    lua_settop(L, top);
-    throw InputError("effect " + effect + ": guess: " + message);
+    throw InputError("effect " + effect + ": " + field + ": " + (said ? said : describe(L, -1)));
   }
-  std::vector<Guess> guesses = read_guesses(L, effect);
-  lua_settop(L, top);
-  return guesses;
+  return read(L, effect);
 }
 
 std::vector<Parameter> read_rows(lua_State* L) {
@@ -126,8 +150,15 @@ Effect read_effect(lua_State* L) {
   with_field(L, -1, "guess", [&] {
     lua_pushvalue(L, -1);
     const auto function = std::make_shared<const Reference>(L);
-    effect.guess = [function, name = effect.name](const RecordScales& scales) {
-      return call_guess(*function, name, scales);
+    effect.guess = [function, name = effect.name](const RecordScales& scales, int variant) {
+      return call_entry(*function, name, "guess", scales, variant, read_guesses);
+    };
+  });
+  with_field(L, -1, "range", [&] {
+    lua_pushvalue(L, -1);
+    const auto function = std::make_shared<const Reference>(L);
+    effect.range = [function, name = effect.name](const RecordScales& scales, int variant) {
+      return call_entry(*function, name, "range", scales, variant, read_ranges);
     };
   });
   return effect;

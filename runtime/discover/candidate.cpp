@@ -107,22 +107,38 @@ std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eige
   return out;
 }
 
+/// The baseline with the chosen effects added.
+Model extend(const Model& baseline, const Choices& choices, const RecordScales& scales,
+             std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
+  Model model = baseline;
+  for (const auto& c : choices) {
+    model.restoring = model.restoring + c.effect->variants[static_cast<std::size_t>(c.variant)];
+    const Ranges ranges = c.effect->range ? c.effect->range(scales, c.variant) : Ranges{};
+    for (auto p : c.effect->parameters) {
+      if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
+        p.min = std::max(p.min, limits->second.first);
+        p.max = std::min(p.max, limits->second.second);
+        shown.push_back({model.parameters.size(), limits->second});
+      }
+      model.parameters.push_back(p);
+    }
+    for (const auto& s : c.effect->states) model.states.push_back(s);
+  }
+  return complete(std::move(model));
+}
+
 }  // namespace
+
+std::size_t Candidate::added() const {
+  std::size_t count = 0;
+  for (const auto& c : choices) count += c.effect->parameters.size();
+  return count;
+}
 
 std::string Candidate::name() const {
   std::string text;
   for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->name;
   return text.empty() ? "baseline" : text;
-}
-
-Model extend(const Model& baseline, const Choices& choices) {
-  Model model = baseline;
-  for (const auto& c : choices) {
-    model.restoring = model.restoring + c.effect->variants[static_cast<std::size_t>(c.variant)];
-    for (const auto& p : c.effect->parameters) model.parameters.push_back(p);
-    for (const auto& s : c.effect->states) model.states.push_back(s);
-  }
-  return complete(std::move(model));
 }
 
 std::vector<std::uint8_t> linear_parameters(const Model& model) {
@@ -142,10 +158,22 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
   return linear;
 }
 
-Candidate compile(const Model& baseline, const Choices& choices) {
+bool Candidate::degenerate() const {
+  const auto& table = system->model().parameters;
+  const std::size_t own = table.size() - added();
+  for (std::size_t i = own; i < table.size(); ++i)
+    if (linear[i] && i < fit.at_bound.size() && fit.at_bound[i] && fit.theta[static_cast<Eigen::Index>(i)] == 0) return true;
+  for (const auto& [i, limits] : shown) {
+    const double value = fit.theta[static_cast<Eigen::Index>(i)], margin = 1e-3 * (limits.second - limits.first);
+    if (value < limits.first + margin || value > limits.second - margin) return true;
+  }
+  return false;
+}
+
+Candidate compile(const Study& study, const Model& baseline, const Choices& choices) {
   Candidate candidate;
   candidate.choices = choices;
-  Model model = extend(baseline, choices);
+  Model model = extend(baseline, choices, choices.empty() ? RecordScales{} : scales(study, 0), candidate.shown);
   candidate.linear = linear_parameters(model);
   candidate.system = std::make_shared<const System>(model);
   if (model.imposed_motion) {

@@ -19,10 +19,12 @@ struct Candidate {
   Choices choices;
   std::shared_ptr<const System> system, force_system;  ///< as simulated; with imposed motion, for fits of the force
   std::vector<std::uint8_t> linear;                    ///< parameters in which the force is affine, all at once
+  std::vector<std::pair<std::size_t, std::pair<double, double>>> shown;  ///< parameter, and where the record can show it
   std::vector<Eigen::VectorXd> starts;                 ///< first guesses, the best first
   double force_cost = 0;                               ///< squared misfit of the smoothed force at the best start
   FitResult fit;
   // Filled by the judge:
+  FitResult whitened;              ///< the likeliest parameters under the noise's colour
   Eigen::VectorXd innovations;     ///< whitened residual of all records
   double likelihood_cost = 0;      ///< squared norm of it after the whitened fit
   double log_likelihood = 0;
@@ -31,14 +33,15 @@ struct Candidate {
 
   int parameters() const { return system->parameters(); }
   bool ran() const { return std::isfinite(fit.cost); }
+  /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit.
+  bool degenerate() const;
+  std::size_t added() const;  ///< parameters of the effects, the last of the model's
   std::string name() const;
 };
 
-/// The baseline with the chosen effects added. Changes the pool: main thread only.
-Model extend(const Model& baseline, const Choices& choices);
-
-/// Compiles baseline + choices. Main thread only.
-Candidate compile(const Model& baseline, const Choices& choices);
+/// Compiles baseline + choices, shape parameters limited to what the study's records can show. Changes the pool: main
+/// thread only.
+Candidate compile(const Study& study, const Model& baseline, const Choices& choices);
 
 /// Reads first guesses off the smoothed data: linear parameters by regression of the force, shape parameters from the
 /// entries' guesses, refined on the force. `theta` holds the values of the parameters that come before (baseline).

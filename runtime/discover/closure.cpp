@@ -58,7 +58,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
              Columns& out) {
   const Eigen::Index p = candidate.parameters(), all = system.parameters(), extra = all - p;
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(all);
-  theta.head(p) = candidate.fit.theta;
+  theta.head(p) = candidate.whitened.theta;
   std::vector<Eigen::MatrixXd> own, added;
   std::vector<Eigen::VectorXd> residual;
   Eigen::Index rows = 0, states = 0;
@@ -69,11 +69,11 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
       imposed_force(system, {theta.data(), static_cast<std::size_t>(all)}, data.record, &jacobian);
     } else {
       Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
-      const auto& fitted = candidate.fit.segments[r].x0;
+      const auto& fitted = candidate.whitened.segments[r].x0;
       x0.head(fitted.size()) = fitted;
       SimulateOptions options;
       options.solver = Solver::fixed;
-      options.substeps = candidate.fit.substeps;
+      options.substeps = candidate.whitened.substeps;
       options.cancelled = study.options->cancelled;
       const auto run = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation,
                                               x0, options);
@@ -82,7 +82,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
     }
     if (!jacobian.allFinite()) return false;
     Eigen::VectorXd column;
-    whiten(candidate.fit.residual[r], {}, whitening, column);
+    whiten(candidate.whitened.residual[r], {}, whitening, column);
     residual.push_back(column);
     Eigen::MatrixXd whitened(column.size(), jacobian.cols());
     for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
@@ -113,7 +113,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
   }
   // Parameters held at a bound or fixed take no part.
   for (Eigen::Index j = 0; j < p; ++j)
-    if (candidate.fit.at_bound[static_cast<std::size_t>(j)] ||
+    if (candidate.whitened.at_bound[static_cast<std::size_t>(j)] ||
         candidate.system->model().parameters[static_cast<std::size_t>(j)].fixed)
       out.own.col(j).setZero();
   return true;
@@ -168,9 +168,20 @@ std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Ind
 
 }  // namespace
 
+void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
+  FitOptions options;
+  options.max_iterations = 12;
+  options.tolerance = 1e-3;
+  options.substeps = candidate.whitened.substeps;
+  options.cancelled = study.options->cancelled;
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(closure.system->parameters());
+  start.head(candidate.parameters()) = candidate.fit.theta;
+  closure.fit = fit_trajectory(*closure.system, start, study.train, options);
+}
+
 Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening) {
   Closure closure;
-  if (!candidate.ran()) return closure;
+  if (!candidate.ran() || candidate.innovations.size() == 0) return closure;
   Model model = candidate.system->model();
   const auto features = generic_forces(study, model);
   for (std::size_t j = 0; j < features.size(); ++j) {
@@ -181,7 +192,8 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
     row.value = 0;
     model.parameters.push_back(row);
   }
-  const System system(complete(std::move(model)));
+  closure.system = std::make_shared<const System>(complete(std::move(model)));
+  const System& system = *closure.system;
   Columns columns;
   if (!collect(study, candidate, system, whitening, columns)) return closure;
   const Eigen::MatrixXd own = normalised(columns.own), extra = normalised(columns.extra);

@@ -67,7 +67,7 @@ class Spine {
   // ---- baseline ----
   void refit_baseline() {
     progress("refit the baseline", 0.05);
-    baseline_ = compile(model_, {});
+    baseline_ = compile(study_, model_, {});
     find_starts(study_, baseline_, Eigen::VectorXd(), {});
     if (baseline_.starts.empty())
       throw InputError("discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
@@ -90,7 +90,7 @@ class Spine {
   void refit_on_current_force(SearchResult& found) const {
     for (Candidate* c : {&found.baseline, &found.chosen}) {
       judge(study_, *c, found.whitening);
-      run_left_out(study_, *c, found.whitening);
+      run_left_out(study_, *c);
     }
     for (auto& c : found.steps) judge(study_, c, found.whitening);
   }
@@ -178,37 +178,63 @@ class Spine {
   }
 
   // ---- verdict ----
+  /// What generic forces of the motion would explain beside a model, and whether that counts.
+  struct Left {
+    Closure closure;
+    bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
+    bool material = false;  ///< and it is more than what is asked of an effect
+  };
+
+  Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
+    Left left;
+    left.closure = test_closure(study_, c, whitening);
+    if (!(left.closure.p_value < options_.alpha / 10)) return left;
+    fit_closure(study_, c, left.closure);
+    if (!std::isfinite(left.closure.fit.cost)) return left;
+    const Gap now = pool_gap(runs(c, study_.full), 0);
+    const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
+    left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
+    left.material = left.seen && left.closure.gain > required_gain(study_, c.left_out_gap);
+    return left;
+  }
+
+  /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
+  static bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.1)); }
+
   void decide(SearchResult& found) {
-    const Closure closure = test_closure(study_, found.chosen, found.whitening);
+    left_ = look_for_structure(found.chosen, found.whitening);
     const double noise = study_.sensor_noise() / study_.measured_std();
-    const bool named = !found.chosen.choices.empty();
     const double before = found.baseline.left_out_gap, after = found.chosen.left_out_gap;
-    const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > required_gain(study_, found.chosen.left_out_gap);
-    closed_ = closed_share(before, after, noise);
     out_.gap_left_out_before = before;
     out_.gap_left_out_after = after;
-    shape_ = closure.shape;
-    if (!named) {
-      out_.verdict = structure || !found.baseline.ran() ? "unknown-effect" : "nothing-missing";
-    } else if (structure && std::isfinite(before) && closed_ < 0.95) {
-      // The names patch a shape that none of them has.
+    if (found.chosen.choices.empty()) {
+      const bool open = far_from_the_floor(pool_gap(runs(found.chosen, study_.full), 0));
+      out_.verdict = left_.material || open ? "unknown-effect" : "nothing-missing";
+    } else if (left_.material && std::isfinite(before) && closed_share(before, after, noise) < 0.95) {
+      withdraw(found, "nearest, but leaves a repeatable force: " + left_.closure.shape);
       out_.verdict = "unknown-effect";
-      withdrawn_ = found.chosen.name();
-      for (auto& remark : found.remarks) if (remark.empty()) remark = "fits worse";
-      found.rivals.insert(found.rivals.begin(), found.chosen);
-      found.remarks.insert(found.remarks.begin(), "nearest, but leaves a repeatable force: " + closure.shape);
-      found.chosen = found.baseline;
-      found.steps.clear();
     } else {
       out_.verdict = found.ties.empty() ? "explained" : "ambiguous";
     }
-    left_ = structure && named;
   }
 
-  std::vector<FreeRun> runs(const Candidate& c, const std::vector<Record>& records) const {
+  /// Takes the names back; the model is the baseline again.
+  void withdraw(SearchResult& found, const std::string& remark) {
+    withdrawn_ = found.chosen.name();
+    found.rivals.insert(found.rivals.begin(), found.chosen);
+    found.remarks.insert(found.remarks.begin(), remark);
+    found.chosen = found.baseline;
+    found.steps.clear();
+    found.ties.clear();
+  }
+
+  std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records) const {
     std::vector<FreeRun> out;
-    for (const auto& r : records) out.push_back(free_run(study_, *c.system, c.fit.theta, r, std::max(1, c.fit.substeps)));
+    for (const auto& r : records) out.push_back(free_run(study_, system, fit.theta, r, std::max(1, fit.substeps)));
     return out;
+  }
+  std::vector<FreeRun> runs(const Candidate& c, const std::vector<Record>& records) const {
+    return runs(*c.system, c.fit, records);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
@@ -217,22 +243,19 @@ class Spine {
     auto before_test = runs(found.baseline, study_.test), after_test = runs(found.chosen, study_.test);
     if (!found.chosen.choices.empty()) {
       out_.test_p_value = test_p_value(before_test, after_test);
-      if (!confirmed(before_test, after_test)) {
-        out_.warnings.push_back("the named " + found.chosen.name() +
-                                " did not lower the gap on the test record: the name is withdrawn");
-        withdrawn_ = found.chosen.name();
-        found.rivals.insert(found.rivals.begin(), found.chosen);
-        found.remarks.insert(found.remarks.begin(), "not confirmed by the test record");
-        found.chosen = found.baseline;
-        found.steps.clear();
+      const std::string fault = refuted(before_test, after_test);
+      if (!fault.empty()) {
+        out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": the name is withdrawn");
+        const bool patched = left_.seen;
+        withdraw(found, "not confirmed by the test record");
         after_test = before_test;
-        const Closure closure = test_closure(study_, found.baseline, found.whitening);
-        const bool structure = closure.p_value < options_.alpha / 10 && closure.gain > required_gain(study_, found.baseline.left_out_gap);
-        const Gap gap = pool_gap(before_test, 0);
-        out_.verdict = structure || !(gap.value < 5 * gap.floor) ? "unknown-effect" : "nothing-missing";
-        shape_ = closure.shape;
+        left_ = look_for_structure(found.baseline, found.whitening);
+        out_.verdict = patched || left_.material || far_from_the_floor(pool_gap(before_test, 0)) ? "unknown-effect"
+                                                                                                 : "nothing-missing";
         out_.gap_left_out_after = out_.gap_left_out_before;
       }
+    } else if (out_.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test, 0))) {
+      out_.verdict = "unknown-effect";
     }
     const auto before_train = runs(found.baseline, train), after_train = runs(found.chosen, train);
     const double share = input_noise_share(after_train);
@@ -243,14 +266,19 @@ class Spine {
     name_steps(found, train, share);
   }
 
-  /// The test may take a name back: where the gap did not fall, or fell by what chance does easily.
-  bool confirmed(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+  /// Why the test record takes the names back; empty when it does not.
+  std::string refuted(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
     const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
-    if (!std::isfinite(last.value)) return false;
-    if (!std::isfinite(first.value)) return true;
-    // Far above the floor with a good part of the gap still open: the name patches something else.
-    if (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9) return false;
-    return last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2;
+    if (!std::isfinite(last.value)) return "cannot be run on the test record";
+    if (!std::isfinite(first.value)) return "";
+    if (!(last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2))
+      return "did not lower the gap on the test record";
+    // Far above the floor with a good part of the gap still open: the names patch something else.
+    if (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9)
+      return "left most of the gap on the test record open";
+    if (!left_.seen || !(last.value > 3 * last.floor)) return "";
+    const Gap generic = pool_gap(runs(*left_.closure.system, left_.closure.fit, study_.test), 0);
+    return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
   }
 
   double test_p_value(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
@@ -331,7 +359,7 @@ class Spine {
     out_.map = residual_map(study_, found.baseline, found.chosen);
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
     out_.solver = study_.imposed ? "none: the motion is imposed"
-                                 : "fixed RK4, " + std::to_string(found.chosen.fit.substeps) + " substeps per sample";
+                                 : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
     out_.noise_model = found.whitening.ar.empty()
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
@@ -365,7 +393,7 @@ class Spine {
     options.solver = Solver::fixed;
     options.substeps = c.fit.substeps;
     const std::span<const double> theta(c.fit.theta.data(), static_cast<std::size_t>(c.fit.theta.size()));
-    const Excitation part = slice(study_.train.front().excitation, 0, rows, 16);
+    const Excitation part = study_.train.front().excitation.part(0, rows);
     const Run fast = simulate(*c.system, theta, part, segment.x0, options);
     options.solver = Solver::bdf;
     options.rtol = 1e-7;
@@ -387,12 +415,19 @@ class Spine {
                     100 * std::clamp(share, 0.0, 1.0));
       std::string out = out_.verdict == "ambiguous" ? names + " or another of equal simplicity that this record cannot tell from it" : names;
       if (!std::isfinite(out_.baseline_test.value)) return out + ": the baseline cannot be run on the test record, the final model can";
-      return out + text + (left_ ? "; a small repeatable force is left (" + shape_ + ")" : "");
+      return out + text + (left_.material ? "; a small repeatable force is left (" + left_.closure.shape + ")" : "");
     }
-    if (out_.verdict == "nothing-missing")
-      return "no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond chance";
-    return "something repeatable is missing (" + (shape_.empty() ? std::string("the baseline cannot be run") : shape_) +
-           ") that no entry of the catalogue explains" + (withdrawn_.empty() ? "" : "; nearest: " + withdrawn_);
+    if (out_.verdict == "nothing-missing") {
+      std::snprintf(text, sizeof text, "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
+                    out_.final_test.value, out_.final_test.floor);
+      const bool rough = out_.final_test.value > 3 * out_.final_test.floor;
+      return std::string("no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond chance") +
+             (rough ? text : "");
+    }
+    if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
+    const std::string nearest = withdrawn_.empty() ? "" : "; nearest: " + withdrawn_;
+    if (!left_.seen) return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" + nearest;
+    return "something repeatable is missing (" + left_.closure.shape + ") that no entry of the catalogue explains" + nearest;
   }
 
   const DiscoverOptions& options_;
@@ -401,9 +436,8 @@ class Spine {
   Study study_;
   Candidate baseline_;
   Discovery out_;
-  double closed_ = 0;
-  bool left_ = false;
-  std::string shape_, withdrawn_;
+  Left left_;
+  std::string withdrawn_;
 };
 
 }  // namespace

@@ -21,6 +21,8 @@ struct RecordScales {
 
 /// Values for an entry's nonlinear ("shape") parameters to start from; parameters absent here are linear and solved for.
 using Guess = std::map<std::string, double>;
+/// Limits of shape parameters.
+using Ranges = std::map<std::string, std::pair<double, double>>;
 
 struct Effect {
   std::string name;     ///< contract: EFFECTS.md
@@ -32,8 +34,11 @@ struct Effect {
   std::vector<InternalState> states;
   std::vector<std::string> special_case_of, confusers, channels;
   std::string signature, sentence, source;
-  /// First guesses of the shape parameters, several to try; called on the main thread. Empty: all are linear.
-  std::function<std::vector<Guess>(const RecordScales&)> guess;
+  /// First guesses of the shape parameters of a variant, several to try; called on the main thread. Empty: all are linear.
+  std::function<std::vector<Guess>(const RecordScales&, int variant)> guess;
+  /// Where a record of these scales can show the shape parameters; called on the main thread. At such a limit the entry
+  /// is another, simpler one (a stop that is always in contact), and is not named.
+  std::function<Ranges(const RecordScales&, int variant)> range;
 };
 
 }  // namespace lunid

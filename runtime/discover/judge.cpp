@@ -38,6 +38,20 @@ std::vector<FitData> without_part(const Study& study, int part, int parts) {
   return out;
 }
 
+/// Parameters of the whitened fit are kept where they raise the error of the free run by no more than this factor. A model
+/// that lacks something has no noise to whiten: it is shown at its least error.
+constexpr double tolerable_loss = 1.05;
+
+/// Of the plain residual [m] ([N] with imposed motion).
+double rms(const FitResult& fit) {
+  double squares = 0, rows = 0;
+  for (const auto& r : fit.residual) {
+    squares += r.squaredNorm();
+    rows += static_cast<double>(r.size());
+  }
+  return std::sqrt(squares / rows);
+}
+
 }  // namespace
 
 Whitening residual_colour(const Study& study, const Candidate& candidate) {
@@ -80,10 +94,18 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening)
   candidate.likelihood_cost = candidate.innovations.squaredNorm();
   const auto n = static_cast<double>(candidate.innovations.size());
   candidate.log_likelihood = -0.5 * n * (std::log(2 * M_PI * candidate.likelihood_cost / n) + 1);
-  candidate.fit = std::move(whitened);
+  candidate.whitened = std::move(whitened);
+  if (rms(candidate.whitened) <= tolerable_loss * rms(candidate.fit)) {
+    candidate.fit = candidate.whitened;
+    return;
+  }
+  options.whitening = {};
+  options.substeps = candidate.whitened.substeps;
+  FitResult plain = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
+  if (std::isfinite(plain.cost)) candidate.fit = std::move(plain);
 }
 
-void run_left_out(const Study& study, Candidate& candidate, const Whitening& whitening) {
+void run_left_out(const Study& study, Candidate& candidate) {
   candidate.left_out_gap = INFINITY;
   if (!candidate.ran()) return;
   const int parts = study.options->blocks;
@@ -95,7 +117,6 @@ void run_left_out(const Study& study, Candidate& candidate, const Whitening& whi
     options.max_iterations = 3;
     options.tolerance = 1e-4;
     options.substeps = candidate.fit.substeps;
-    options.whitening = whitening;
     options.cancelled = study.options->cancelled;
     const FitResult fit = fit_trajectory(*candidate.system, candidate.fit.theta, data, options);
     if (!std::isfinite(fit.cost)) return;

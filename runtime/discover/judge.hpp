@@ -8,11 +8,12 @@ namespace lunid {
 /// autoregression chosen by BIC. White residuals are left as they are.
 Whitening residual_colour(const Study& study, const Candidate& candidate);
 
-/// Refits under the whitening and fills innovations, likelihood_cost and log_likelihood.
+/// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit becomes the
+/// whitened fit, or a plain one where the whitened free run is clearly worse.
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening);
 
 /// Refits without each of options->blocks interleaved parts of the training records and fills left_out, left_out_gap.
-void run_left_out(const Study& study, Candidate& candidate, const Whitening& whitening);
+void run_left_out(const Study& study, Candidate& candidate);
 
 /// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.
 double improvement_p_value(const Candidate& smaller, const Candidate& larger);

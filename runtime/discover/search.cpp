@@ -31,11 +31,11 @@ class Search {
       if (level.empty()) break;
       sort_by_cost(level);
       const bool better = worth_growing(previous.front(), level.front());
-      for (const auto& c : level) all_.push_back(c);
+      for (const auto& c : level)
+        if (!c.degenerate()) all_.push_back(c);
       const bool masked = size == 1 && rms(result_.baseline) > 1.3 * study_.sensor_noise();
       if (!better && !masked) break;
-      previous = std::move(level);
-      if (previous.size() > beam) previous.resize(beam);
+      previous = parents_among(level);
     }
     progress_("compare", 0.7);
     decide();
@@ -46,6 +46,20 @@ class Search {
   static void sort_by_cost(std::vector<Candidate>& list) {
     std::stable_sort(list.begin(), list.end(),
                      [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
+  }
+
+  /// The sets that grow by one more effect: the best on the trajectory, and the one that explains most of the force. The
+  /// two differ where one missing effect makes free runs drift so far that another does not show in them.
+  static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
+    std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
+    const auto by_force = std::min_element(sorted.begin(), sorted.end(), [](const Candidate& a, const Candidate& b) {
+      return a.force_cost < b.force_cost;
+    });
+    if (by_force - sorted.begin() >= beam) {
+      parents.push_back(*by_force);
+      parents.back().fit.theta = by_force->starts.front();
+    }
+    return parents;
   }
 
   double rms(const Candidate& c) const { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
@@ -70,8 +84,9 @@ class Search {
     return a == b;
   }
 
-  std::vector<Guess> guesses_of(const Effect& effect, double residual_std) {
-    return effect.guess ? effect.guess(scales(study_, residual_std)) : std::vector<Guess>{};
+  std::vector<Guess> guesses_of(const Choice& choice, double residual_std) {
+    if (!choice.effect->guess) return {};
+    return choice.effect->guess(scales(study_, residual_std), choice.variant);
   }
 
   std::vector<Candidate> grow(const std::vector<Candidate>& parents, int size) {
@@ -85,9 +100,9 @@ class Search {
           Choices set = parent.choices;
           set.push_back({&effect, variant});
           if (std::any_of(level.begin(), level.end(), [&](const Candidate& c) { return same(c.choices, set); })) continue;
-          level.push_back(compile(model_, set));
+          level.push_back(compile(study_, model_, set));
           parent_of.push_back(&parent);
-          guesses.push_back(guesses_of(effect, residual_force(parent)));
+          guesses.push_back(guesses_of({&effect, variant}, residual_force(parent)));
           result_.tried += std::max<int>(1, static_cast<int>(guesses.back().size()));
         }
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
@@ -261,13 +276,13 @@ class Search {
 
   /// Every effect of the chosen set must lower the left-out gap; sets shrink until that holds.
   void accept(std::vector<Candidate>& field, Candidate chosen, const std::vector<std::size_t>& alike, std::size_t pick) {
-    run_left_out(study_, result_.baseline, result_.whitening);
-    run_left_out(study_, chosen, result_.whitening);
+    run_left_out(study_, result_.baseline);
+    run_left_out(study_, chosen);
     while (!chosen.choices.empty()) {
       std::vector<Candidate> smaller = one_less(field, chosen);
       parallel_for(static_cast<int>(smaller.size()), study_.options->threads, [&](int i) {
         auto& c = smaller[static_cast<std::size_t>(i)];
-        if (c.left_out.size() == 0) run_left_out(study_, c, result_.whitening);
+        if (c.left_out.size() == 0) run_left_out(study_, c);
       });
       const Candidate* weakest = nullptr;
       for (const auto& c : smaller)
@@ -304,9 +319,9 @@ class Search {
   Candidate obtain(const std::vector<Candidate>& field, const Choices& set) {
     for (const auto& c : field)
       if (same(c.choices, set)) return c;
-    Candidate c = compile(model_, set);
+    Candidate c = compile(study_, model_, set);
     std::vector<std::vector<Guess>> guesses;
-    for (const auto& choice : set) guesses.push_back(guesses_of(*choice.effect, residual_force(result_.baseline)));
+    for (const auto& choice : set) guesses.push_back(guesses_of(choice, residual_force(result_.baseline)));
     find_starts(study_, c, result_.baseline.fit.theta, guesses);
     if (!c.starts.empty()) fit_candidate(c, result_.baseline);
     judge(study_, c, result_.whitening);

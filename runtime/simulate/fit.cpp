@@ -12,6 +12,7 @@ namespace lunid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int variance_blocks = 20;  // over which sums of scores are taken to be independent
 
 /// Normal equations over theta with each segment's first state eliminated.
 struct Normal {
@@ -24,26 +25,18 @@ struct Normal {
   std::string cause;                      ///< why a run failed
 };
 
-
-using Grid = std::shared_ptr<const Eigen::VectorXd>;
-
-Grid grid_of(const Excitation& excitation, int substeps) {
-  return std::make_shared<const Eigen::VectorXd>(excitation.refined(substeps));
-}
-
-/// A part of an excitation on the refined grid of the whole record, so that cutting does not change the force between
-/// the samples.
-Excitation cut_out(const Excitation& excitation, const Grid& grid, Eigen::Index first, Eigen::Index count,
-                   int substeps) {
-  const double t0 = excitation.t0() + excitation.dt() * static_cast<double>(first);
-  const double per = 2.0 * substeps / excitation.dt(), origin = excitation.t0();
-  return Excitation(t0, excitation.dt(), count, [grid, per, origin](double t) {
-    const double position = std::clamp((t - origin) * per, 0.0, static_cast<double>(grid->size() - 1));
-    const auto i = std::min<Eigen::Index>(static_cast<Eigen::Index>(position + 1e-6), grid->size() - 1);
-    const double part = position - static_cast<double>(i);
-    if (part < 1e-6 || i + 1 >= grid->size()) return (*grid)[i];
-    return (*grid)[i] + part * ((*grid)[i + 1] - (*grid)[i]);
-  });
+/// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m, double tolerance = 1e-12) {
+  if (m.rows() == 0) return m;
+  Eigen::VectorXd scale = m.diagonal().cwiseMax(0).cwiseSqrt();
+  for (auto& s : scale) s = s > 0 ? 1 / s : 0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const double largest = inverse.cwiseAbs().maxCoeff();
+  for (auto& value : inverse) value = value > tolerance * largest ? 1 / value : 0;
+  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
+         scale.asDiagonal();
 }
 
 bool used(const FitData& data, Eigen::Index row) {
@@ -77,17 +70,14 @@ class Problem {
   void prepare(const std::vector<FitSegment>& segments) {
     excitations_.clear();
     if (imposed()) return;
-    std::vector<Grid> grids;
-    for (const auto& d : data_) grids.push_back(grid_of(d.excitation, run_options_.substeps));
-    for (const auto& s : segments) {
-      const auto r = static_cast<std::size_t>(s.record);
-      excitations_.push_back(cut_out(data_[r].excitation, grids[r], s.first, s.count, run_options_.substeps));
-    }
+    for (const auto& s : segments)
+      excitations_.push_back(data_[static_cast<std::size_t>(s.record)].excitation.part(s.first, s.count));
   }
 
   /// Residual of every record at (theta, first states), and the normal equations when asked for.
+  /// `scores`, when asked for: per row the gradient of half its squared error by theta, first states projected out.
   Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives,
-                  std::vector<Eigen::VectorXd>* residual = nullptr) {
+                  std::vector<Eigen::VectorXd>* residual = nullptr, std::vector<Eigen::MatrixXd>* scores = nullptr) {
     Normal normal;
     normal.cost = 0;
     const Eigen::Index p = system_.parameters();
@@ -98,7 +88,7 @@ class Problem {
       for (const auto& d : data_) residual->push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
     }
     for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s)
-      add(theta, segments[s], s, derivatives, residual, normal);
+      add(theta, segments[s], s, derivatives, residual, scores, normal);
     return normal;
   }
 
@@ -106,7 +96,7 @@ class Problem {
 
  private:
   void add(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives,
-           std::vector<Eigen::VectorXd>* residual, Normal& normal) {
+           std::vector<Eigen::VectorXd>* residual, std::vector<Eigen::MatrixXd>* scores, Normal& normal) {
     const FitData& data = data_[static_cast<std::size_t>(segment.record)];
     const Eigen::Index p = system_.parameters();
     Eigen::VectorXd error;
@@ -135,11 +125,17 @@ class Problem {
     const auto jt = jacobian.leftCols(p);
     normal.a.noalias() += jt.transpose() * jt;
     normal.b.noalias() += jt.transpose() * error;
-    if (imposed()) return;
+    if (imposed()) {
+      if (scores) scores->push_back(error.asDiagonal() * jt);
+      return;
+    }
     const auto jx = jacobian.rightCols(jacobian.cols() - p);
     normal.ax.push_back(jt.transpose() * jx);
     normal.axx.push_back(jx.transpose() * jx);
     normal.bx.push_back(jx.transpose() * error);
+    if (scores)
+      scores->push_back(error.asDiagonal() *
+                        (jt - jx * (pseudo_inverse(normal.axx.back()) * normal.ax.back().transpose())));
   }
 
   /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); false when the run failed.
@@ -184,20 +180,6 @@ class Problem {
   SimulateOptions run_options_;
   std::vector<Excitation> excitations_;
 };
-
-/// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
-Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m, double tolerance = 1e-12) {
-  if (m.rows() == 0) return m;
-  Eigen::VectorXd scale = m.diagonal().cwiseMax(0).cwiseSqrt();
-  for (auto& s : scale) s = s > 0 ? 1 / s : 0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  Eigen::VectorXd inverse = eigen.eigenvalues();
-  const double largest = inverse.cwiseAbs().maxCoeff();
-  for (auto& value : inverse) value = value > tolerance * largest ? 1 / value : 0;
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-         scale.asDiagonal();
-}
 
 struct Step {
   Eigen::VectorXd theta;
@@ -265,11 +247,34 @@ std::vector<std::uint8_t> frozen(const Model& model, const Bounds& bounds, const
   return out;
 }
 
+/// Widens a covariance where the residual is not white: A^-1 B A^-1 with B the sum over blocks of the squared sums of the
+/// scores (batch means: whatever the correlation within a block). Never narrows it.
+void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& inverse, Eigen::MatrixXd& covariance) {
+  Eigen::Index rows = 0;
+  for (const auto& s : scores) rows += s.rows();
+  const auto length = std::max<Eigen::Index>(1, rows / variance_blocks);
+  const Eigen::Index p = covariance.rows();
+  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(p, p);
+  double blocks = 0;
+  for (const auto& s : scores)
+    for (Eigen::Index first = 0; first + length <= s.rows(); first += length, ++blocks) {
+      const Eigen::VectorXd sum = s.middleRows(first, length).colwise().sum();
+      middle.noalias() += sum * sum.transpose();
+    }
+  if (blocks < variance_blocks / 2) return;
+  const Eigen::MatrixXd robust = inverse * middle * inverse * (blocks / (blocks - 1));
+  Eigen::VectorXd factor(p);
+  for (Eigen::Index i = 0; i < p; ++i)
+    factor[i] = covariance(i, i) > 0 ? std::sqrt(std::max(1.0, robust(i, i) / covariance(i, i))) : 1;
+  covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
+}
+
 /// Covariance, ranks and residuals at the solution.
 void finish(Problem& problem, const System& system, const Normal& normal, FitResult& result) {
   const Eigen::Index p = system.parameters();
   result.rows = normal.rows;
-  problem.evaluate(result.theta, result.segments, false, &result.residual);
+  std::vector<Eigen::MatrixXd> scores;
+  problem.evaluate(result.theta, result.segments, true, &result.residual, &scores);
   result.information = schur(normal);
   Eigen::VectorXd full = normal.a.diagonal();
   result.unseen.assign(static_cast<std::size_t>(p), 0);
@@ -287,7 +292,9 @@ void finish(Problem& problem, const System& system, const Normal& normal, FitRes
   }
   const double states = system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2;
   const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
-  result.covariance = pseudo_inverse(information) * (normal.cost / freedom);
+  const Eigen::MatrixXd inverse = pseudo_inverse(information);
+  result.covariance = inverse * (normal.cost / freedom);
+  widen(scores, inverse, result.covariance);
 }
 
 FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
@@ -321,10 +328,11 @@ FitResult minimise(const System& system, const Eigen::VectorXd& start, const std
       bool finite = true;
       for (const auto& t : trial) finite = finite && t.x0.allFinite();
       if (!finite) { lambda = lambda * 10 + 1e-6; continue; }
-      Normal next = problem.evaluate(theta, trial, false);
-      if (next.cost < normal.cost) {
-        const double drop = (normal.cost - next.cost) / normal.cost;
-        Normal full = problem.evaluate(theta, trial, true);
+      // The first step of an iteration is nearly always taken: its derivatives are computed along with its cost.
+      Normal full = problem.evaluate(theta, trial, attempt == 0);
+      if (full.cost < normal.cost) {
+        const double drop = (normal.cost - full.cost) / normal.cost;
+        if (attempt > 0) full = problem.evaluate(theta, trial, true);
         if (!std::isfinite(full.cost)) { lambda = lambda * 10 + 1e-6; continue; }
         result.theta = std::move(theta);
         segments = std::move(trial);
@@ -361,10 +369,10 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
     const auto y = d.record["y"];
     const Eigen::Map<const Eigen::VectorXd> values(y.data(), d.record.rows());
     const double spread = std::sqrt((values.array() - values.mean()).square().mean());
-    // A twentieth of what the sensor's noise hides.
-    const double tolerance = std::clamp(0.05 * d.record.channel("y").noise / spread, 1e-5, 1e-3);
+    // A tenth of what the sensor's noise hides.
+    const double tolerance = std::clamp(0.1 * d.record.channel("y").noise / spread, 1e-5, 1e-3);
     const int chosen = choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())},
-                                       slice(d.excitation, first, rows, 8), measured_state(system, d.record, first), tolerance);
+                                       d.excitation.part(first, rows), measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, 64);
@@ -417,10 +425,6 @@ void validate(const FitOptions& o) {
   if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + std::to_string(o.tolerance));
   if (o.whitening.average < 1) refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
-}
-
-Excitation slice(const Excitation& excitation, Eigen::Index first, Eigen::Index count, int substeps) {
-  return cut_out(excitation, grid_of(excitation, substeps), first, count, substeps);
 }
 
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row) {

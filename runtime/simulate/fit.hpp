@@ -53,7 +53,9 @@ struct FitResult {
   double cost = 0;           ///< sum of squared (whitened) residuals
   Eigen::Index rows = 0;     ///< rows in the cost
   Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost
-  Eigen::MatrixXd covariance;   ///< pseudo-inverse of information times cost / degrees of freedom; 0 rows at bounds
+  /// Pseudo-inverse of information times cost / degrees of freedom, widened where sums of the scores over blocks vary
+  /// more (the residual is not white); 0 rows at bounds
+  Eigen::MatrixXd covariance;
   std::vector<std::uint8_t> at_bound;   ///< parameter sits at a bound that holds it
   std::vector<std::uint8_t> unseen;     ///< parameter that the data do not excite (rank)
   bool converged = false;
@@ -87,8 +89,5 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
 
 /// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);
-
-/// The part of an excitation over rows [first, first + count), the force between its samples unchanged.
-Excitation slice(const Excitation& excitation, Eigen::Index first, Eigen::Index count, int substeps);
 
 }  // namespace lunid

@@ -115,12 +115,13 @@ FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::
   for (int i = 0; i < n; ++i) start[n + i * (p + n) + p + i] = 1;
   const double* const f = r.data() + d.derivatives.output_place();
   const double *const jx = f + n, *const jtheta = jx + n * n;
+  double* const state = r.data() + 1 + d.exogenous;
   const auto rate = [&](double t, Index node, const double* X, double* K) {
     r[0] = t;
     set_drive(problem, node, r.data());
-    std::copy_n(X, n, r.data() + 1 + d.exogenous);
+    for (int i = 0; i < n; ++i) state[i] = X[i];
     d.derivatives.run_prepared(r.data());
-    std::copy_n(f, n, K);
+    for (int i = 0; i < n; ++i) K[i] = f[i];
     sensitivity_rate(n, p, jx, jtheta, infinity, X + n, K + n);
   };
   return integrate<0>(problem, size, start, rate, sink);

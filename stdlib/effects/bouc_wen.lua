@@ -3,25 +3,31 @@ return function(effect)
     name = "bouc_wen",
     family = "hysteresis",
     contribution = "k*z",
-    formula = "k*z, dz/dt = v - beta*abs(v)*abs(z)^(n-1)*z - gamma*v*abs(z)^n",
+    formula = "k*z, dz/dt = v - (abs(z)/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)",
+    -- zy = (beta + gamma)^(-1/n): the displacement at yield; rho = beta/(beta + gamma), passive from 1/2 on
     parameters = {
       { "k", min = 0, unit = "N/m" },
-      { "beta", min = 0, unit = "1/m^n" },
-      { "gamma", unit = "1/m^n" },
+      { "zy", min = 0, unit = "m" },
+      { "rho", min = 0 },
       { "n", min = 1, max = 4 },
     },
-    states = { z = { rate = "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", initial = 0 } },
+    states = {
+      z = { rate = "v - rho*abs(v)*abs(z/zy)^(n - 1)*z/zy - (1 - rho)*v*abs(z/zy)^n", initial = 0 },
+    },
     guess = function(scale)
       local guesses = {}
-      for _, part in ipairs { 0.05, 0.15, 0.4 } do  -- of the range of y: the displacement zy at yield
-        local zy = part * (scale.y_max - scale.y_min)
+      for _, part in ipairs { 0.03, 0.1, 0.3 } do
         for n = 1, 2 do
-          local rate = zy ^ -n  -- beta + gamma = zy^-n
-          guesses[#guesses + 1] = { beta = 0.5 * rate, gamma = 0.5 * rate, n = n }
-          guesses[#guesses + 1] = { beta = 0.9 * rate, gamma = 0.1 * rate, n = n }
+          for _, rho in ipairs { 0.5, 0.9 } do
+            guesses[#guesses + 1] = { zy = part * (scale.y_max - scale.y_min), rho = rho, n = n }
+          end
         end
       end
       return guesses
+    end,
+    range = function(scale)  -- yields at once: coulomb_friction; never: linear_stiffness
+      local range = scale.y_max - scale.y_min
+      return { zy = { 1e-4 * range, range } }
     end,
     signature = "odd; odd harmonics; a loop even in slow motion; at equal (y, v) the force depends on the past",
     sentence = "a part of the structure yields and remembers: its force depends on the path that the motion took",

@@ -66,7 +66,8 @@ function lunid.state(fields) end
 ---@field formula? string # as an engineer writes it; else the text of the first contribution
 ---@field parameters table # rows { "k", min =, max =, unit = }
 ---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max = }
----@field guess? function # function(scale) returning a list of { name = value }: first guesses of the shape parameters
+---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters
+---@field range? function # function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter
 ---@field signature? string # parity, harmonics, loop: how it shows in a record
 ---@field sentence? string # what an engineer would say about it
 ---@field confusers? table # entries that look like it

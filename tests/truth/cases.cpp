@@ -81,8 +81,8 @@ std::vector<Case> single_effects() {
        linear,
        {"bouc_wen"},
        {stiffness("bouc_wen", "k", 0.5, 1),
-        {"bouc_wen", "beta", 0.7, 0, -1, 0},
-        {"bouc_wen", "gamma", 0.3, 0, -1, 0},
+        {"bouc_wen", "zy", 1, 0, 1, 0},
+        {"bouc_wen", "rho", 0.7, 0, 0, 0},
         {"bouc_wen", "n", 1, 0, 0, 0}},
        with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.7, p.bouc_gamma = 0.3; })},
   };
