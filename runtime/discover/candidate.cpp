@@ -8,8 +8,6 @@ namespace lunid {
 
 namespace {
 
-constexpr int start_substeps = 2;  // of internal states, for first guesses
-
 /// Regression of the smoothed force on the linear parameters, the others held; bounds kept by holding what violates
 /// them. Returns the squared misfit; infinite where the force is not finite.
 double regress_force(const Study& study, const Candidate& candidate, Eigen::VectorXd& theta) {

@@ -8,6 +8,9 @@
 
 namespace lunid {
 
+/// Substeps per sample of internal states where the force alone is looked at.
+inline constexpr int start_substeps = 2;
+
 struct Choice {
   const Effect* effect = nullptr;
   int variant = 0;

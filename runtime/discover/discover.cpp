@@ -273,9 +273,9 @@ class Spine {
     if (!std::isfinite(first.value)) return "";
     if (!(last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2))
       return "did not lower the gap on the test record";
-    // Far above the floor with a good part of the gap still open: the names patch something else.
-    if (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9)
-      return "left most of the gap on the test record open";
+    // Far above the floor with a good part of the motion still open: the names patch something else.
+    if (far_from_the_floor(last) || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
+      return "left much of the gap on the test record open";
     if (!left_.seen || !(last.value > 3 * last.floor)) return "";
     const Gap generic = pool_gap(runs(*left_.closure.system, left_.closure.fit, study_.test), 0);
     return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";

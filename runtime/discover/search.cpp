@@ -150,9 +150,10 @@ class Search {
     const Eigen::VectorXd& theta = candidate.starts.front();
     for (const auto& data : study_.force) {
       Eigen::MatrixXd jacobian;
-      imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian);
+      imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian, start_substeps);
       gram += jacobian.transpose() * jacobian;
     }
+    if (!gram.allFinite()) return true;  // the trajectory will tell
     for (Eigen::Index j = before; j < p; ++j) {
       if (!candidate.linear[static_cast<std::size_t>(j)] || !(gram(j, j) > 0)) continue;
       Eigen::VectorXd scale = gram.diagonal().head(before).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

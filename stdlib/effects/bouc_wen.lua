@@ -12,7 +12,7 @@ return function(effect)
       { "n", min = 1, max = 4 },
     },
     states = {
-      z = { rate = "v - rho*abs(v)*abs(z/zy)^(n - 1)*z/zy - (1 - rho)*v*abs(z/zy)^n", initial = 0 },
+      z = { rate = "v - abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)", initial = 0 },
     },
     guess = function(scale)
       local guesses = {}
