@@ -30,9 +30,8 @@ void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPla
 /// Horizontal bars with their names, whiskers and numbers.
 void draw_bars(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 
-/// A colour bar from bottom to top, with the ticks of `axis` and its turned title on the right.
-void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const AxisPlan& axis, bool diverging,
-                     const Box& bar);
+/// A colour bar from bottom to top, with the ticks of `axis` on its right.
+void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, bool diverging, const Box& bar);
 
 /// The position in the colour map of a value.
 double colour_position(const AxisPlan& axis, bool diverging, double value);

@@ -95,6 +95,18 @@ void outline(Canvas& canvas, const Look& look, const Box& box) {
   canvas.polyline(corners, look.palette.ink, look.frame);
 }
 
+/// The lines of the colour bar's title, side by side. A word that is longer than the bar is written smaller.
+void draw_colour_title(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan,
+                       const Box& bar) {
+  double x = bar.right + look.tick_length + 1.7 * look.gap + widest_label(meter, look, *plan.colour);
+  for (const std::string& line : plan.colour_title) {
+    const double size = fitting_size(meter, line, look.axis_text, bar.height());
+    canvas.text({x, 0.5 * (bar.bottom + bar.top)}, line,
+                {.size = size, .colour = look.palette.ink, .across = -1, .upward = 0, .vertical = true});
+    x += line_height(look.axis_text);
+  }
+}
+
 }  // namespace
 
 double colour_position(const AxisPlan& axis, bool diverging, double value) {
@@ -103,8 +115,7 @@ double colour_position(const AxisPlan& axis, bool diverging, double value) {
   return 0.5 + 0.5 * value / reach;
 }
 
-void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const AxisPlan& axis, bool diverging,
-                     const Box& bar) {
+void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, bool diverging, const Box& bar) {
   constexpr int steps = 128;
   for (int i = 0; i < steps; ++i) {
     const double share = (i + 0.5) / steps;
@@ -124,26 +135,22 @@ void draw_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const A
     canvas.text({bar.right + look.tick_length + 0.7 * look.gap, y}, tick.label,
                 {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
   }
-  const double size = fitting_size(meter, axis.title, look.axis_text, bar.height());
-  const double away = look.tick_length + 1.7 * look.gap + widest_label(meter, look, axis);
-  canvas.text({bar.right + away, 0.5 * (bar.bottom + bar.top)}, axis.title,
-              {.size = size, .colour = look.palette.ink, .across = -1, .upward = 0, .vertical = true});
 }
 
 void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
   MapPainter(canvas, look, plan).paint();
   if (!plan.colour_bar) return;
-  Box bar{plan.plot.right + 10.0, plan.plot.bottom, plan.plot.right + 21.0, plan.plot.top};
+  const Box bar = colour_bar_box(plan);
   if (plan.no_data) {
-    const Box swatch{bar.left, bar.bottom, bar.right, bar.bottom + 11.0};
+    const Box swatch{bar.left, plan.plot.bottom, bar.right, plan.plot.bottom + bar.width()};
     canvas.rectangle(swatch, look.palette.no_data);
     hatch(canvas, look, plan, swatch);
     outline(canvas, look, swatch);
     canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)},
                 "no data", {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
-    bar.bottom += 24.0;
   }
-  draw_colour_bar(canvas, meter, look, *plan.colour, plan.panel->map->diverging, bar);
+  draw_colour_bar(canvas, look, *plan.colour, plan.panel->map->diverging, bar);
+  draw_colour_title(canvas, meter, look, plan, bar);
 }
 
 }  // namespace lunid::figure

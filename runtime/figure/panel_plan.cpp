@@ -8,6 +8,10 @@
 namespace lunid::figure {
 namespace {
 
+constexpr double bar_away = 10.0;  // of the colour bar from the plot
+constexpr double bar_width = 11.0;
+constexpr double no_data_room = 24.0;  // for the swatch of cells without data, under the bar
+
 /// Whether the labels of a horizontal axis keep apart.
 bool apart(TextMeter& meter, const Look& look, const AxisPlan& axis, double length) {
   double end = -1e9;  // of the label before
@@ -60,10 +64,11 @@ double left_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
 double right_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   const double overhang = label_overhang(meter, look, plan.x, plan.plot.width()) + 1.0;
   if (!plan.colour_bar) return std::max(2.0, overhang);
-  const double title = plan.colour->title.empty() ? 0.0 : line_height(look.axis_text) + look.gap;
+  const double lines = static_cast<double>(plan.colour_title.size());
+  const double title = lines > 0.0 ? lines * line_height(look.axis_text) + look.gap : 0.0;
   const double labels = widest_label(meter, look, *plan.colour) + title;
   const double no_data = plan.no_data ? meter.width("no data", look.tick_text, false) : 0.0;
-  return 10.0 + 11.0 + look.tick_length + look.gap + std::max(labels, no_data);
+  return bar_away + bar_width + look.tick_length + look.gap + std::max(labels, no_data);
 }
 
 /// Room for the title: up to the end of the cell.
@@ -91,6 +96,11 @@ double widest_label(TextMeter& meter, const Look& look, const AxisPlan& axis) {
   return width;
 }
 
+Box colour_bar_box(const PanelPlan& plan) {
+  const double left = plan.plot.right + bar_away;
+  return {left, plan.plot.bottom + (plan.no_data ? no_data_room : 0.0), left + bar_width, plan.plot.top};
+}
+
 void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hints& hints) {
   const Panel& panel = *plan.panel;
   const Range x = x_range(panel);
@@ -104,9 +114,11 @@ void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hin
   } else {
     plan.y = vertical_axis(look, panel.y, y_range(panel, x), height, hints);
   }
-  if (panel.map)
-    plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map),
-                                height - (plan.no_data ? 24.0 : 0.0), hints);
+  if (panel.map) {
+    const double bar = colour_bar_box(plan).height();
+    plan.colour = vertical_axis(look, panel.map->colour, colour_range(*panel.map), bar, hints);
+    plan.colour_title = wrapped(meter, plan.colour->title, look.axis_text, false, bar);
+  }
   plan_title(meter, look, plan);
 }
 

@@ -27,6 +27,7 @@ struct PanelPlan {
   AxisPlan x;
   AxisPlan y;
   std::optional<AxisPlan> colour;
+  std::vector<std::string> colour_title;  ///< lines, turned, beside the colour bar
   LegendPlan legend;
   std::vector<std::string> title;  ///< lines
   bool note_below = false;         ///< the note has a line of its own, under the title
@@ -50,6 +51,9 @@ Range colour_range(const HeatMap& map);
 
 /// Edges of cells from their centres: halfway between neighbours; one more than centres.
 std::vector<double> cell_edges(const std::vector<double>& centres);
+
+/// The colour bar: beside the plot, above the swatch of cells without data where there is one.
+Box colour_bar_box(const PanelPlan& plan);
 
 /// Plans the axes and the title of a panel for the plot that it has now.
 void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hints& hints);

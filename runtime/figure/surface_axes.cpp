@@ -140,7 +140,7 @@ class AxesPainter {
   void colour_bar() {
     const double middle = view_.centre.y, half = 0.3 * view_.extent.y;
     const Box bar{view_.extent.x - 62.0, middle - half, view_.extent.x - 51.0, middle + half};
-    draw_colour_bar(canvas_, meter_, look_, view_.colour, figure_.diverging, bar);
+    draw_colour_bar(canvas_, look_, view_.colour, figure_.diverging, bar);
   }
 
   Canvas& canvas_;

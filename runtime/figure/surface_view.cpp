@@ -123,8 +123,6 @@ SurfaceView plan_surface(TextMeter& meter, const Look& look, const SurfaceFigure
   view.legend = legend_rows(meter, look, entries, width);
   const double header = static_cast<double>(view.heading.size()) * line_height(look.heading_text) +
                         strip_height(look, view.legend.size()) + look.gap;
-  // The bar's ticks are those of z: its title would repeat the axis's.
-  view.colour.title.clear();
   // Left: labels of z; right: the colour bar; below: labels of x and y.
   fit(view, {62.0, 52.0, view.extent.x - 84.0, view.extent.y - look.margin - header - 6.0});
   return view;

@@ -72,7 +72,8 @@ void expect_legible(const std::vector<Written>& texts, Point extent, const std::
 }
 
 std::vector<std::pair<std::string, Figure>> all_samples() {
-  Figure mixed = histories(), narrow = rivals();
+  Figure mixed = histories(), narrow = rivals(), wordy = maps();
+  for (Panel& panel : wordy.panels) panel.map->colour.name = "mean unexplained force";
   mixed.columns = 3;
   mixed.panels.push_back(maps().panels[0]);
   mixed.panels.push_back(spectra().panels[0]);
@@ -80,7 +81,7 @@ std::vector<std::pair<std::string, Figure>> all_samples() {
   narrow.panels[0].title = "A panel title that is rather long";
   narrow.panels[0].note = "gap 0.31 → 0.05";
   return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()},
-          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow}};
+          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow}, {"wordy", wordy}};
 }
 
 TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {
