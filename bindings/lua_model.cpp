@@ -115,6 +115,7 @@ int with(lua_State* L) {
       parameter->value = number_field(L, -1, "value").value_or(parameter->value);
       parameter->min = number_field(L, -1, "min").value_or(parameter->min);
       parameter->max = number_field(L, -1, "max").value_or(parameter->max);
+      parameter->unit = string_field(L, -1, "unit").value_or(parameter->unit);
       parameter->fixed = boolean_field(L, -1, "fixed", parameter->fixed);
     } else {
       throw InputError("with: " + name + ": expected a number or a table, got " + describe(L, -1));

@@ -93,8 +93,9 @@ local function baseline(lunid, options)
     return value
   end
   local good, model = pcall(function()
-    return lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring, "--restoring"),
-      motion = options.imposed_motion and "imposed" or "free" }
+    local model = lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring,
+      "--restoring"), motion = options.imposed_motion and "imposed" or "free" }
+    return require("lunid.units").complete(model)
   end)
   if not good then fault(model, "usage") end
   return model

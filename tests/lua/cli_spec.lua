@@ -142,7 +142,7 @@ while true do n = n + 1 end
 
 spec.case("Ctrl-C in Lua code: exit 130, finished files are kept, the earlier result is as it was", function()
   spec.write("loop.lua", heavy)
-  local said = spec.shell(([[('%s' run loop.lua --out out > said 2>&1 & p=$!; while ! grep -q saved said; do sleep 0.05; done
+  local said = spec.shell(([[('%s' run loop.lua --out out > said 2>&1 & p=$!; while ! grep -qs saved said; do sleep 0.05; done
     kill -INT $p; wait $p; echo "[exit $?]") ; sed 's/partial-[0-9]*/partial-N/' said]]):format(spec.executable))
   spec.equal(said, "[exit 130]\nsaved\ninterrupted; finished files are kept in 'out.partial-N': model.lua; "
     .. "'out' is as it was\n")
@@ -199,6 +199,16 @@ spec.case("run.json repeats a run bit for bit, and tells a changed input", funct
   said, code = spec.lunid "run first/run.json --out second"
   spec.equal(said, "the run's input 'good.csv' has changed since (another SHA-256)\n")
   spec.equal(code, 3)
+end)
+
+spec.case("parameters of --restoring get the units that the equation gives them", function()
+  local _, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v + c2*abs(v)*v + p*cos(40*y)" --out units'
+  spec.equal(code, 0)
+  local model = spec.shell "cat units/model.lua"
+  for name, unit in pairs { k = "N/m", c = "N s/m", c2 = "N s^2/m^2" } do
+    spec.equal(model:match('{ "' .. name .. '"[^}]-unit = "([^"]*)"'), unit)
+  end
+  spec.equal(model:match '{ "p"[^}]-unit', nil)
 end)
 
 spec.case("a second run replaces the files of the first and keeps the user's own", function()

@@ -1,0 +1,61 @@
+-- Units of parameters, read off the equation they stand in: the k of k*y is in N/m, since y is in m and the sum in N.
+local core = require "lunid.core"
+
+local units = {}
+
+local signals = { { "y", m = 1, s = 0 }, { "v", m = 1, s = -1 }, { "a", m = 1, s = -2 }, { "t", m = 0, s = 1 } }
+
+--- The power of the signal `name` in `factor`, or nil where it stands there otherwise than in a power.
+local function power(factor, name)
+  local function ratio(at)
+    local before = factor:at(at)
+    at[name] = 2 * at[name]
+    return math.log(factor:at(at) / before, 2)
+  end
+  local one = ratio { y = 0.3, v = 0.7, a = 1.1, t = 0.2 }
+  local other = ratio { y = 1.7, v = 0.4, a = 0.6, t = 1.3 }
+  local whole = math.floor(one + 0.5)
+  return math.abs(one - whole) < 1e-9 and math.abs(other - whole) < 1e-9 and whole or nil
+end
+
+local function raised(name, exponent) return exponent == 1 and name or ("%s^%d"):format(name, exponent) end
+
+--- "N s/m" from { "N", s = 1, m = -1 }
+local function text(whole, s, m)
+  local above, below = { whole }, {}
+  for _, each in ipairs { { "s", s }, { "m", m } } do
+    if each[2] > 0 then above[#above + 1] = raised(each[1], each[2]) end
+    if each[2] < 0 then below[#below + 1] = raised(each[1], -each[2]) end
+  end
+  return table.concat(above, " ") .. (#below > 0 and "/" .. table.concat(below, "/") or "")
+end
+
+--- The unit of the parameter `name` in an expression whose own unit is `whole`: "" where the parameter is no plain factor.
+local function unit_in(expression, name, whole)
+  local factor = expression:derivative(core.parse(name, name))
+  for _, other in ipairs(factor:symbols()) do
+    if other.kind ~= "channel" or other.name == "F" then return "" end
+  end
+  local m, s = 0, 0
+  for _, signal in ipairs(signals) do
+    local exponent = power(factor, signal[1])
+    if not exponent then return "" end
+    m, s = m - exponent * signal.m, s - exponent * signal.s
+  end
+  return text(whole, s, m)
+end
+
+--- The model with units for those of its parameters that have none.
+function units.complete(model)
+  local rows = {}
+  for _, part in ipairs { { model.mass, "kg" }, { model.restoring, "N" } } do
+    for _, symbol in ipairs(part[1]:symbols()) do
+      if symbol.kind == "parameter" and model.parameters[symbol.name].unit == "" and not rows[symbol.name] then
+        rows[symbol.name] = { unit = unit_in(part[1], symbol.name, part[2]) }
+      end
+    end
+  end
+  return model:with(rows)
+end
+
+return units
