@@ -67,15 +67,20 @@ local function explain_effect(entry)
   print("  source: " .. entry.source)
 end
 
+--- "lunid check     STUDY.lua"
+local function usage(row) return (("lunid %-9s %s"):format(row[1], row[2]):gsub("%s+$", "")) end
+
+local function first_sentence(text) return (text .. " A"):match "^(.-%.) %u" end
+
 local function overview()
   print "Lunid: from a measured record to the equation of its motion.\n\nCommands"
-  for _, row in ipairs(command_words) do print(("  lunid %-9s %s\n%17s%s"):format(row[1], row[2], "", row[3])) end
+  for _, row in ipairs(command_words) do print(("  %s\n%17s%s"):format(usage(row), "", row[3])) end
   print "\nConstructors of the language (lunid help NAME)"
   for _, definition in ipairs(schema.definitions) do
-    print(("  %-15s %s"):format(definition.name, definition.help:match "^[^.]*%."))
+    print(("  %-21s%s"):format(definition.name, first_sentence(definition.help)))
   end
   print "\nEffects (lunid help NAME)"
-  print("  " .. table.concat(effects.names, "\n  "))
+  for _, entry in ipairs(effects.catalogue()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
 end
 
 function help.explain(topic)
@@ -93,7 +98,7 @@ function help.explain(topic)
     names[#names + 1] = row[1]
     if row[1] == topic then
       print((definition and "\nOn the command line (all options: lunid %s --help)\n" or "%s: all options: lunid %s --help\n")
-        :format(topic, topic) .. ("  lunid %s %s\n  %s"):format(row[1], row[2], row[3]))
+        :format(topic, topic) .. ("  %s\n  %s"):format(usage(row):gsub("%s+", " "), row[3]))
       definition = row
     end
   end
@@ -114,7 +119,7 @@ local lists = {}
 
 function lists.effects()
   for _, entry in ipairs(effects.catalogue()) do
-    print(("%-21s%-12s%-34s%s"):format(entry.name, entry.family, (entry.formula:gsub(", d%w+/dt.*", "")), entry.sentence))
+    print(("%-21s%-12s%s\n%33s%s"):format(entry.name, entry.family, entry.formula, "", entry.sentence))
   end
 end
 
@@ -149,7 +154,9 @@ function help.list(topic)
     return
   end
   if not lists[topic] then
-    core.raise(("list: expected effects, features, solvers or cases, got '%s'"):format(topic), "usage")
+    local near = core.nearest(topic, { "effects", "features", "solvers", "cases" })
+    core.raise(("list: expected effects, features, solvers or cases, got '%s'%s"):format(topic,
+      near and (", did you mean '%s'?"):format(near) or ""), "usage")
   end
   lists[topic]()
 end

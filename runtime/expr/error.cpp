@@ -48,7 +48,8 @@ InputError::InputError(std::string message, SourceSpan where, Fault fault)
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   const std::string typed = lower_case(word);
-  const std::size_t limit = std::max<std::size_t>(2, word.size() / 3);
+  // Two slips in a word of four letters leave another word.
+  const std::size_t limit = word.size() < 5 ? 1 : std::max<std::size_t>(2, word.size() / 3);
   std::string best;
   std::size_t best_score = 0;
   for (const std::string& candidate : candidates) {

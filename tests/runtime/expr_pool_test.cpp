@@ -162,6 +162,7 @@ TEST(NearestWord, is_near_or_nothing) {
   EXPECT_EQ(nearest_word("TANH", words), "tanh");
   EXPECT_EQ(nearest_word("derivative", words), "");
   EXPECT_EQ(nearest_word("q", words), "") << "no letter in common";
+  EXPECT_EQ(nearest_word("help", {"exp"}), "") << "two slips in a short word";
   EXPECT_EQ(nearest_word("feature", {"record", "features", "window"}), "features");
   EXPECT_EQ(nearest_word("feature", {}), "");
 }
