@@ -1,9 +1,13 @@
 // The read-evaluate-print loop. Lines are read here; stdlib/repl.lua runs them and prints their values.
 #include <dlfcn.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <optional>
+#include <string>
 
 #include "command_line.hpp"
 #include "runtime.hpp"
@@ -12,34 +16,111 @@ namespace lunid::lua {
 
 namespace {
 
-/// Reads lines with editing and history by libreadline, opened only here; by getline when it is absent or the input is
-/// no terminal.
-class LineReader {
- public:
-  LineReader() {
-    if (!isatty(STDIN_FILENO)) return;
-    void* library = dlopen("libreadline.so.8", RTLD_LAZY | RTLD_LOCAL);
-    if (!library) return;
-    read_ = reinterpret_cast<char* (*)(const char*)>(dlsym(library, "readline"));
-    remember_ = reinterpret_cast<void (*)(const char*)>(dlsym(library, "add_history"));
-  }
+/// What is used of libreadline, which is opened only here. Its callback and a signal handler have no argument
+/// to reach a reader by: these are the variables of file scope.
+struct Readline {
+  void (*begin)(const char*, void (*)(char*)) = nullptr;
+  void (*read_character)() = nullptr;
+  void (*end)() = nullptr;
+  void (*drop_line)() = nullptr;
+  void (*remember)(const char*) = nullptr;
+  int* catch_signals = nullptr;
+} library;
+std::optional<std::string> typed;
+bool ended = false;
+volatile std::sig_atomic_t interrupted = 0;
 
-  bool next(const char* prompt, std::string& line) {
-    if (!read_) {
-      if (isatty(STDIN_FILENO)) std::cout << prompt << std::flush;
-      return static_cast<bool>(std::getline(std::cin, line));
-    }
-    char* text = read_(prompt);
-    if (!text) return false;
-    line = text;
-    if (*text && remember_) remember_(text);
-    std::free(text);
+template <class Symbol>
+void take(void* handle, const char* name, Symbol& symbol) {
+  symbol = reinterpret_cast<Symbol>(dlsym(handle, name));
+}
+
+bool open_library() {
+  void* handle = isatty(STDIN_FILENO) ? dlopen("libreadline.so.8", RTLD_LAZY | RTLD_LOCAL) : nullptr;
+  if (!handle) return false;
+  take(handle, "rl_callback_handler_install", library.begin);
+  take(handle, "rl_callback_read_char", library.read_character);
+  take(handle, "rl_callback_handler_remove", library.end);
+  take(handle, "rl_free_line_state", library.drop_line);
+  take(handle, "add_history", library.remember);
+  take(handle, "rl_catch_signals", library.catch_signals);
+  return library.begin && library.read_character && library.end && library.drop_line && library.remember &&
+         library.catch_signals;
+}
+
+void on_line(char* text) {
+  library.end();
+  ended = !text;
+  typed = text ? text : "";
+  std::free(text);
+}
+
+/// SIGINT is let in only while the loop waits: none is missed, none comes in the middle of a character.
+class Ctrl_C {
+ public:
+  Ctrl_C() {
+    interrupted = 0;
+    sigset_t held;
+    sigemptyset(&held);
+    sigaddset(&held, SIGINT);
+    sigprocmask(SIG_BLOCK, &held, &outside_);
+    before_ = std::signal(SIGINT, [](int) { interrupted = 1; });
+  }
+  ~Ctrl_C() {
+    std::signal(SIGINT, before_);
+    sigprocmask(SIG_SETMASK, &outside_, nullptr);
+  }
+  /// True when a character can be read; false when Ctrl-C came instead.
+  bool wait() const {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    while (ppoll(&input, 1, nullptr, &outside_) <= 0)
+      if (interrupted) return false;
     return true;
   }
 
  private:
-  char* (*read_)(const char*) = nullptr;
-  void (*remember_)(const char*) = nullptr;
+  sigset_t outside_;
+  void (*before_)(int);
+};
+
+enum class Answer { line, given_up, end };
+
+/// Reads lines with editing and history by libreadline; by getline when it is absent or the input is no
+/// terminal.
+class LineReader {
+ public:
+  Answer next(const char* prompt, std::string& line) {
+    if (editing_) return edited(prompt, line);
+    if (isatty(STDIN_FILENO)) std::cout << prompt << std::flush;
+    return std::getline(std::cin, line) ? Answer::line : Answer::end;
+  }
+
+ private:
+  static Answer edited(const char* prompt, std::string& line) {
+    const Ctrl_C ctrl_c;
+    *library.catch_signals = 0;
+    typed.reset();
+    library.begin(prompt, on_line);
+    while (!typed) {
+      if (ctrl_c.wait()) {
+        library.read_character();
+        continue;
+      }
+      library.drop_line();
+      library.end();
+      std::cout << "^C" << std::endl;
+      return Answer::given_up;
+    }
+    if (ended) {
+      std::cout << std::endl;  // the prompt is still on its line
+      return Answer::end;
+    }
+    line = *typed;
+    if (!line.empty()) library.remember(line.c_str());
+    return Answer::line;
+  }
+
+  bool editing_ = open_library();
 };
 
 }  // namespace
@@ -50,13 +131,22 @@ int repl(Runtime& runtime, const nlohmann::json& options) {
   if (!failure.message.empty()) throw InputError(failure.message, {}, failure.fault);
   LineReader reader;
   std::string chunk, line;
-  while (reader.next(chunk.empty() ? "> " : ">> ", line)) {
+  for (;;) {
+    const Answer answered = reader.next(chunk.empty() ? "> " : ">> ", line);
+    if (answered == Answer::end) break;
+    if (answered == Answer::given_up) {
+      chunk.clear();
+      continue;
+    }
     chunk += chunk.empty() ? line : "\n" + line;
     Failure wrong;
     const Interrupts interrupts(runtime);
-    const bool incomplete = runtime.call("lunid.repl", "evaluate", chunk, wrong) == 1 && wrong.message.empty();
+    const int answer = runtime.call("lunid.repl", "evaluate", chunk, wrong);
+    const bool failed = !wrong.message.empty();
+    if (answer == 2 && !failed) break;
+    const bool incomplete = answer == 1 && !failed;
     if (incomplete && !line.empty()) continue;
-    if (!wrong.message.empty()) std::cerr << wrong.message << "\n";
+    if (failed) std::cerr << wrong.message << "\n";
     if (incomplete) std::cerr << "the input above is not complete\n";
     chunk.clear();
   }
