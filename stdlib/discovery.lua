@@ -24,6 +24,7 @@ end
 --- Writes discovery.json, results.json, model.lua, report.html and figures into `folder`; returns what was made.
 function discovery.save(found, folder)
   local prefix = folder and folder ~= "" and folder:gsub("/+$", "") .. "/" or ""
+  if prefix ~= "" then output.make_folder(prefix) end
   local made = {
     json = output.write(prefix .. "discovery.json", found.json),
     model = output.write(prefix .. "model.lua", models.text(found.model)),
@@ -81,10 +82,18 @@ local function search(given)
   return core.discover(given.model, entries, train, test, given)
 end
 
+local unnamed = 0  -- discoveries of this run that name no folder
+
+--- The out directory itself for the first of them; one that follows must not write over it.
+local function own_folder()
+  unnamed = unnamed + 1
+  return unnamed > 1 and "discovery_" .. unnamed or nil
+end
+
 local discover = schema.define(definition, function(given)
   local found = search(given)
   if given.out or output.active() then
-    local made = discovery.save(found, given.out)
+    local made = discovery.save(found, given.out or own_folder())
     if made.note then print(("%-11s%s"):format("note", made.note)) end
   end
   return found

@@ -118,7 +118,7 @@ local map = schema.define({
   fields = { { "discovery", types.is("discovery", "lunid.discover"), required = true, help = "what was found" } },
   returns = "figure",
   example = [[lunid.figure.residual_map(found):save "map.png"]],
-}, function(given) return require("lunid.report").residual_map(given.discovery) end)
+}, function(given) return require("lunid.pictures").residual_map(given.discovery) end)
 
 figures.public = { figure = schema.strict_table("lunid.figure", { series = series, lines = lines, surface = surface,
   residual_map = map }) }

@@ -30,6 +30,9 @@ function output.place(path)
   return full
 end
 
+--- Makes a folder to write to, wherever it is.
+function output.make_folder(path) core.make_directories(output.place(path)) end
+
 --- The path as the user will find it.
 function output.shown(path)
   if not current or not is_relative(path) then return path end

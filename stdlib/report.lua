@@ -1,102 +1,45 @@
 -- report.html: what was found, for one who was not there. Self-contained: figures lie inside as PNG.
 local core = require "lunid.core"
-local figures = require "lunid.figures"
 local output = require "lunid.output"
+local pictures = require "lunid.pictures"
 
 local report = {}
 
 local escapes = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" }
 local function escape(text) return (tostring(text):gsub('[&<>"]', escapes)) end
 
+--- 11600533039 -> "1.16005·10<sup>10</sup>"
+local function power_of_ten(text) return (text:gsub("e([+-])0*(%d+)$", function(sign, exponent)
+  return ("·10<sup>%s%s</sup>"):format(sign == "-" and "−" or "", exponent)
+end)) end
+
+local function missing(reason) return "none" .. (reason and " (" .. escape(reason) .. ")" or "") end
+
+--- As the terminal shows a gap.
 local function number(value, reason)
-  if value == nil then return "none" .. (reason and " (" .. escape(reason) .. ")" or "") end
-  return ("%.4g"):format(value)
+  if value == nil then return missing(reason) end
+  return power_of_ten(("%.3g"):format(value))
 end
+
+--- With as many digits as show two of the standard deviation.
+local function precise(value, std)
+  if not std or std <= 0 or value == 0 then return power_of_ten(("%.4g"):format(value)) end
+  local digits = math.floor(math.log(math.abs(value), 10)) - math.floor(math.log(std, 10)) + 2
+  digits = math.max(2, math.min(digits, 15))
+  local size = math.abs(value)
+  if size >= 1e6 or size < 1e-3 then return power_of_ten(("%%.%de"):format(digits - 1):format(value)) end
+  return (("%%.%df"):format(math.max(0, digits - 1 - math.floor(math.log(size, 10)))):format(value))
+end
+
+local function p_value(p) return not p and "none" or p < 1e-4 and "below 0.0001" or ("%.2g"):format(p) end
 
 -- ---- figures ----
-
---- Force or displacement: what the gap is about.
-local function output_axis(found)
-  return found.model.imposed_motion and { name = "force", unit = "N" } or { name = "displacement", unit = "m" }
-end
-
-local function history(found, comparison, title)
-  return { title = title, x = { name = "time", unit = "s" }, y = output_axis(found), series = {
-    { x = comparison.t, y = comparison.measured, label = "measured", role = "measured" },
-    { x = comparison.t, y = comparison.baseline, label = "baseline, free run", role = "baseline", style = "dashed" },
-    { x = comparison.t, y = comparison.final, label = "final model, free run", role = "final", style = "dotted" } } }
-end
-
-local function residuals(comparison, title)
-  return { title = title, x = { name = "time", unit = "s" }, y = { name = "unexplained force", unit = "N" }, series = {
-    { x = comparison.t, y = comparison.residual_before, label = "baseline", role = "baseline" },
-    { x = comparison.t, y = comparison.residual_after, label = "final model", role = "final" } } }
-end
-
-local function named_force(comparison, x, axis)
-  return { x = axis, y = { name = "force", unit = "N" }, series = {
-    { x = x, y = comparison.residual_before, label = "left by the baseline", role = "residual", style = "points" },
-    { x = x, y = comparison.named_force, label = "named effect", role = "effect", style = "points" } } }
-end
-
-local function largest(rows)
-  local most = 0
-  for _, row in ipairs(rows) do
-    if row:max() == row:max() then most = math.max(most, row:max(), -row:min()) end
-  end
-  return most > 0 and most or nil
-end
-
-local function map_panel(map, rows, title, most)
-  return { title = title, x = { name = "displacement", unit = "m" }, y = { name = "velocity", unit = "m/s" },
-    map = { x = map.y, y = map.v, z = rows,
-      colour = { name = "mean unexplained force", unit = "N", min = most and -most, max = most } } }
-end
-
---- Both maps side by side, in one range of colours.
-function report.residual_map(found)
-  local map = found.map
-  local most = largest(map.before)
-  return figures.make { columns = 2, size = { width_cm = 24 }, panels = {
-    map_panel(map, map.before, "baseline", most), map_panel(map, map.after, "final model", most) } }
-end
-
---- Name, caption and figure of each picture, in the report's order.
-local function pictures(found)
-  local list = {}
-  local function add(name, caption, fields)
-    list[#list + 1] = { name = name, caption = caption, figure = figures.make(fields) }
-  end
-  local train
-  for _, comparison in ipairs(found.comparisons) do
-    if comparison.role == "train" and not train then train = comparison end
-  end
-  local seen = {}
-  for _, comparison in ipairs(found.comparisons) do
-    seen[comparison.role] = (seen[comparison.role] or 0) + 1
-    add(("history_%s_%d"):format(comparison.role, seen[comparison.role]),
-      ("%s (%s): measured, and the free runs of baseline and final model; never re-initialised."):format(
-        comparison.record, comparison.role),
-      { panels = { history(found, comparison, ""), residuals(comparison, "") } })
-  end
-  if #found.map.y > 1 and #found.map.v > 1 then
-    list[#list + 1] = { name = "residual_map", figure = report.residual_map(found),
-      caption = "Mean force that the model leaves unexplained, over displacement and velocity: where the "
-        .. "baseline fails, and what is left. Hatched: no data." }
-  end
-  if train and #found.effects > 0 then
-    add("named_force", "The force of what was named, against the force that the baseline leaves unexplained.",
-      { columns = 2, size = { width_cm = 24 }, panels = {
-        named_force(train, train.y, { name = "displacement", unit = "m" }),
-        named_force(train, train.v, { name = "velocity", unit = "m/s" }) } })
-  end
-  return list
-end
 
 --- Draws all pictures; returns them with `path`, or with the reason why there are none.
 local function draw(found, prefix)
   local drawn = {}
-  for _, picture in ipairs(pictures(found)) do
+  output.make_folder(prefix .. "figures")
+  for _, picture in ipairs(pictures.of(found)) do
     local path = prefix .. "figures/" .. picture.name .. ".png"
     local good, message = pcall(core.render_figure, picture.figure, output.place(path))
     if not good then return drawn, "figures could not be drawn: " .. tostring(message) end
@@ -112,6 +55,7 @@ end
 local style = [[
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a }
 h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2.2rem; border-bottom: 1px solid #ccc }
+h3 { font-size: 1rem }
 table { border-collapse: collapse; margin: .8rem 0 } th, td { padding: .3rem .8rem; text-align: left;
 border-bottom: 1px solid #e2e2e2; vertical-align: top } td.n { font-variant-numeric: tabular-nums }
 .verdict { font-size: 1.15rem; padding: .8rem 1rem; background: #eef4fb; border-left: .3rem solid #0072b2 }
@@ -132,6 +76,13 @@ local function html_table(head, rows)
   return table.concat(lines, "\n")
 end
 
+--- The names of a model's parameters, in the order of its equation.
+local function names_of(model)
+  local names = {}
+  for i, row in ipairs(model.parameters) do names[i] = row.name end
+  return names
+end
+
 local function sorted_keys(object)
   local keys = {}
   for key in pairs(object) do keys[#keys + 1] = key end
@@ -139,17 +90,26 @@ local function sorted_keys(object)
   return keys
 end
 
-local function parameter_rows(parameters, first_guess)
+local function parameter_rows(parameters, names, first_guess)
   local rows = {}
-  for _, name in ipairs(sorted_keys(parameters)) do
+  for _, name in ipairs(names) do
     local p = parameters[name]
-    local interval = p.interval and ("%.4g to %.4g"):format(p.interval[1], p.interval[2])
+    local interval = p.interval and ("%s to %s"):format(precise(p.interval[1], p.std), precise(p.interval[2], p.std))
       or escape(p.std_reason or "none")
-    local before = first_guess and first_guess[name]
-    rows[#rows + 1] = { "<code>" .. escape(name) .. "</code>", before and number(before.value, "not given") or "",
-      number(p.value, p.reason), interval, escape(p.unit or "") }
+    local guess = first_guess[name] and first_guess[name].value
+    rows[#rows + 1] = { "<code>" .. escape(name) .. "</code>", p.value and precise(p.value, p.std) or missing(p.reason),
+      p.std and precise(p.std, p.std) or "", interval, escape(p.unit or ""), guess and precise(guess) or nil }
   end
   return rows
+end
+
+--- Parameters with what is known of them; the column of first guesses only where one was given.
+local function parameter_table(parameters, names, first_guess)
+  local head = { "parameter", "value", "standard deviation", "95 % interval", "unit" }
+  for _, guess in pairs(first_guess) do
+    if guess.value then head[6] = "first guess" end
+  end
+  return html_table(head, parameter_rows(parameters, names, first_guess))
 end
 
 local function gap_section(data)
@@ -167,10 +127,9 @@ end
 
 local function effect_section(effect)
   local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.name), escape(effect.sentence)) }
-  lines[#lines + 1] = ("<p>Adds <code>%s</code> to the restoring force (%s). Seen %s. Chance of a gain as large where "
-    .. "nothing is missing: p = %s.</p>"):format(escape(effect.formula), escape(effect.family), escape(effect.where),
-    number(effect.p_value))
-  lines[#lines + 1] = html_table({ "parameter", "", "value", "95 % interval", "unit" }, parameter_rows(effect.parameters))
+  lines[#lines + 1] = ("<p>Adds <code>%s</code> to the restoring force (%s). The chance of as large a gain where it is "
+    .. "not there (p) is %s.</p>"):format(escape(effect.formula), escape(effect.family), p_value(effect.p_value))
+  lines[#lines + 1] = parameter_table(effect.parameters, sorted_keys(effect.parameters), {})
   lines[#lines + 1] = ("<p>With it the gap is %s on the training record and %s on the test record.</p>"):format(
     number(effect.gap_train, effect.cause), number(effect.gap_test, effect.cause))
   if #effect.indistinguishable > 0 then
@@ -185,10 +144,11 @@ local function rivals_section(data)
   local rows = {}
   for _, rival in ipairs(data.rivals) do
     rows[#rows + 1] = { "<code>" .. escape(rival.name) .. "</code>", number(rival.gap, rival.cause),
-      number(rival.p_value), escape(rival.remark) }
+      p_value(rival.p_value), escape(rival.remark) }
   end
-  return "<h2>Why not another effect</h2><p>Each was fitted on the trajectory and judged by free runs over rows that "
-    .. "its fit did not see.</p>" .. html_table({ "effect", "gap", "p", "remark" }, rows)
+  return "<h2>Why not another effect</h2><p>Each was fitted on the trajectory. The gap is that of its free run over the "
+    .. "training record; p is the chance of as large a gain over the baseline where nothing is missing.</p>"
+    .. html_table({ "effect", "gap", "p", "why it was not named" }, rows)
 end
 
 local function named_section(data)
@@ -222,6 +182,14 @@ local function provenance(data)
     .. '<p class="small">run.json beside this file repeats the run: <code>lunid run run.json</code>.</p>'
 end
 
+--- What the baseline's parameters were before anything was added.
+local function baseline_section(found)
+  local data = found.data
+  if #data.effects == 0 then return "" end
+  return "<p>The baseline alone, fitted to the same record:</p>"
+    .. parameter_table(data.baseline.parameters, names_of(found.baseline), data.baseline.first_guess)
+end
+
 local function warnings_section(data)
   if #data.warnings == 0 then return "" end
   local lines = { "<h2>Notes on the data</h2><ul>" }
@@ -238,14 +206,10 @@ function report.write(found, prefix)
       .. "</title><style>" .. style .. "</style></head><body>",
     "<h1>What the model lacks</h1>",
     ('<p class="verdict"><b>%s</b>: %s</p>'):format(escape(data.verdict), escape(data.sentence)),
-    "<h2>Where the baseline fails</h2><p>" .. escape(data.where) .. "</p>",
+    "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
     named_section(data), gap_section(data), figure_section(drawn, why_none), rivals_section(data),
     "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
-    html_table({ "parameter", "first guess", "value", "95 % interval", "unit" },
-      parameter_rows(data.final.parameters, data.baseline.first_guess)),
-    "<p>Baseline, refitted to the same record:</p>",
-    html_table({ "parameter", "first guess", "value", "95 % interval", "unit" },
-      parameter_rows(data.baseline.parameters, data.baseline.first_guess)),
+    parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
     warnings_section(data), provenance(data), "</body></html>\n" }, "\n")
   return { path = output.write(prefix .. "report.html", page), count = #drawn, note = why_none,
     folder = #drawn > 0 and output.shown(prefix .. "figures") or nil }

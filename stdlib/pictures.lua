@@ -1,0 +1,220 @@
+-- The figures of a discovery's report: name, caption and plain table of each.
+local core = require "lunid.core"
+local figures = require "lunid.figures"
+
+local pictures = {}
+
+local time = { name = "time", unit = "s" }
+local displacement = { name = "displacement", unit = "m" }
+local velocity = { name = "velocity", unit = "m/s" }
+
+--- What the gap is about: displacement, or force where the motion is imposed.
+local function output_axis(found)
+  return found.model.imposed_motion and { name = "force", unit = "N" } or displacement
+end
+
+--- "free run", or what stands in its place where the motion is imposed.
+local function run_words(found) return found.model.imposed_motion and "along the motion" or "free run" end
+
+--- Panels side by side.
+local function row_of(panels)
+  return figures.make { columns = #panels, panels = panels, size = #panels > 1 and { width_cm = 24 } or nil }
+end
+
+local function minus(a, b)
+  local left, right = a:list(), b:list()
+  for i = 1, #left do left[i] = left[i] - right[i] end
+  return core.column(left)
+end
+
+local function plus(a, b)
+  local left, right = a:list(), b:list()
+  for i = 1, #left do left[i] = left[i] + right[i] end
+  return core.column(left)
+end
+
+--- Rows at either end that say nothing: the lead-in, which the runs leave out, and as many at the end, where the
+--- derivative of the motion is as poor as at the start.
+local function lead_in(comparison)
+  local rows = #comparison.t
+  local i = 1
+  while i < rows and comparison.baseline[i] ~= comparison.baseline[i] and comparison.final[i] ~= comparison.final[i] do
+    i = i + 1
+  end
+  return i < rows // 4 and i - 1 or 0
+end
+
+--- The column with NaN in place of its first and last `count` rows.
+local function inner(column, count)
+  local values = column:list()
+  for i = 1, math.min(count, #values) do values[i], values[#values + 1 - i] = 0/0, 0/0 end
+  return core.column(values)
+end
+
+-- ---- the runs over time ----
+
+--- Baseline and final model, or the one model where nothing was added.
+local function models(found, baseline, final)
+  if #found.effects == 0 then return { { values = baseline, label = "baseline", role = "baseline", style = "dashed" } } end
+  return { { values = baseline, label = "baseline", role = "baseline", style = "dashed" },
+    { values = final, label = "final model", role = "final", style = "dotted" } }
+end
+
+local function run_panel(found, comparison, limits)
+  local series = { { x = comparison.t, y = comparison.measured, label = "measured", role = "measured" } }
+  for _, model in ipairs(models(found, comparison.baseline, comparison.final)) do
+    series[#series + 1] = { x = comparison.t, y = model.values, label = ("%s, %s"):format(model.label, run_words(found)),
+      role = model.role, style = model.style }
+  end
+  return { title = limits and "where the baseline is worst" or "",
+    x = { name = "time", unit = "s", min = limits and limits.from, max = limits and limits.to }, y = output_axis(found),
+    series = series }
+end
+
+local function error_panel(found, comparison)
+  local series = { { x = comparison.t, y = comparison.measured, label = "measured", role = "measured" } }
+  local errors = models(found, comparison.baseline, comparison.final)
+  for _, model in ipairs(errors) do
+    series[#series + 1] = { x = comparison.t, y = minus(comparison.measured, model.values),
+      label = "error, " .. model.label, role = model.role }
+  end
+  return { title = "whole record", x = time, y = output_axis(found), series = series }
+end
+
+local function residual_panel(found, comparison)
+  local series, ends = {}, lead_in(comparison)
+  for _, model in ipairs(models(found, comparison.residual_before, comparison.residual_after)) do
+    series[#series + 1] = { x = comparison.t, y = inner(model.values, ends), label = "left by the " .. model.label,
+      role = model.role }
+  end
+  return { title = "force along the measured motion", x = time, y = { name = "unexplained force", unit = "N" },
+    series = series }
+end
+
+--- How often the measured output crosses its mean upward, by more than its noise.
+local function periods(measured)
+  local mean, room, count, low = measured:mean(), 0.3 * measured:std(), 0, false
+  for _, value in ipairs(measured:list()) do
+    if value < mean - room then low = true end
+    if low and value > mean + room then count, low = count + 1, false end
+  end
+  return count
+end
+
+local shown_periods = 8  -- in the detail: few enough to see each curve
+
+--- The part of the record in which the baseline's error is largest; nil where the whole record is no longer than that.
+local function worst_part(comparison)
+  local rows, count = #comparison.t, periods(comparison.measured)
+  if count < 2 * shown_periods then return nil end
+  local width = math.max(20, rows * shown_periods // count)
+  local squares, sum, most, at = minus(comparison.measured, comparison.baseline):list(), 0, -1, nil
+  for i = 1, rows do
+    squares[i] = squares[i] == squares[i] and squares[i] ^ 2 or 0
+    sum = sum + squares[i] - (i > width and squares[i - width] or 0)
+    if i >= width and sum > most then most, at = sum, i end
+  end
+  return at and { from = comparison.t[at - width + 1], to = comparison.t[at] }
+end
+
+--- With imposed motion the error over the whole record is the unexplained force already.
+local function history(found, comparison)
+  local part = worst_part(comparison)
+  local panels = part and { error_panel(found, comparison), run_panel(found, comparison, part) }
+    or { run_panel(found, comparison) }
+  if not (part and found.model.imposed_motion) then panels[#panels + 1] = residual_panel(found, comparison) end
+  return figures.make { panels = panels }
+end
+
+local function add_histories(list, found)
+  local seen = {}
+  for _, comparison in ipairs(found.comparisons) do
+    seen[comparison.role] = (seen[comparison.role] or 0) + 1
+    list[#list + 1] = { name = ("history_%s_%d"):format(comparison.role, seen[comparison.role]),
+      figure = history(found, comparison),
+      caption = ("%s (%s): measured, and the %s of %s; the force that is left unexplained along the measured motion."):format(
+        comparison.record, comparison.role,
+        found.model.imposed_motion and "forces along the measured motion" or "free runs, never re-initialised,",
+        #found.effects > 0 and "baseline and final model" or "the baseline") }
+  end
+end
+
+-- ---- the unexplained force over displacement and velocity ----
+
+local function largest(rows)
+  local most = 0
+  for _, row in ipairs(rows) do
+    if row:max() == row:max() then most = math.max(most, row:max(), -row:min()) end
+  end
+  return most
+end
+
+local function map_panel(map, rows, title, most)
+  return { title = title, x = displacement, y = velocity, map = { x = map.y, y = map.v, z = rows,
+    colour = { name = "unexplained force", unit = "N", min = most and -most, max = most } } }
+end
+
+--- Both maps side by side, in one range of colours; one map where nothing was added to the baseline.
+function pictures.residual_map(found)
+  local map = found.map
+  local most = math.max(largest(map.before), largest(map.after))
+  most = most > 0 and most or nil
+  local panels = { map_panel(map, map.before, "baseline", most) }
+  if #found.effects > 0 then panels[2] = map_panel(map, map.after, "final model", most) end
+  return row_of(panels)
+end
+
+local function add_map(list, found)
+  if #found.map.y < 2 or #found.map.v < 2 then return end
+  list[#list + 1] = { name = "residual_map", figure = pictures.residual_map(found),
+    caption = "Mean force that is left unexplained, over displacement and velocity: where the baseline fails"
+      .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
+end
+
+-- ---- the named effects against the record ----
+
+--- What the named formulas are functions of: over these the effect is drawn.
+local function variables(effects)
+  local seen = {}
+  for _, effect in ipairs(effects) do
+    for name in effect.formula:gmatch "%f[%w_][%a_][%w_]*" do seen[name] = true end
+  end
+  local hidden = seen.z  -- its force depends on the past: over displacement and velocity it is a loop
+  local list = {}
+  if seen.y or hidden then list[#list + 1] = { "y", displacement } end
+  if seen.v or hidden then list[#list + 1] = { "v", velocity } end
+  if seen.t or #list == 0 then list[#list + 1] = { "t", time } end
+  return list
+end
+
+local function force_panel(comparison, variable, measured)
+  local x = comparison[variable[1]]
+  return { x = variable[2], y = { name = "force", unit = "N" }, series = {
+    { x = x, y = measured, label = "left by the rest of the final model", role = "residual", style = "points" },
+    { x = x, y = comparison.named_force, label = "named effect", role = "effect", style = "points" } } }
+end
+
+local function add_named_force(list, found)
+  local train
+  for _, comparison in ipairs(found.comparisons) do
+    if comparison.role == "train" then train = train or comparison end
+  end
+  if not train or #found.effects == 0 then return end
+  local measured = inner(plus(train.residual_after, train.named_force), lead_in(train))
+  local panels = {}
+  for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train, variable, measured) end
+  list[#list + 1] = { name = "named_force", figure = row_of(panels),
+    caption = ("The force of %s, and what the final model would leave unexplained without it, along the measured "
+      .. "motion of %s."):format(#found.effects > 1 and "all that was named" or found.effects[1].name, train.record) }
+end
+
+--- Name, caption and figure of each picture, in the report's order.
+function pictures.of(found)
+  local list = {}
+  add_histories(list, found)
+  add_map(list, found)
+  add_named_force(list, found)
+  return list
+end
+
+return pictures

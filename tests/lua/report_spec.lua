@@ -1,0 +1,128 @@
+-- report.html and the figures of a discovery say what discovery.json says.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local y, v = lunid.displacement, lunid.velocity
+local k = lunid.parameter { "k", min = 0, unit = "N/m" }
+local c = lunid.parameter { "c", min = 0, unit = "N s/m" }
+local k3 = lunid.parameter { "k3", unit = "N/m^3" }
+
+local function read(path)
+  local file = assert(io.open(spec.folder .. "/" .. path))
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+--- Rows of figures/NAME.csv: { panel, kind, label, name, x, y, z }.
+local function numbers(folder, name)
+  local rows = {}
+  for line in read(folder .. "/figures/" .. name .. ".csv"):gmatch "[^\n]+" do
+    local row = {}
+    local plain = line:gsub('"([^"]*)"', function(text) return (text:gsub(",", "\1")) end)
+    for cell in (plain .. ","):gmatch "([^,]*)," do row[#row + 1] = (cell:gsub("\1", ",")) end
+    if line:sub(1, 1) ~= "#" and row[1] ~= "panel" then rows[#rows + 1] = row end
+  end
+  return rows
+end
+
+local function labels(rows)
+  local seen, list = {}, {}
+  for _, row in ipairs(rows) do
+    if not seen[row[3]] then list[#list + 1] = row[3] end
+    seen[row[3]] = true
+  end
+  return table.concat(list, "; ")
+end
+
+local function discover(restoring, catalogue, folder)
+  local found = lunid.discover {
+    model = lunid.model { mass = 49, restoring = restoring },
+    train = lunid.read "../data/spring_multisine.csv",
+    test = lunid.read "../data/spring_sweep.csv",
+    catalogue = catalogue,
+  }
+  found:save(spec.folder .. "/" .. folder)
+  return found
+end
+
+local named = discover(k*y + c*v, { "cubic_stiffness" }, "named")
+local nothing = discover(k*y + c*v + k3*y^3, { "coulomb_friction" }, "nothing")
+
+spec.case("the page holds the verdict and the gaps of discovery.json", function()
+  local page, data = read "named/report.html", named.data
+  spec.equal(data.verdict, "explained")
+  spec.contains(page, data.sentence)
+  for _, gap in ipairs { data.baseline.gap_train, data.baseline.gap_test, data.final.gap_train, data.final.gap_test,
+    data.noise_floor.gap_train, data.noise_floor.gap_test, data.left_out.gap_before, data.left_out.gap_after } do
+    spec.contains(page, ("<td class=\"n\">%.3g</td>"):format(gap))
+  end
+end)
+
+spec.case("parameters have as many digits as their standard deviation allows", function()
+  local page, parameters = read "named/report.html", named.data.final.parameters
+  local row = parameters.cubic_stiffness_k3
+  assert(row.std > 1e7 and row.std < 1e8, "the case is no longer what this spec is about")
+  spec.contains(page, ("%.4f·10<sup>10</sup>"):format(row.value / 1e10))
+  spec.contains(page, ("%.1f·10<sup>7</sup>"):format(row.std / 1e7))
+  spec.contains(page, ("<td class=\"n\">%.0f</td>"):format(parameters.k.value))
+  assert(not page:find("first guess", 1, true), "no first guess was given, and a column speaks of it")
+end)
+
+spec.case("histories show errors over the whole record, and curves where the baseline is worst", function()
+  local rows = numbers("named", "history_test_1")
+  spec.equal(labels(rows), "measured; error, baseline; error, final model; baseline, free run; final model, free run; "
+    .. "left by the baseline; left by the final model")
+end)
+
+spec.case("the unexplained force leaves out the ends, where the derivatives are poor", function()
+  local first, last
+  for _, row in ipairs(numbers("named", "history_train_1")) do
+    if row[3] == "left by the baseline" and tonumber(row[6]) == tonumber(row[6]) and tonumber(row[6]) then
+      first, last = first or tonumber(row[5]), tonumber(row[5])
+    end
+  end
+  assert(first > 0.01 and last < 7.99, ("drawn from %g to %g s"):format(first, last))
+end)
+
+spec.case("a named effect is drawn over what it depends on", function()
+  local rows = numbers("named", "named_force")
+  spec.equal(labels(rows), "left by the rest of the final model; named effect")
+  spec.equal(rows[#rows][1], "1")
+end)
+
+spec.case("a second discovery of a study does not write over the first", function()
+  spec.write("good.csv", (function()
+    local rows, y, v = { "t,F,y" }, 0.01, 0
+    for i = 0, 600 do
+      local force = 20 * math.sin(0.07 * i)
+      rows[#rows + 1] = ("%.3f,%.17g,%.17g"):format(i * 0.01, force, y)
+      for _ = 1, 10 do
+        v = v + 0.001 * (force - 100 * y - 0.8 * v)
+        y = y + 0.001 * v
+      end
+    end
+    return table.concat(rows, "\n") .. "\n"
+  end)())
+  local said, code = spec.study [[
+local lunid = require "lunid"
+for _ = 1, 2 do
+  lunid.discover { model = lunid.model { mass = 1, restoring = lunid.parameter { "k" } * lunid.displacement },
+    train = lunid.read "good.csv", catalogue = { "viscous_damping" } }
+end
+]]
+  spec.equal(code, 0)
+  spec.contains(said, "study-out/discovery.json")
+  spec.contains(said, "study-out/discovery_2 (")
+end)
+
+spec.case("where nothing is named there is one model, not two", function()
+  spec.equal(nothing.verdict, "nothing-missing")
+  spec.equal(labels(numbers("nothing", "history_train_1")), "measured; error, baseline; baseline, free run; left by the baseline")
+  local rows = numbers("nothing", "residual_map")
+  spec.equal(rows[#rows][1], "1")
+  assert(not io.open(spec.folder .. "/nothing/figures/named_force.png"))
+end)
+
+spec.clean()
+spec.finish()
