@@ -5,8 +5,12 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
+#include <optional>
+
+#include "expr/error.hpp"
 
 namespace lunid::lua {
 
@@ -115,13 +119,24 @@ json to_json(const CLI::App& app, const Values& values) {
   return options;
 }
 
+/// What is wrong with the first word, where it should be a command and is not.
+std::optional<std::string> unknown_command(const CLI::App& app, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word.empty()) return "lunid: a command is needed, such as `lunid help`";
+  std::vector<std::string> commands;
+  for (const CLI::App* known : app.get_subcommands({})) commands.push_back(known->get_name());
+  if (word[0] == '-' || std::find(commands.begin(), commands.end(), word) != commands.end()) return std::nullopt;
+  const std::string near = nearest_word(word, commands);
+  return "lunid: no command '" + word + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?");
+}
+
 }  // namespace
 
 Command parse_command_line(int argc, char** argv) {
   Command command;
   CLI::App app("Lunid: from a measured record to the equation of its motion", "lunid");
   Values values;
-  app.set_version_flag("--version", "lunid " LUNID_VERSION);
+  app.set_version_flag("-v,--version", "lunid " LUNID_VERSION);
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     std::string name = failed->get_name();
@@ -132,6 +147,11 @@ Command parse_command_line(int argc, char** argv) {
   add_discover(app, values);
   add_simulate(app, values);
   add_small_commands(app, values);
+  if (const auto unknown = unknown_command(app, argc, argv)) {
+    std::cerr << *unknown << "\nlunid: see `lunid --help`\n";
+    command.exit_code = 2;
+    return command;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -179,9 +179,16 @@ function check.findings(text)
   return found
 end
 
+--- Raises where there is no such file.
+function check.expect_study(path)
+  local kind = core.kind_of(path)
+  if not kind then core.raise(("no such study: '%s'"):format(path), "usage") end
+  if kind == "directory" then core.raise(("'%s' is a directory; expected a study, such as study.lua"):format(path), "usage") end
+end
+
 --- Prints the findings with file and line; exit code 1 when one of them would stop the study.
 function check.study(path)
-  if not core.kind_of(path) then core.raise(("no such study: '%s'"):format(path), "usage") end
+  check.expect_study(path)
   strict.load_file(path)
   local fatal = 0
   for _, finding in ipairs(check.findings(core.read_text(path))) do

@@ -59,7 +59,7 @@ end
 
 commands["run"] = function(options)
   if options.study:match "%.json$" then return repeat_run(options) end
-  if not core.kind_of(options.study) then fault(("no such study: '%s'"):format(options.study), "usage") end
+  require("lunid.check").expect_study(options.study)
   local files = with_output("run", options, function() run_study(options) end)
   if #files > 0 then print(("%-11s%s"):format("wrote", output.summary(options.out or "lunid-out", files))) end
 end
@@ -75,6 +75,16 @@ local function window(lunid, texts, name)
   return lunid.window(from, to)
 end
 
+local likely = { x = "displacement is written y", X = "displacement is written y", Y = "displacement is written y",
+  V = "velocity is written v", dy = "velocity is written v", dx = "velocity is written v" }
+
+--- A parameter by a name that others give to a signal is most likely meant as that signal.
+local function warn_of_signal(source, name)
+  if likely[name] then
+    print(("%-11s%s: '%s' is taken for a parameter to fit; the %s"):format("note", source, name, likely[name]))
+  end
+end
+
 local function baseline(lunid, options)
   if options.baseline then
     if options.mass or options.restoring then
@@ -88,7 +98,10 @@ local function baseline(lunid, options)
   local function read(text, source)
     local value = core.parse(text, source)
     for _, symbol in ipairs(value:symbols()) do
-      if symbol.kind == "parameter" then symbols.check_name(source, symbol.name) end
+      if symbol.kind == "parameter" then
+        symbols.check_name(source, symbol.name)
+        warn_of_signal(source, symbol.name)
+      end
     end
     return value
   end

@@ -111,11 +111,36 @@ spec.case("wrong usage", function()
   said, code = spec.lunid("discover good.csv --window 8 " .. usual)
   spec.equal(said, "--window: expected A:B in seconds, got '8'" .. kept)
   spec.equal(code, 2)
-  said, code = spec.lunid "discver good.csv"
-  spec.equal(code, 2)
   said, code = spec.lunid("discover good.csv --alpha 2 " .. usual)
   spec.contains(said, "--alpha: expected > 0 and < 0.5, got 2\n")
   spec.equal(code, 2)
+end)
+
+spec.case("a directory or nothing in place of a study", function()
+  spec.shell "mkdir -p folder"
+  for _, command in ipairs { "run", "check" } do
+    local said, code = spec.lunid(command .. " folder")
+    spec.equal(said, "'folder' is a directory; expected a study, such as study.lua\n")
+    spec.equal(code, 2)
+    said, code = spec.lunid(command .. " nowhere.lua")
+    spec.equal(said, "no such study: 'nowhere.lua'\n")
+    spec.equal(code, 2)
+  end
+end)
+
+spec.case("a command that there is not, or none", function()
+  local said, code = spec.lunid "discver good.csv"
+  spec.equal(said, "lunid: no command 'discver', did you mean 'discover'?\nlunid: see `lunid --help`\n")
+  spec.equal(code, 2)
+  said, code = spec.lunid ""
+  spec.contains(said, "lunid: a command is needed, such as `lunid help`\n")
+  spec.equal(code, 2)
+end)
+
+spec.case("a signal that is written otherwise is a parameter, and that is said", function()
+  local said = spec.lunid 'discover good.csv --mass 1 --restoring "k*x + c*v" --out out-x'
+  spec.contains(said, "note       --restoring: 'x' is taken for a parameter to fit; the displacement is written y\n")
+  spec.shell "rm -rf out-x"
 end)
 
 spec.case("a directory that holds other things is refused", function()
