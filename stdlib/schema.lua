@@ -11,7 +11,10 @@ schema.types = types
 local function type_of(words, check) return { words = words, check = check } end
 
 local function simple(kind, words)
-  return type_of(words, function(value) return type(value) == kind, type(value) == kind and value or words end)
+  return type_of(words, function(value)
+    if type(value) == kind then return true, value end
+    return false, words
+  end)
 end
 
 types.string = simple("string", "a string")
@@ -77,8 +80,26 @@ types.expression = type_of("an expression or a number", function(value)
   return good, good and value or "an expression or a number"
 end)
 
+--- The parts of "a number or an expression".
+local function alternatives(words)
+  local parts = {}
+  for part in (words .. " or "):gmatch "(.-) or " do parts[#parts + 1] = part end
+  return parts
+end
+
+--- "a record from lunid.read" -> "records from lunid.read"
+local function plural(words)
+  local parts = alternatives(words)
+  for i, part in ipairs(parts) do
+    local noun, rest = part:match "^an? (%a+ number)(.*)$"
+    if not noun then noun, rest = part:match "^an? (%a+)(.*)$" end
+    if noun then parts[i] = noun .. (noun:match "s$" and "" or "s") .. rest end
+  end
+  return table.concat(parts, " or ")
+end
+
 function types.list(of, least)
-  local words = "a list of " .. of.words:gsub("^an? ", "") .. (least and (" (%d or more)"):format(least) or "")
+  local words = "a list of " .. plural(of.words) .. (least and (" (%d or more)"):format(least) or "")
   return type_of(words, function(value)
     if type(value) ~= "table" or getmetatable(value) ~= nil and getmetatable(value) ~= "lunid.list" then
       return false, words
@@ -95,8 +116,13 @@ function types.list(of, least)
 end
 
 function types.either(...)
-  local all, words = { ... }, {}
-  for i, each in ipairs(all) do words[i] = each.words end
+  local all, words, said_before = { ... }, {}, {}
+  for _, each in ipairs(all) do
+    for _, part in ipairs(alternatives(each.words)) do
+      if not said_before[part] then words[#words + 1] = part end
+      said_before[part] = true
+    end
+  end
   local text = table.concat(words, " or ")
   return type_of(text, function(value)
     local said, number_of_matches = nil, 0

@@ -14,7 +14,9 @@ local function annotation(type)
   if words:match "^a number" then return words:match "expression" and "number|lunid.expression" or "number" end
   if words:match "^a whole number" then return "integer" end
   if words:match "^an expression or a number" then return "number|lunid.expression" end
-  if words:match "^'" then return (words:gsub("'([^']*)'", '"%1"'):gsub(", ", "|"):gsub(" or ", "|")) end
+  if words:match "^'" then
+    return (words:gsub(" or a list .*", "|table"):gsub("'([^']*)'", '"%1"'):gsub(", ", "|"):gsub(" or ", "|"))
+  end
   if words:match "^a list" then return "table" end
   if words:match "^a function" then return "function" end
   local kind = words:match "^an? (%l+)"

@@ -127,7 +127,7 @@ function lunid.regress(fields) end
 ---@class lunid.simulate.fields
 ---@field model lunid.model # what moves
 ---@field excitation any # a record, whose F drives the model, or an expression of lunid.time
----@field from? "record"|a list of number (2|more) # first state { y, v, ... }, or 'record': that of the record; else the record's, else rest
+---@field from? "record"|table # first state { y, v, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run, where the force is an expression
 ---@field dt? number # sample time of the result, where the force is an expression
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"explicit" # how to integrate

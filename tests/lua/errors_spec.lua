@@ -110,8 +110,36 @@ end)
 
 spec.case("an effect that does not exist", function()
   line_3("lunid.discover { model = lunid.model { mass = 1, restoring = y }, train = {}, catalogue = { 'x' } }",
-    "study.lua:3: discover: train: expected a record from lunid.read or a list of record from lunid.read (1 or more), "
+    "study.lua:3: discover: train: expected a record from lunid.read or a list of records from lunid.read (1 or more), "
     .. "got a table")
+end)
+
+spec.case("check finds what would stop a study, and nothing else", function()
+  spec.write("good.lua", head .. [[
+local k = lunid.parameter { "k", min = 0 }
+local function stiffness(factor, ...)
+  local first <const> = ...
+  for i, each in ipairs { factor, first } do print(i, each) end
+  return factor*k
+end
+goto done
+::done::
+print(lunid.model { mass = 1, restoring = stiffness(2)*y + v }, "restorin = 3", [=[ undeclared ]=])
+]])
+  spec.equal(spec.lunid "check good.lua", "good.lua: nothing that would stop it\n")
+  spec.write("bad.lua", head .. [[
+lunid.model { mass = 1, restorin = y }
+print(speed)
+lunid.regres {}
+if y == 3 then print(v) end
+]])
+  local said, code = spec.lunid "check bad.lua"
+  spec.equal(said, "bad.lua:3: model: unknown field 'restorin', did you mean 'restoring'?\n"
+    .. "bad.lua:4: undeclared name 'speed'\n"
+    .. "bad.lua:5: lunid has no 'regres', did you mean 'regress'?\n"
+    .. "bad.lua:6: warning: '==' with the expression 'y' compares identity at once and gives true or false; for a "
+    .. "condition use lunid.greater, lunid.less and lunid.where\n")
+  spec.equal(code, 1)
 end)
 
 spec.case("an option of the command line that the study does not read", function()

@@ -11,6 +11,13 @@ spec.case("operators build nodes", function()
   spec.equal(tostring(2^y), "2^y")
 end)
 
+spec.case("a field that is given as false is false", function()
+  spec.equal(lunid.lasso { refit = false }.refit, false)
+  spec.equal(lunid.lasso { refit = true }.refit, true)
+  local k = lunid.parameter { "k", 3, fixed = false }
+  spec.equal(lunid.model { mass = 1, restoring = k*y }.parameters.k.fixed, false)
+end)
+
 spec.case("functions fold numbers and take several arguments where that has a meaning", function()
   spec.equal(lunid.sin(0), 0)
   spec.near(lunid.exp(1), 2.718281828459045, 1e-15)
