@@ -50,9 +50,11 @@ local function declared_names(tokens)
   local i = 1
   while i <= #tokens do
     local token = tokens[i]
-    if token.text == "local" or token.text == "for" then
+    if token.text == "local" and tokens[i + 1] and tokens[i + 1].text == "function" then
+      if tokens[i + 2] then declared[tokens[i + 2].text] = true end
+      i = i + 1  -- its arguments are those of any function
+    elseif token.text == "local" or token.text == "for" then
       i = i + 1
-      if tokens[i] and tokens[i].text == "function" then i = i + 1 end
       while tokens[i] and (tokens[i].kind == "name" or tokens[i].text == ",") do
         if tokens[i].kind == "name" then declared[tokens[i].text] = true end
         i = i + 1
@@ -100,6 +102,7 @@ end
 local function is_field(tokens, i, inside)
   local before, after = tokens[i - 1], tokens[i + 1]
   if before and (before.text == "." or before.text == ":" or before.text == "::" or before.text == "goto") then return true end
+  if before and before.text == "<" and after and after.text == ">" then return true end  -- local name <const>
   return inside and inside.text == "{" and after and after.text == "=" and before
     and (before.text == "{" or before.text == "," or before.text == ";")
 end
