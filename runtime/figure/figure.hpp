@@ -169,7 +169,7 @@ struct SurfaceFigure {
   Eigen::MatrixXd surface;
   std::vector<Cloud> clouds;
   bool diverging = true;    ///< colours symmetric about zero
-  double azimuth = -50.0;   ///< degrees about the z axis, from the x axis
+  double azimuth = -130.0;  ///< degrees about the z axis, from the x axis; here a spring's surface rises to the back
   double elevation = 28.0;  ///< degrees above the xy plane
   Size size{16.0, 12.0, 250};
   Theme theme = Theme::light;

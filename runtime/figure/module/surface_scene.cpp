@@ -103,8 +103,14 @@ class SceneBuilder {
   /// Grid lines on the surface, about twenty each way, that show its shape.
   void mesh() {
     vtkNew<vtkCellArray> lines;
+    const auto filled = [&](Eigen::Index r, Eigen::Index c) {
+      return r >= 0 && c >= 0 && r + 1 < rows_ && c + 1 < columns_ && shown(r, c) && shown(r + 1, c) &&
+             shown(r, c + 1) && shown(r + 1, c + 1);
+    };
+    // Between two cells, or at the border of one: a line without a cell beside it would hang in the air.
     const auto add = [&](Eigen::Index r0, Eigen::Index c0, Eigen::Index r1, Eigen::Index c1) {
-      if (!shown(r0, c0) || !shown(r1, c1)) return;
+      const bool along_row = r0 == r1;
+      if (!filled(r0, c0) && !filled(r0 - (along_row ? 1 : 0), c0 - (along_row ? 0 : 1))) return;
       const vtkIdType ends[] = {id(r0, c0), id(r1, c1)};
       lines->InsertNextCell(2, ends);
     };
