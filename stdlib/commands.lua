@@ -150,8 +150,8 @@ commands["simulate"] = function(options)
       end
       if #from < 2 then fault("--from: expected \"y,v\"", "usage") end
     end
-    require("lunid.free_run").report(model, record, lunid.simulate { model = model, excitation = record, from = from,
-      solver = options.solver or "auto" })
+    local run = lunid.simulate { model = model, excitation = record, from = from, solver = options.solver or "auto" }
+    require("lunid.free_run").report(model, record, run, from)
   end)
 end
 

@@ -14,13 +14,14 @@ local function gap(record, run)
   return deviation > 0 and math.sqrt(sum / #measured) / deviation or nil
 end
 
---- Prints what the run did; writes run.csv, results.json and a figure.
-function free_run.report(model, record, run)
+--- Prints what the run from the state `from` (nil: the record's) did; writes run.csv, results.json and a figure.
+function free_run.report(model, record, run, from)
   local summary, result = run.summary, gap(record, run)
   print(model)
   print(run)
   if summary.completed and result then
-    print(("gap        %.4g (free run, from the record's first state where none was given)"):format(result))
+    print(("%-11s%.3g (free run from %s)"):format("gap", result, from and "the given state"
+      or "the record's first row; discover estimates the first state on a lead-in instead"))
   end
   local path = run:save "run.csv"
   output.write_json("results.json", { summary = summary, gap = result, model = model:equation(),
