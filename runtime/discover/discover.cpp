@@ -20,6 +20,9 @@ double closed_share(double before, double after, double floor) {
   return excess > 0 ? (before * before - after * after) / excess : 0;
 }
 
+/// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
+constexpr double interpolation_gain = 0.02;
+
 class Spine {
  public:
   Spine(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
@@ -36,7 +39,14 @@ class Spine {
   Discovery run() {
     refit_baseline();
     SearchResult found = search(study_, model_, baseline_, catalogue_, step());
-    if (rechoose_interpolation(found.chosen)) refit_on_current_force(found);
+    const Interpolation guessed = study_.interpolation;
+    const double gain = rechoose_interpolation(found.chosen);
+    if (gain > interpolation_gain) {
+      fit(study_, baseline_, fit_options(40));
+      found = search(study_, model_, baseline_, catalogue_, step());
+    } else if (study_.interpolation != guessed) {
+      refit_on_current_force(found);
+    }
     progress("decide", 0.88);
     decide(found);
     progress("open the test record", 0.94);
@@ -148,12 +158,14 @@ class Spine {
   }
 
   /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
-  /// (study.cpp) is made on the force alone. True when another kind is clearly likelier; the study then holds it.
-  bool rechoose_interpolation(const Candidate& chosen) {
-    if (study_.imposed || !chosen.ran() || !force_varies()) return false;
+  /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns the
+  /// relative drop of the squared error.
+  double rechoose_interpolation(const Candidate& chosen) {
+    if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
     const Interpolation before = study_.interpolation;
     Interpolation best = before;
-    double cost = raw_cost(chosen.fit);
+    const double first = raw_cost(chosen.fit);
+    double cost = first;
     const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
     for (const auto kind : {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
       if (kind == before) continue;
@@ -168,7 +180,7 @@ class Spine {
       }
     }
     set_interpolation(study_, best);
-    return best != before;
+    return 1 - cost / first;
   }
 
   static double raw_cost(const FitResult& fit) {

@@ -9,12 +9,17 @@ namespace lunid {
 
 namespace {
 
+/// White noise beyond this part of the force's standard deviation is taken for the excitation itself.
+constexpr double roughest_noise = 0.3;
+
 /// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
 double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta,
-                           const Record& record, const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
+                           const FitData& data, const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
                            const SimulateOptions& options) {
+  const Record& record = data.record;
   const double noise = record.channel("F").noise;
-  if (!(noise > 0)) return 0;
+  // A force that is as rough as that is a random excitation, not a noisy sensor.
+  if (!(noise > 0) || noise > roughest_noise * standard_deviation(record["F"])) return 0;
   double squares = 0;
   constexpr int draws = 2;
   for (int draw = 0; draw < draws; ++draw) {
@@ -22,7 +27,7 @@ double input_noise_squares(const Study& study, const System& system, const Eigen
     Eigen::VectorXd force = Eigen::Map<const Eigen::VectorXd>(record["F"].data(), record.rows());
     for (auto& f : force) f += noise * random.normal();
     const Excitation noisy(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
-                           study.interpolation);
+                           data.excitation.interpolation());
     const Run run = simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, noisy, x0, options);
     if (!run.summary.completed) return 0;
     squares += (run.x.col(0) - nominal.x.col(0)).tail(record.rows() - lead).squaredNorm();
@@ -40,10 +45,13 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
     const Eigen::MatrixXd d = sensitivities.dy.rightCols(system.states()).bottomRows(out.rows);
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
-    const double extra = fitted * (d * state.covariance).cwiseProduct(d).sum();
-    if (std::isfinite(extra)) out.floor_squares += extra;
+    const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;
+    if (spread.allFinite()) {
+      out.floor_squares += spread.trace();
+      out.floor_variance = 2 * (spread * spread).trace();  // of a quadratic form of a Gaussian first state
+    }
   }
-  out.input_squares = input_noise_squares(study, system, theta, data.record, state.x0, run, out.lead, options);
+  out.input_squares = input_noise_squares(study, system, theta, data, state.x0, run, out.lead, options);
 }
 
 void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
@@ -96,11 +104,12 @@ FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd
 
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   Gap gap;
-  double squares = 0, variance = 0, floor = 0, rows = 0;
+  double squares = 0, variance = 0, floor = 0, floor_variance = 0, rows = 0;
   for (const auto& r : runs) {
     squares += r.squares;
     variance += r.variance;
     floor += r.floor_squares + input_share * r.input_squares;
+    floor_variance += r.floor_variance;
     rows += static_cast<double>(r.rows);
     if (!r.cause.empty() && gap.cause.empty()) {
       gap.cause = r.cause;
@@ -109,8 +118,10 @@ Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   }
   gap.value = std::sqrt(squares / variance);
   gap.floor = std::sqrt(floor / variance);
-  // The noise level is known to about 5 % (noise_level), and the record has finitely many rows.
-  gap.floor_std = gap.floor * std::sqrt(0.05 * 0.05 + 0.5 / std::max(1.0, rows));
+  // The noise level is known to about 5 % (noise_level), the record has finitely many rows, and the first state is one
+  // draw of its error: std of a root is half the relative std of its square.
+  const double state = floor > 0 ? 0.25 * floor_variance / (floor * floor) : 0;
+  gap.floor_std = gap.floor * std::sqrt(0.05 * 0.05 + 0.5 / std::max(1.0, rows) + state);
   return gap;
 }
 

@@ -14,6 +14,7 @@ struct FreeRun {
   double squares = 0;          ///< sum of squared errors after the lead-in; NaN when the run stopped
   double variance = 0;         ///< sum of squared deviations of the measured output from its mean, same rows
   double floor_squares = 0;    ///< what sensor noise and first-state error alone would leave
+  double floor_variance = 0;   ///< of floor_squares, from the first state
   double input_squares = 0;    ///< what the force channel's noise would add, were it not felt by the system
   Eigen::Index rows = 0;
   double stopped_at = 0;

@@ -140,9 +140,11 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
 
 double vuong_z(const Candidate& a, const Candidate& b) {
   const auto n = static_cast<double>(a.innovations.size());
-  const double scale = n / std::min(a.likelihood_cost, b.likelihood_cost);
+  // Pointwise log-likelihoods, each model with its own noise variance.
+  const double variance_a = a.likelihood_cost / n, variance_b = b.likelihood_cost / n;
   const Eigen::VectorXd difference =
-      0.5 * scale * (b.innovations.array().square() - a.innovations.array().square()).matrix();
+      0.5 * (std::log(variance_b / variance_a) + b.innovations.array().square() / variance_b -
+             a.innovations.array().square() / variance_a).matrix();
   const double correction = 0.5 * (a.parameters() - b.parameters()) * std::log(n);
   const double variance = long_run_variance(view(difference));
   if (!(variance > 0)) return 0;

@@ -69,24 +69,29 @@ double power_at_band_edge(const Record& record) {
 }
 
 /// Which straight or curved line through its neighbours predicts a sample of the force best.
-Interpolation guess_interpolation(const std::vector<Record>& records) {
-  double hold = 0, line = 0, cubic = 0, power = 0;
-  for (const auto& record : records) {
-    const auto f = record["F"];
-    const double spread = standard_deviation(f);
-    for (std::size_t i = 3; i + 3 < f.size(); ++i) {
-      hold += std::pow(f[i] - f[i - 1], 2);
-      line += std::pow(f[i] - 0.5 * (f[i - 1] + f[i + 1]), 2);
-      cubic += std::pow(f[i] - (9 * (f[i - 1] + f[i + 1]) - f[i - 3] - f[i + 3]) / 16, 2);
-      power += spread * spread;
-    }
+Interpolation guess_interpolation(const Record& record) {
+  double hold = 0, line = 0, cubic = 0;
+  const auto f = record["F"];
+  for (std::size_t i = 3; i + 3 < f.size(); ++i) {
+    hold += std::pow(f[i] - f[i - 1], 2);
+    line += std::pow(f[i] - 0.5 * (f[i - 1] + f[i + 1]), 2);
+    cubic += std::pow(f[i] - (9 * (f[i - 1] + f[i + 1]) - f[i - 3] - f[i + 3]) / 16, 2);
   }
+  const double power = std::pow(standard_deviation(f), 2) * static_cast<double>(f.size());
   if (!(power > 0)) return Interpolation::linear;
   if (cubic < line && cubic < hold) return cubic > 1e-4 * power ? Interpolation::band_limited : Interpolation::cubic;
-  double edge = 0;
-  for (const auto& record : records) edge = std::max(edge, power_at_band_edge(record));
-  if (edge < 1e-4) return Interpolation::band_limited;
+  if (power_at_band_edge(record) < 1e-4) return Interpolation::band_limited;
   return line <= hold ? Interpolation::linear : Interpolation::hold;
+}
+
+Interpolation between_samples(const Study& study, Interpolation guess) {
+  return guess == study.guesses.front() ? study.interpolation : guess;
+}
+
+FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
+  FitData data{record, {}, {}};
+  if (!study.imposed) data.excitation = Excitation(record.start(), record.dt(), record["F"], interpolation);
+  return data;
 }
 
 FitData force_data(const Record& record, Eigen::Index edge) {
@@ -189,19 +194,19 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
     study.force.push_back(force_data(study.smooth.back(), edge));
   }
   for (auto& record : study.test) record = derive_motion(record);
-  set_interpolation(study, study.imposed ? Interpolation::linear : guess_interpolation(study.full));
+  for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(record));
+  set_interpolation(study, study.guesses.front());
   return study;
 }
 
 FitData fit_data(const Study& study, const Record& record) {
-  FitData data{record, {}, {}};
-  if (!study.imposed) data.excitation = Excitation(record.start(), record.dt(), record["F"], study.interpolation);
-  return data;
+  return with_force(study, record, between_samples(study, guess_interpolation(record)));
 }
 
 void set_interpolation(Study& study, Interpolation interpolation) {
   study.interpolation = interpolation;
-  for (auto& data : study.train) data = fit_data(study, data.record);
+  for (std::size_t i = 0; i < study.train.size(); ++i)
+    study.train[i] = with_force(study, study.train[i].record, between_samples(study, study.guesses[i]));
 }
 
 double upper_frequency(const Study& study) {

@@ -21,7 +21,8 @@ struct Study {
   std::vector<FitData> force;      ///< the same for fits of the force; edges of the kernel left out
   std::vector<std::string> warnings;
   double omega = 0;                ///< dominant angular frequency [rad/s]
-  Interpolation interpolation = Interpolation::linear;
+  std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
+  Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
 
   const std::string output() const { return imposed ? "F" : "y"; }
   double measured_std() const;     ///< of the output, over the training records
@@ -32,7 +33,8 @@ struct Study {
 Study prepare(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
               const DiscoverOptions& options);
 
-/// The force between the samples for all training records.
+/// The force between the samples of the first training record and of all records that look like it; others keep what
+/// their own force suggests (a held random force to train on, a recorded sweep to test).
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
 
