@@ -60,6 +60,28 @@ spec.case("the manual describes no constructor that there is not", function()
   for name in manual:gmatch "\n### `lunid%.([%w_.]+)`" do assert(known[name], "no such constructor: lunid." .. name) end
 end)
 
+--- Lines of the first fenced block after `mark`.
+local function block_after(text, mark)
+  local from = select(2, assert(text:find(mark, 1, true)))
+  local lines = {}
+  for line in text:match("\n```\n(.-)\n```", from):gmatch "[^\n]+" do lines[#lines + 1] = line end
+  return lines
+end
+
+--- A line with "#" for each number: the last digits are the machine's.
+local function form(line) return (line:gsub("%d[%d.]*", "#"):gsub("e%-?#", "e#"):gsub("lunid%-out", "OUT")) end
+
+spec.case("README shows what the demo prints", function()
+  local said = spec.shell(("cd - >/dev/null && '%s' discover tests/data/spring_multisine.csv "
+    .. '--test tests/data/spring_sweep.csv --mass 49 --restoring "k*y + c*v" --out "%s/OUT" 2>&1'):format(spec.executable,
+    spec.folder))
+  local printed = {}
+  for line in said:gmatch "[^\n]+" do printed[form((line:gsub(spec.folder .. "/", "")))] = true end
+  for _, line in ipairs(block_after(read "README.md", "The demo prints")) do
+    assert(printed[form(line)], ("README shows a line that the demo does not print: %s\n%s"):format(line, said))
+  end
+end)
+
 spec.case("help answers for every constructor and effect", function()
   for _, topic in ipairs { "lasso", "discover", "figure.lines", "bouc_wen", "run" } do
     local said, code = spec.lunid("help " .. topic)
