@@ -28,7 +28,10 @@ local function precise(value, std)
   digits = math.max(2, math.min(digits, 15))
   local size = math.abs(value)
   if size >= 1e6 or size < 1e-3 then return power_of_ten(("%%.%de"):format(digits - 1):format(value)) end
-  return (("%%.%df"):format(math.max(0, digits - 1 - math.floor(math.log(size, 10)))):format(value))
+  local decimals = digits - 1 - math.floor(math.log(size, 10))
+  if decimals >= 0 then return (("%%.%df"):format(decimals):format(value)) end
+  local unit = 10 ^ -decimals
+  return ("%.0f"):format(math.floor(value / unit + 0.5) * unit)
 end
 
 local function p_value(p) return not p and "none" or p < 1e-4 and "below 0.0001" or ("%.2g"):format(p) end
@@ -90,15 +93,20 @@ local function sorted_keys(object)
   return keys
 end
 
+local function interval_text(p)
+  if not p.interval then return escape(p.std_reason or "none") end
+  if p.std == 0 then return "at its bound" end
+  return ("%s to %s"):format(precise(p.interval[1], p.std), precise(p.interval[2], p.std))
+end
+
 local function parameter_rows(parameters, names, first_guess)
   local rows = {}
   for _, name in ipairs(names) do
     local p = parameters[name]
-    local interval = p.interval and ("%s to %s"):format(precise(p.interval[1], p.std), precise(p.interval[2], p.std))
-      or escape(p.std_reason or "none")
     local guess = first_guess[name] and first_guess[name].value
     rows[#rows + 1] = { "<code>" .. escape(name) .. "</code>", p.value and precise(p.value, p.std) or missing(p.reason),
-      p.std and precise(p.std, p.std) or "", interval, escape(p.unit or ""), guess and precise(guess) or nil }
+      p.std and p.std > 0 and precise(p.std, p.std) or "", interval_text(p), escape(p.unit or ""),
+      guess and precise(guess) or nil }
   end
   return rows
 end

@@ -78,7 +78,7 @@ spec.case("README shows what the demo prints", function()
   local printed = {}
   for line in said:gmatch "[^\n]+" do printed[form((line:gsub(spec.folder .. "/", "")))] = true end
   for _, line in ipairs(block_after(read "README.md", "The demo prints")) do
-    assert(printed[form(line)], ("README shows a line that the demo does not print: %s\n%s"):format(line, said))
+    assert(printed[form(line)], ("README has a line that the demo does not print: %s\n%s"):format(line, said))
   end
 end)
 

@@ -66,6 +66,9 @@ spec.case("parameters have as many digits as their standard deviation allows", f
   spec.contains(page, ("%.4f·10<sup>10</sup>"):format(row.value / 1e10))
   spec.contains(page, ("%.1f·10<sup>7</sup>"):format(row.std / 1e7))
   spec.contains(page, ("<td class=\"n\">%.0f</td>"):format(parameters.k.value))
+  local stiffness = named.data.baseline.parameters.k
+  assert(stiffness.std > 1e3 and stiffness.std < 1e4, "the case is no longer what this spec is about")
+  spec.contains(page, ("<td class=\"n\">%.0f00</td>"):format(stiffness.value / 100))
   assert(not page:find("first guess", 1, true), "no first guess was given, and a column speaks of it")
 end)
 
