@@ -2,6 +2,7 @@
 // below zero within it, the place is found by stepping to a part of the substep (a bracketed Newton), the mode is
 // decided there and the rest of the substep follows.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -29,53 +30,79 @@ constexpr double steepest = 2;
 /// Rates that agree to this part on both sides of an event do not jump there.
 constexpr double continuity = 1e-12;
 
+constexpr int places = dp::nodes + 1;
+
+/// Coefficients of the polynomial through values at the places of the stages and the end: the inverse of the
+/// Vandermonde matrix, coefficient i of value j at [i][j].
+using Inverse = std::array<std::array<double, places>, places>;
+Inverse invert_places() {
+  Inverse inverse{};
+  for (int j = 0; j < places; ++j) {  // Lagrange's basis polynomial j, multiplied out
+    std::array<double, places> c{1};
+    for (int other = 0, degree = 0; other < places; ++other) {
+      if (other == j) continue;
+      const double scale = 1 / (dp::place[j] - dp::place[other]);
+      for (int i = ++degree; i >= 0; --i) c[i] = scale * ((i > 0 ? c[i - 1] : 0) - dp::place[other] * c[i]);
+    }
+    for (int i = 0; i < places; ++i) inverse[i][j] = c[i];
+  }
+  return inverse;
+}
+
 /// One substep: time, length, and its inputs at the places of the stages, the end the last.
-struct Segment {
+class Segment {
+ public:
   double t = 0, h = 0;
   int exogenous = 0;
-  bool rates = false;  ///< the rates of the inputs are wanted
-  double input[3][dp::nodes + 1];
+  double input[3][places];
 
   /// At the place of a stage of the whole substep.
   Drive at_node(int node) const noexcept {
     Drive d;
     d.t = t + dp::place[node] * h;
     for (int i = 0; i < exogenous; ++i) d.u[i] = input[i][node];
-    if (rates) add_rates(dp::place[node], d);
     return d;
   }
 
   /// The polynomial through all places, at the part s of the substep.
-  Drive drive(double s) const noexcept {
-    for (int node = 0; node <= dp::nodes; ++node)
-      if (s == dp::place[node]) return at_node(node);
+  Drive drive(double s) noexcept {
+    if (s == 0) return at_node(0);
+    if (s == 1) return at_node(dp::nodes);
     Drive d;
     d.t = t + s * h;
-    for (int node = 0; node <= dp::nodes; ++node) {
-      double weight = 1;
-      for (int other = 0; other <= dp::nodes; ++other)
-        if (other != node) weight *= (s - dp::place[other]) / (dp::place[node] - dp::place[other]);
-      for (int i = 0; i < exogenous; ++i) d.u[i] += weight * input[i][node];
+    for (int i = 0; i < exogenous; ++i) {
+      const double* c = polynomial(i);
+      for (int k = places - 1; k >= 0; --k) d.u[i] = d.u[i] * s + c[k];
     }
-    if (rates) add_rates(s, d);
     return d;
   }
 
-  /// The derivative of that polynomial.
-  void add_rates(double s, Drive& d) const noexcept {
-    for (int node = 0; node <= dp::nodes; ++node) {
-      double slope = 0;
-      for (int missing = 0; missing <= dp::nodes; ++missing) {
-        if (missing == node) continue;
-        double product = 1 / (dp::place[node] - dp::place[missing]);
-        for (int other = 0; other <= dp::nodes; ++other)
-          if (other != node && other != missing)
-            product *= (s - dp::place[other]) / (dp::place[node] - dp::place[other]);
-        slope += product;
-      }
-      for (int i = 0; i < exogenous; ++i) d.rate[i] += slope / h * input[i][node];
+  /// The same with the time derivatives of the inputs.
+  Drive drive_with_rates(double s) noexcept {
+    Drive d = drive(s);
+    for (int i = 0; i < exogenous; ++i) {
+      const double* c = polynomial(i);
+      for (int k = places - 1; k > 0; --k) d.rate[i] = d.rate[i] * s + k * c[k];
+      d.rate[i] /= h;
     }
+    return d;
   }
+
+ private:
+  const double* polynomial(int i) noexcept {
+    if (known_) return coefficient_[i];
+    static const Inverse inverse = invert_places();
+    for (int k = 0; k < exogenous; ++k)
+      for (int row = 0; row < places; ++row) {
+        coefficient_[k][row] = 0;
+        for (int j = 0; j < places; ++j) coefficient_[k][row] += inverse[row][j] * input[k][j];
+      }
+    known_ = true;
+    return coefficient_[i];
+  }
+
+  bool known_ = false;
+  double coefficient_[3][places];
 };
 
 class EventRun {
@@ -85,23 +112,33 @@ class EventRun {
 
  private:
   Segment segment(Index row, int substep) const noexcept;
+  /// The inputs, with their rates where an event function moves with them.
+  Drive drive(Segment& segment, double s) const noexcept {
+    return d_.input_rates ? segment.drive_with_rates(s) : segment.drive(s);
+  }
+  Drive drive_at_start(Index row) const noexcept {
+    Segment first = segment(row, 0);
+    return drive(first, 0);
+  }
   void begin();
-  bool advance(const Segment& segment);
-  void step(const Segment& segment, double from, double to) noexcept;
-  void step_sensitivities(const Segment& segment, double from, double to) noexcept;
-  double probe(const Segment& segment, double from, double to, int event) noexcept;
-  int first_event(const Segment& segment, double from, double& to) noexcept;
+  bool advance(Segment& segment);
+  void step(Segment& segment, double from, double to) noexcept;
+  template <int N>
+  void step_state(Segment& segment, double from, double to) noexcept;
+  void step_sensitivities(Segment& segment, double from, double to) noexcept;
+  double probe(Segment& segment, double from, double to, int event) noexcept;
+  int first_event(Segment& segment, double from, double& to) noexcept;
   int estimate_first(double width) const noexcept;
-  int find_dip(const Segment& segment, double from, double& to) noexcept;
-  double locate(const Segment& segment, double from, double to, int event) noexcept;
-  double inside(const Segment& segment, double from, double to, int event) noexcept;
-  void accept(const Segment& segment, double from, double to);
-  void happen(const Segment& segment, double at, int event);
+  int find_dip(Segment& segment, double from, double& to) noexcept;
+  double locate(Segment& segment, double from, double to, int event) noexcept;
+  double inside(Segment& segment, double from, double to, int event) noexcept;
+  void accept(Segment& segment, double from, double to);
+  void happen(Segment& segment, double at, int event);
   void jump(const double* gradient, const std::vector<double>& before);
   void project_sensitivities(const Drive& drive);
   void rest_sensitivities(int surface, const Drive& drive);
   void project_row(const double* gradient, int state, int side);
-  bool failed(const Segment& segment, double at, Stop stop);
+  bool failed(Segment& segment, double at, Stop stop);
 
   const FixedProblem& problem_;
   const Dynamics& d_;
@@ -131,7 +168,6 @@ Segment EventRun::segment(Index row, int substep) const noexcept {
   g.t = problem_.t0 + static_cast<double>(index) * g.h;
   g.exogenous = d_.exogenous;
   const bool last = row + 1 == problem_.rows;  // the last row has no interval after it
-  g.rates = d_.input_rates;
   for (int i = 0; i < d_.exogenous; ++i) {
     const double* u = problem_.drive[i] + dp::nodes * index;
     for (int node = 0; node <= dp::nodes; ++node) g.input[i][node] = last ? u[0] : u[node];
@@ -142,7 +178,7 @@ Segment EventRun::segment(Index row, int substep) const noexcept {
 
 /// Modes at the first state. What it is set to (a bound, a surface) no longer depends on x0.
 void EventRun::begin() {
-  const Drive drive = segment(0, 0).drive(0);
+  const Drive drive = drive_at_start(0);
   const std::vector<double> given = x_;
   modes_.start(drive, x_.data());
   modes_.observe(drive, x_.data(), now_);
@@ -166,7 +202,7 @@ FixedOutcome EventRun::run(RowSink& sink) {
   long count = 0;
   for (Index row = 0; row < problem_.rows; ++row) {
     if (problem_.hold && row > 0) {
-      const Drive drive = segment(row, 0).drive(0);
+      const Drive drive = drive_at_start(row);
       modes_.settle(drive, x_.data());
       modes_.observe(drive, x_.data(), now_);
     }
@@ -175,7 +211,8 @@ FixedOutcome EventRun::run(RowSink& sink) {
     bool going = true;
     for (int j = 0; j < problem_.substeps && going; ++j) {
       if ((count++ & (cancel_interval - 1)) == 0) check_cancelled(problem_.cancelled);
-      going = advance(segment(row, j));
+      Segment part = segment(row, j);
+      going = advance(part);
     }
     if (!going) break;
   }
@@ -184,7 +221,7 @@ FixedOutcome EventRun::run(RowSink& sink) {
   return outcome_;
 }
 
-bool EventRun::failed(const Segment& segment, double at, Stop stop) {
+bool EventRun::failed(Segment& segment, double at, Stop stop) {
   outcome_.stop = stop;
   outcome_.stopped_at = segment.t + at * segment.h;
   outcome_.last = Eigen::Map<const Eigen::VectorXd>(x_.data(), n_);
@@ -192,7 +229,7 @@ bool EventRun::failed(const Segment& segment, double at, Stop stop) {
 }
 
 /// One substep with all its events; false when the run stops.
-bool EventRun::advance(const Segment& segment) {
+bool EventRun::advance(Segment& segment) {
   double at = 0;
   int idle = 0, met = 0;  // events in a row at one place, and all of this substep
   while (at < 1) {
@@ -203,8 +240,8 @@ bool EventRun::advance(const Segment& segment) {
     if (event < 0 || circling) {
       if (circling) probe(segment, at, to = 1, event);
       accept(segment, at, to);
-      if (circling) modes_.start(segment.drive(1), x_.data());
-      if (circling) modes_.observe(segment.drive(1), x_.data(), now_);
+      if (circling) modes_.start(drive(segment, 1), x_.data());
+      if (circling) modes_.observe(drive(segment, 1), x_.data(), now_);
       at = 1;
     } else {
       idle = to > at ? 0 : idle + 1;
@@ -224,24 +261,37 @@ bool EventRun::advance(const Segment& segment) {
 }
 
 /// The input at a stage of the step from one part of the substep to another.
-Drive stage_drive(const Segment& segment, double from, double to, int stage) noexcept {
+Drive stage_drive(Segment& segment, double from, double to, int stage) noexcept {
   if (from == 0 && to == 1) return segment.at_node(std::min(stage, dp::nodes));
   return segment.drive(stage >= dp::nodes ? to : from + dp::place[stage] * (to - from));
 }
 
-/// trial_ = x_ carried from one part of the substep to another in the present mode.
-void EventRun::step(const Segment& segment, double from, double to) noexcept {
+/// trial_ = x_ carried from one part of the substep to another in the present mode; N states (0: any number).
+template <int N>
+void EventRun::step_state(Segment& segment, double from, double to) noexcept {
   const double h = (to - from) * segment.h;
-  std::copy_n(now_.f.data(), n_, k_.data());
-  for (int stage = 1; stage < dp::stages; ++stage) {
-    dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
-    modes_.rate(stage_drive(segment, from, to, stage), stage_.data(), k_.data() + stage * n_);
-  }
-  dp::stage_state<6>(n_, h, x_.data(), k_.data(), trial_.data());
+  double* const k = k_.data();
+  std::copy_n(now_.f.data(), n_, k);
+  const auto stage = [&]<int S> {
+    dp::stage_state<S, N>(n_, h, x_.data(), k, stage_.data());
+    modes_.rate(stage_drive(segment, from, to, S), stage_.data(), k + S * n_);
+  };
+  stage.template operator()<1>();
+  stage.template operator()<2>();
+  stage.template operator()<3>();
+  stage.template operator()<4>();
+  stage.template operator()<5>();
+  dp::stage_state<6, N>(n_, h, x_.data(), k, trial_.data());
+}
+
+void EventRun::step(Segment& segment, double from, double to) noexcept {
+  if (n_ == 2) return step_state<2>(segment, from, to);
+  if (n_ == 3) return step_state<3>(segment, from, to);
+  step_state<0>(segment, from, to);
 }
 
 /// s_ carried along with x_, which stays.
-void EventRun::step_sensitivities(const Segment& segment, double from, double to) noexcept {
+void EventRun::step_sensitivities(Segment& segment, double from, double to) noexcept {
   const double h = (to - from) * segment.h;
   const int size = static_cast<int>(s_.size());
   for (int stage = 0; stage < dp::stages; ++stage) {
@@ -260,9 +310,9 @@ void EventRun::step_sensitivities(const Segment& segment, double from, double to
 }
 
 /// Steps to a part of the substep and returns the event function there (NaN where the state is not finite).
-double EventRun::probe(const Segment& segment, double from, double to, int event) noexcept {
+double EventRun::probe(Segment& segment, double from, double to, int event) noexcept {
   step(segment, from, to);
-  modes_.observe(segment.drive(to), trial_.data(), then_);
+  modes_.observe(drive(segment, to), trial_.data(), then_);
   return then_.event[event];
 }
 
@@ -283,10 +333,10 @@ int EventRun::estimate_first(double width) const noexcept {
 }
 
 /// Takes a trial step to `to`; returns the first event within it, having moved `to` and the trial there, or -1.
-int EventRun::first_event(const Segment& segment, double from, double& to) noexcept {
+int EventRun::first_event(Segment& segment, double from, double& to) noexcept {
   step(segment, from, to);
   if (!all_finite(trial_.data(), n_)) return -1;
-  modes_.observe(segment.drive(to), trial_.data(), then_);
+  modes_.observe(drive(segment, to), trial_.data(), then_);
   int event = estimate_first(to - from);
   if (event < 0) event = find_dip(segment, from, to);
   if (event < 0) return -1;
@@ -305,7 +355,7 @@ int EventRun::first_event(const Segment& segment, double from, double& to) noexc
 
 /// An event function that is above zero at both ends but below within: its least value on the cubic through both ends
 /// is looked at by a real step.
-int EventRun::find_dip(const Segment& segment, double from, double& to) noexcept {
+int EventRun::find_dip(Segment& segment, double from, double& to) noexcept {
   const double width = to - from, h = width * segment.h;
   for (int e = 0; e < modes_.events(); ++e) {
     const double d0 = now_.slope[e] * h, d1 = then_.slope[e] * h, e0 = now_.event[e], e1 = then_.event[e];
@@ -326,7 +376,7 @@ int EventRun::find_dip(const Segment& segment, double from, double& to) noexcept
 }
 
 /// A place after `from` where an event function that starts at zero is above it; `from` when there is none.
-double EventRun::inside(const Segment& segment, double from, double to, int event) noexcept {
+double EventRun::inside(Segment& segment, double from, double to, int event) noexcept {
   for (int halving = 1; halving <= 40; ++halving) {
     const double at = from + std::ldexp(to - from, -halving);
     if (at > from && probe(segment, from, at, event) > 0) return at;
@@ -336,7 +386,7 @@ double EventRun::inside(const Segment& segment, double from, double to, int even
 
 /// The first place, within (from, to], at which the event function is below zero, by Newton's method within a bracket
 /// (by halving where it has no slope or leaves the bracket). The trial is left there.
-double EventRun::locate(const Segment& segment, double from, double to, int event) noexcept {
+double EventRun::locate(Segment& segment, double from, double to, int event) noexcept {
   double low = from, high = to;
   if (!(now_.event[event] > 0)) {
     if (!(now_.slope[event] > 0)) return from;
@@ -361,19 +411,19 @@ double EventRun::locate(const Segment& segment, double from, double to, int even
 }
 
 /// Makes the trial the present state, sensitivities included.
-void EventRun::accept(const Segment& segment, double from, double to) {
+void EventRun::accept(Segment& segment, double from, double to) {
   if (problem_.sensitivities) step_sensitivities(segment, from, to);
   if (modes_.sliding()) outcome_.stuck += (to - from) * segment.h;
   x_.swap(trial_);
   std::swap(now_, then_);
   if (!modes_.needs_projection()) return;
-  const Drive drive = segment.drive(to);
+  const Drive drive = this->drive(segment, to);
   modes_.project(drive, x_.data());
   if (problem_.sensitivities) project_sensitivities(drive);
 }
 
-void EventRun::happen(const Segment& segment, double at, int event) {
-  const Drive drive = segment.drive(at);
+void EventRun::happen(Segment& segment, double at, int event) {
+  const Drive drive = this->drive(segment, at);
   const bool jumps = problem_.sensitivities && modes_.jumps(event);
   const std::vector<double> before = now_.f;
   if (jumps) std::copy_n(modes_.gradient(event, drive, x_.data()), d_.inputs(), gradient_.data());
