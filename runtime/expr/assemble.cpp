@@ -52,8 +52,9 @@ class Assembler {
       if (uses_[i] > 0) each_operand(list_[i], [this](std::uint32_t operand) { ++uses_[operand]; });
   }
 
-  /// A product with one user only: it can be computed within its user.
-  bool own_product(std::uint32_t i) const { return list_[i].code == Code::mul && uses_[i] == 1; }
+  /// A value with one user only: it can be computed within its user.
+  bool own(std::uint32_t i, Code code) const { return list_[i].code == code && uses_[i] == 1; }
+  bool own_product(std::uint32_t i) const { return own(i, Code::mul); }
 
   Value take(std::uint32_t product) {
     uses_[product] = 0;
@@ -63,6 +64,8 @@ class Assembler {
   /// Takes own products into their user: fewer dispatches, fewer trips through memory. Sums and products may be
   /// turned round (x + y is y + x to the last bit), never regrouped.
   void fuse(Value& v) {
+    if (v.code == Code::sub && own(v.b, Code::add) && (own_product(list_[v.b].a) || own_product(list_[v.b].b)))
+      return fuse_sum(v);
     if (v.code != Code::mul && v.code != Code::add && v.code != Code::sub) return;
     const bool left = own_product(v.a), right = own_product(v.b);
     if (!left && !right) return;
@@ -82,6 +85,14 @@ class Assembler {
       const Value p = take(v.b);
       v = {sum ? Code::mul_add : Code::sub_mul, p.a, p.b, v.a};
     }
+  }
+
+  /// d - (product + c). The product on the right is taken first: in a sum it is the last that is known.
+  void fuse_sum(Value& v) {
+    const Value sum = take(v.b);
+    const bool right = own_product(sum.b);
+    const Value p = take(right ? sum.b : sum.a);
+    v = {Code::sub_sum, p.a, p.b, right ? sum.a : sum.b, v.a};
   }
 
   void find_last_uses() {

@@ -25,7 +25,7 @@ __attribute__((target_clones("avx2", "default")))
 void step(const Instruction& at, double* const* r) {
   double* dst = r[at.dst];
   const double* a = r[at.a];
-  const bool four = at.code == Code::mul_add_mul || at.code == Code::mul_sub_mul;
+  const bool four = at.code == Code::mul_add_mul || at.code == Code::mul_sub_mul || at.code == Code::sub_sum;
   const double *b = r[at.b], *c = r[at.c], *d = four ? r[at.d] : nullptr;
   if (at.code == Code::call) {
     const auto value = row_of(static_cast<Op>(at.d)).value;
@@ -47,6 +47,7 @@ void step(const Instruction& at, double* const* r) {
     case Code::sub_mul: return rows(dst, [=](std::size_t i) { return c[i] - a[i] * b[i]; });
     case Code::mul_add_mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i] + c[i] * d[i]; });
     case Code::mul_sub_mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i] - c[i] * d[i]; });
+    case Code::sub_sum: return rows(dst, [=](std::size_t i) { return d[i] - (a[i] * b[i] + c[i]); });
     case Code::sign: return rows(dst, [=](std::size_t i) { return sign(a[i]); });
     case Code::abs: return rows(dst, [=](std::size_t i) { return std::fabs(a[i]); });
     case Code::min: return rows(dst, [=](std::size_t i) { return min(a[i], b[i]); });

@@ -186,7 +186,8 @@ int operand_count(const Value& value) {
     case Code::select:
     case Code::where: return 3;
     case Code::mul_add_mul:
-    case Code::mul_sub_mul: return 4;
+    case Code::mul_sub_mul:
+    case Code::sub_sum: return 4;
     case Code::call: return row_of(static_cast<Op>(value.d)).arity;
     default: return 2;
   }

@@ -21,6 +21,7 @@ enum class Code : std::uint32_t {
   sub_mul,      // c - a*b
   mul_add_mul,  // a*b + c*d
   mul_sub_mul,  // a*b - c*d
+  sub_sum,      // d - (a*b + c): the force less a restoring force
   call,         // the value function of operation d on a, b, c
   select,       // c where a fails, b where it holds; a is a comparison
   sign, abs, min, max, greater, less, greater_equal, less_equal, where,

@@ -22,6 +22,13 @@ struct Normal {
   Eigen::VectorXd b;
   std::vector<Eigen::MatrixXd> ax, axx;   ///< per segment: theta x n, n x n
   std::vector<Eigen::VectorXd> bx;
+  /// What the equations are made of, per segment.
+  struct Part {
+    Eigen::VectorXd residual;  ///< measured - model
+    Eigen::VectorXd error;     ///< the same, whitened
+    Eigen::MatrixXd columns;   ///< d model / d(theta, first state), whitened
+  };
+  std::vector<Part> parts;
   std::string cause;                      ///< why a run failed
 };
 
@@ -74,21 +81,15 @@ class Problem {
       excitations_.push_back(data_[static_cast<std::size_t>(s.record)].excitation.part(s.first, s.count));
   }
 
-  /// Residual of every record at (theta, first states), and the normal equations when asked for.
-  /// `scores`, when asked for: per row the gradient of half its squared error by theta, first states projected out.
-  Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives,
-                  std::vector<Eigen::VectorXd>* residual = nullptr, std::vector<Eigen::MatrixXd>* scores = nullptr) {
+  /// The cost at (theta, first states), and the normal equations when asked for.
+  Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives) {
     Normal normal;
     normal.cost = 0;
     const Eigen::Index p = system_.parameters();
     normal.a.setZero(p, p);
     normal.b.setZero(p);
-    if (residual) {
-      residual->clear();
-      for (const auto& d : data_) residual->push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
-    }
     for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s)
-      add(theta, segments[s], s, derivatives, residual, scores, normal);
+      add(theta, segments[s], s, derivatives, normal);
     return normal;
   }
 
@@ -96,46 +97,40 @@ class Problem {
 
  private:
   void add(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives,
-           std::vector<Eigen::VectorXd>* residual, std::vector<Eigen::MatrixXd>* scores, Normal& normal) {
+           Normal& normal) {
     const FitData& data = data_[static_cast<std::size_t>(segment.record)];
     const Eigen::Index p = system_.parameters();
-    Eigen::VectorXd error;
-    Eigen::MatrixXd jacobian;
-    if (!run(theta, segment, index, data, derivatives, error, jacobian, normal)) return;
-    if (residual) {
-      auto& out = (*residual)[static_cast<std::size_t>(segment.record)];
-      out.segment(segment.first, segment.count) = error;
-    }
+    Normal::Part part;
+    if (!run(theta, segment, index, data, derivatives, part.residual, part.columns, normal)) return;
     std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
     for (Eigen::Index i = 0; i < segment.count; ++i) keep[static_cast<std::size_t>(i)] = used(data, segment.first + i);
-    Eigen::VectorXd whitened;
-    whiten(error, keep, options_.whitening, whitened);
     normal.rows += std::count(keep.begin(), keep.end(), 1) / options_.whitening.average;
-    error = std::move(whitened);
-    if (derivatives) {
-      Eigen::MatrixXd columns(error.size(), jacobian.cols());
-      for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
-        whiten(jacobian.col(j), keep, options_.whitening, whitened);
-        columns.col(j) = whitened;
-      }
-      jacobian = std::move(columns);
-    }
-    normal.cost += error.squaredNorm();
+    whiten(part.residual, keep, options_.whitening, part.error);
+    normal.cost += part.error.squaredNorm();
     if (!derivatives) return;
-    const auto jt = jacobian.leftCols(p);
+    whiten_columns(keep, part.error.size(), part.columns);
+    const auto jt = part.columns.leftCols(p);
     normal.a.noalias() += jt.transpose() * jt;
-    normal.b.noalias() += jt.transpose() * error;
-    if (imposed()) {
-      if (scores) scores->push_back(error.asDiagonal() * jt);
-      return;
+    normal.b.noalias() += jt.transpose() * part.error;
+    if (!imposed()) {
+      const auto jx = part.columns.rightCols(part.columns.cols() - p);
+      normal.ax.push_back(jt.transpose() * jx);
+      normal.axx.push_back(jx.transpose() * jx);
+      normal.bx.push_back(jx.transpose() * part.error);
     }
-    const auto jx = jacobian.rightCols(jacobian.cols() - p);
-    normal.ax.push_back(jt.transpose() * jx);
-    normal.axx.push_back(jx.transpose() * jx);
-    normal.bx.push_back(jx.transpose() * error);
-    if (scores)
-      scores->push_back(error.asDiagonal() *
-                        (jt - jx * (pseudo_inverse(normal.axx.back()) * normal.ax.back().transpose())));
+    normal.parts.push_back(std::move(part));
+  }
+
+  void whiten_columns(const std::vector<std::uint8_t>& keep, Eigen::Index rows, Eigen::MatrixXd& columns) const {
+    const bool all = std::find(keep.begin(), keep.end(), 0) == keep.end();
+    if (all && options_.whitening.average == 1 && options_.whitening.ar.empty()) return;
+    Eigen::MatrixXd out(rows, columns.cols());
+    Eigen::VectorXd column;
+    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+      whiten(columns.col(j), keep, options_.whitening, column);
+      out.col(j) = column;
+    }
+    columns = std::move(out);
   }
 
   /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); false when the run failed.
@@ -269,12 +264,30 @@ void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& in
   covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
+/// Per row the gradient of half its squared error by theta, first states projected out; a matrix per segment.
+std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
+  const Eigen::Index p = normal.a.rows();
+  std::vector<Eigen::MatrixXd> scores;
+  for (std::size_t s = 0; s < normal.parts.size(); ++s) {
+    const auto& [residual, error, columns] = normal.parts[s];
+    Eigen::MatrixXd projected = columns.leftCols(p);
+    if (!normal.axx.empty())
+      projected -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
+    scores.push_back(error.asDiagonal() * projected);
+  }
+  return scores;
+}
+
 /// Covariance, ranks and residuals at the solution.
-void finish(Problem& problem, const System& system, const Normal& normal, FitResult& result) {
+void finish(const System& system, const std::vector<FitData>& data, const Normal& normal, FitResult& result) {
   const Eigen::Index p = system.parameters();
   result.rows = normal.rows;
-  std::vector<Eigen::MatrixXd> scores;
-  problem.evaluate(result.theta, result.segments, true, &result.residual, &scores);
+  for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
+  for (std::size_t s = 0; s < result.segments.size(); ++s) {
+    const FitSegment& segment = result.segments[s];
+    result.residual[static_cast<std::size_t>(segment.record)].segment(segment.first, segment.count) =
+        normal.parts[s].residual;
+  }
   result.information = schur(normal);
   Eigen::VectorXd full = normal.a.diagonal();
   result.unseen.assign(static_cast<std::size_t>(p), 0);
@@ -294,7 +307,7 @@ void finish(Problem& problem, const System& system, const Normal& normal, FitRes
   const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
   const Eigen::MatrixXd inverse = pseudo_inverse(information);
   result.covariance = inverse * (normal.cost / freedom);
-  widen(scores, inverse, result.covariance);
+  widen(scores_of(normal), inverse, result.covariance);
 }
 
 FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
@@ -355,7 +368,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& start, const std
   frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
   result.cost = normal.cost;
   result.segments = std::move(segments);
-  finish(problem, system, normal, result);
+  finish(system, data, normal, result);
   result.runs = problem.runs;
   return result;
 }

@@ -1,4 +1,5 @@
 // The fixed path of systems without switches and bounds: nothing stands between the tape and the stages.
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -22,10 +23,16 @@ std::vector<double> registers(const FixedProblem& problem, const Tape& tape) {
   return r;
 }
 
-/// Inputs at a node of the stage grid, counted from the start of the record.
-void set_drive(const FixedProblem& problem, Index node, double* r) noexcept {
-  for (int i = 0; i < problem.dynamics->exogenous; ++i) r[1 + i] = problem.drive[i][node];
-}
+/// Inputs at the nodes of the stage grid, counted from the start of the record.
+struct Inputs {
+  explicit Inputs(const FixedProblem& problem) : count(problem.dynamics->exogenous), drive(problem.drive) {}
+  void load(Index node, double* r) const noexcept {
+    r[1] = drive[0][node];
+    for (int i = 1; i < count; ++i) r[1 + i] = drive[i][node];
+  }
+  int count;
+  std::array<const double*, 3> drive;
+};
 
 void stop_exploded(FixedOutcome& outcome, double t, const double* x, int n) {
   outcome.stop = Stop::exploded;
@@ -87,12 +94,13 @@ FixedOutcome integrate_state(const FixedProblem& problem, const Eigen::VectorXd&
   std::vector<double> r = registers(problem, tape), start(x0.data(), x0.data() + n);
   double* const state = r.data() + 1 + problem.dynamics->exogenous;
   const double* const results = r.data() + tape.output_place();
-  const auto rate = [&](double t, Index node, const double* x, double* k) {
+  const Inputs inputs(problem);
+  const auto rate = [&tape, inputs, state, results, n, r = r.data()](double t, Index node, const double* x, double* k) {
     r[0] = t;
-    set_drive(problem, node, r.data());
-    for (int i = 0; i < n; ++i) state[i] = x[i];
-    tape.run_prepared(r.data());
-    for (int i = 0; i < n; ++i) k[i] = results[i];
+    inputs.load(node, r);
+    for (int i = 0; i < (N > 0 ? N : n); ++i) state[i] = x[i];
+    tape.run_prepared(r);
+    for (int i = 0; i < (N > 0 ? N : n); ++i) k[i] = results[i];
   };
   return integrate<N>(problem, n, start, rate, sink);
 }
@@ -116,9 +124,10 @@ FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::
   const double* const f = r.data() + d.derivatives.output_place();
   const double *const jx = f + n, *const jtheta = jx + n * n;
   double* const state = r.data() + 1 + d.exogenous;
+  const Inputs inputs(problem);
   const auto rate = [&](double t, Index node, const double* X, double* K) {
     r[0] = t;
-    set_drive(problem, node, r.data());
+    inputs.load(node, r.data());
     for (int i = 0; i < n; ++i) state[i] = X[i];
     d.derivatives.run_prepared(r.data());
     for (int i = 0; i < n; ++i) K[i] = f[i];
