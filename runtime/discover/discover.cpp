@@ -206,7 +206,7 @@ class Spine {
     const Gap now = pool_gap(runs(c, study_.full), 0);
     const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
-    left.material = left.seen && left.closure.gain > required_gain(study_, c.left_out_gap);
+    left.material = left.seen && left.closure.gain > options_.minimum_gain;
     return left;
   }
 
@@ -316,7 +316,7 @@ class Spine {
       named.family = effect.family;
       named.formula = effect.formula;
       named.sentence = effect.sentence;
-      named.where = describe_residual(study_, i == 0 ? found.baseline : found.steps[i - 1]);
+      named.where = describe_residual(study_, i == 0 ? found.baseline : found.steps[i - 1], found.chosen);
       named.parameters = own_parameters(found.chosen, effect);
       named.gap_train = pool_gap(runs(model, train), share).value;
       named.gap_test = pool_gap(runs(model, study_.test), share).value;
@@ -352,7 +352,7 @@ class Spine {
   void show(SearchResult& found) {
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
-    out_.where = describe_residual(study_, found.baseline);
+    out_.where = describe_residual(study_, found.baseline, found.chosen);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)) , c.log_likelihood,
@@ -422,7 +422,8 @@ class Spine {
     if (out_.verdict == "explained" || out_.verdict == "ambiguous") {
       std::string names;
       for (const auto& e : out_.effects) names += (names.empty() ? "" : " and ") + e.name;
-      const double share = closed_share(out_.baseline_test.value, out_.final_test.value, out_.final_test.floor);
+      const double excess = out_.baseline_test.value - out_.final_test.floor;
+      const double share = excess > 0 ? (out_.baseline_test.value - out_.final_test.value) / excess : 0;
       std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
                     100 * std::clamp(share, 0.0, 1.0));
       std::string out = out_.verdict == "ambiguous" ? names + " or another of equal simplicity that this record cannot tell from it" : names;

@@ -89,17 +89,34 @@ double onset(const Binned& b) {
   return from;
 }
 
-}  // namespace
-
-Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, std::size_t index) {
-  const Record& record = study.smooth[index];
-  return column(record, "F") - force_of(candidate, candidate.fit.theta, record);
+/// What smoothing makes of the reference's own run over a record: a residual force where there is none. `run` is its
+/// displacement; where it has no value (lead-in) the measured one stands in.
+Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, const Record& record,
+                                const Eigen::VectorXd& run) {
+  if (study.imposed) return Eigen::VectorXd::Zero(record.rows());
+  Channel y = record.channel("y");
+  y.values = column(record, "y");
+  for (Eigen::Index i = 0; i < y.values.size(); ++i)
+    if (std::isfinite(run[i])) y.values[i] = run[i];
+  const Record smooth = smooth_motion(record.with(y), smoothing_kernel(record));
+  return column(smooth, "F") - force_of(reference, reference.fit.theta, smooth);
 }
 
-std::string describe_residual(const Study& study, const Candidate& candidate) {
+}  // namespace
+
+Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
+                               std::size_t index) {
+  const Record& smooth = study.smooth[index];
+  const Eigen::VectorXd residual = column(smooth, "F") - force_of(candidate, candidate.fit.theta, smooth);
+  if (study.imposed || !reference.ran()) return residual;
+  const Record& record = study.train[index].record;
+  return residual - smoothing_error(study, reference, record, column(record, "y") - reference.fit.residual[index]);
+}
+
+std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference) {
   std::vector<double> y, v, r;
   for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-    const Eigen::VectorXd residual = residual_force(study, candidate, k);
+    const Eigen::VectorXd residual = residual_force(study, candidate, reference, k);
     if (!residual.allFinite()) return "the model's force is not finite along the measured motion";
     for (Eigen::Index i = 0; i < residual.size(); ++i) {
       if (!study.force[k].use[static_cast<std::size_t>(i)]) continue;
@@ -138,7 +155,8 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
   map.after.setZero(cells, cells);
   map.count.setZero(cells, cells);
   for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-    const Eigen::VectorXd first = residual_force(study, before, k), last = residual_force(study, after, k);
+    const Eigen::VectorXd first = residual_force(study, before, after, k);
+    const Eigen::VectorXd last = residual_force(study, after, after, k);
     const auto y = column(study.smooth[k], "y"), v = column(study.smooth[k], "v");
     for (Eigen::Index i = 0; i < first.size(); ++i) {
       if (!study.force[k].use[static_cast<std::size_t>(i)]) continue;
@@ -166,11 +184,12 @@ Comparison compare(const Study& study, const Candidate& before, const Candidate&
   out.measured = column(record, study.imposed ? "F" : "y");
   out.baseline = free_run(study, *before.system, before.fit.theta, record, before.fit.substeps).model;
   out.final = free_run(study, *after.system, after.fit.theta, record, after.fit.substeps).model;
-  const Record smooth = smooth_motion(record, study.imposed);
+  const Record smooth = study.imposed ? record : smooth_motion(record, smoothing_kernel(record));
   out.y = column(smooth, "y");
   out.v = column(smooth, "v");
-  out.residual_before = column(smooth, "F") - force_of(before, before.fit.theta, smooth);
-  out.residual_after = column(smooth, "F") - force_of(after, after.fit.theta, smooth);
+  const Eigen::VectorXd error = smoothing_error(study, after, record, out.final);
+  out.residual_before = column(smooth, "F") - force_of(before, before.fit.theta, smooth) - error;
+  out.residual_after = column(smooth, "F") - force_of(after, after.fit.theta, smooth) - error;
   Eigen::VectorXd unnamed = after.fit.theta;
   for (Eigen::Index j = before.parameters(); j < unnamed.size(); ++j)
     if (after.linear[static_cast<std::size_t>(j)]) unnamed[j] = 0;

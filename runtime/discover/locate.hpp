@@ -4,17 +4,21 @@
 
 namespace lunid {
 
+// Smoothing cuts the harmonics of the acceleration, which looks like a force. Each function therefore takes a reference,
+// the final model: what the same smoothing makes of the reference's own free run, whose residual is zero, is taken away.
+
 /// Force that a model leaves unexplained along the smoothed measured motion of training record `index` [N].
-Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, std::size_t index);
+Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
+                               std::size_t index);
 
 /// One sentence that an engineer would say: for which displacements or velocities the residual force is larger than its
 /// noise, its parity in y and in v, how much of it a function of (y, v) explains.
-std::string describe_residual(const Study& study, const Candidate& candidate);
+std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference);
 
-/// Mean residual force over the (y, v) plane before and after, cells without data NaN.
+/// Mean residual force over the (y, v) plane before and after (the reference), cells without data NaN.
 ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after);
 
-/// Measured, baseline and final runs and forces of one record, for figures.
+/// Measured, baseline and final (the reference) runs and forces of one record, for figures.
 Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
                    const std::string& role);
 

@@ -383,8 +383,9 @@ class Search {
       if (tie) remark = "this record cannot tell it from " + chosen.name();
       else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha) remark = "no better than the baseline";
       else if (chosen.choices.empty()) remark = "does not lower the left-out gap by the least gain";
+      else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
+        remark = "not better by what its extra parameters cost";
       else if (vuong_z(chosen, c) > 2.33) remark = "fits worse";
-      else if (c.parameters() > chosen.parameters()) remark = "not better by what its extra parameters cost";
       else remark = "fits no better";
       result_.rivals.push_back(c);
       result_.remarks.push_back(remark);

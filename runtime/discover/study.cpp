@@ -37,25 +37,6 @@ void check_record(const Record& record, bool imposed) {
                      Fault::data);
 }
 
-/// y v a from the displacement and F, all through one kernel, so that m*a + f(y, v) = F stays true for linear terms.
-Record smoothed(const Record& record, const SavitzkyGolay& kernel) {
-  const auto y = record["y"];
-  auto channel = [](const char* name, const char* unit, Eigen::VectorXd values) {
-    Channel c;
-    c.name = c.source = name;
-    c.unit = unit;
-    c.values = std::move(values);
-    c.derived = true;
-    return c;
-  };
-  std::vector<Channel> channels;
-  channels.push_back(channel("F", "N", savitzky_golay(record["F"], record.dt(), 0, kernel)));
-  channels.push_back(channel("y", "m", savitzky_golay(y, record.dt(), 0, kernel)));
-  channels.push_back(channel("v", "m/s", savitzky_golay(y, record.dt(), 1, kernel)));
-  channels.push_back(channel("a", "m/s^2", savitzky_golay(y, record.dt(), 2, kernel)));
-  return Record(record.name(), record.start(), record.dt(), std::move(channels));
-}
-
 /// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
 /// signal (sampling theorem), however few samples a period has.
 double power_at_band_edge(const Record& record) {
@@ -128,12 +109,27 @@ Record thinned(const Record& record) {
 
 }  // namespace
 
-Record smooth_motion(const Record& record, bool imposed, Eigen::Index* edge) {
-  if (edge) *edge = 0;
-  if (imposed) return record;
-  const SavitzkyGolay kernel = choose_savitzky_golay(record["y"], record.channel("y").noise, 1);
-  if (edge) *edge = kernel.half_width;
-  return smoothed(record, kernel);
+SavitzkyGolay smoothing_kernel(const Record& record) {
+  return choose_savitzky_golay(record["y"], record.channel("y").noise, 1);
+}
+
+/// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms.
+Record smooth_motion(const Record& record, const SavitzkyGolay& kernel) {
+  const auto y = record["y"];
+  auto channel = [](const char* name, const char* unit, Eigen::VectorXd values) {
+    Channel c;
+    c.name = c.source = name;
+    c.unit = unit;
+    c.values = std::move(values);
+    c.derived = true;
+    return c;
+  };
+  std::vector<Channel> channels;
+  channels.push_back(channel("F", "N", savitzky_golay(record["F"], record.dt(), 0, kernel)));
+  channels.push_back(channel("y", "m", savitzky_golay(y, record.dt(), 0, kernel)));
+  channels.push_back(channel("v", "m/s", savitzky_golay(y, record.dt(), 1, kernel)));
+  channels.push_back(channel("a", "m/s^2", savitzky_golay(y, record.dt(), 2, kernel)));
+  return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
 double Study::measured_std() const {
@@ -189,9 +185,10 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
     study.omega = std::max(study.omega, dominant_frequency(moved["y"], moved.dt()));
     study.full.push_back(moved);
     study.train.push_back({study.imposed ? moved : thinned(moved), {}, {}});
-    Eigen::Index edge = 0;
-    study.smooth.push_back(smooth_motion(study.train.back().record, study.imposed, &edge));
-    study.force.push_back(force_data(study.smooth.back(), edge));
+    const Record& own = study.train.back().record;
+    const SavitzkyGolay kernel = smoothing_kernel(own);
+    study.smooth.push_back(study.imposed ? own : smooth_motion(own, kernel));
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : kernel.half_width));
   }
   for (auto& record : study.test) record = derive_motion(record);
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(record));

@@ -38,8 +38,9 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
 
-/// v, a and F of a record through the kernel that its noise calls for.
-Record smooth_motion(const Record& record, bool imposed, Eigen::Index* edge = nullptr);
+/// The kernel that a record's noise calls for, and y v a F of a record through one kernel.
+SavitzkyGolay smoothing_kernel(const Record& record);
+Record smooth_motion(const Record& record, const SavitzkyGolay& kernel);
 
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);
