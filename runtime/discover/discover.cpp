@@ -195,6 +195,7 @@ class Spine {
     Closure closure;
     bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
     bool material = false;  ///< and it is more than what is asked of an effect
+    bool whole = false;     ///< and these forces explain it down to the noise
   };
 
   Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
@@ -207,6 +208,7 @@ class Spine {
     const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
     left.material = left.seen && left.closure.gain > options_.minimum_gain;
+    left.whole = left.material && with.value < 1.5 * with.floor;
     return left;
   }
 
@@ -286,9 +288,11 @@ class Spine {
     if (!(last.value < (1 - 0.5 * options_.minimum_gain) * first.value && out_.test_p_value < 0.2))
       return "did not lower the gap on the test record";
     // Far above the floor with a good part of the motion still open: the names patch something else.
-    if (far_from_the_floor(last) || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
+    const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);
+    if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
       return "left much of the gap on the test record open";
     if (!left_.seen || !(last.value > 3 * last.floor)) return "";
+    if (left_.whole) return "left a force that is repeatable";
     const Gap generic = pool_gap(runs(*left_.closure.system, left_.closure.fit, study_.test), 0);
     return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
   }
