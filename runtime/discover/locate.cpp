@@ -67,7 +67,7 @@ std::string parity(const Binned& b, const char* name) {
 
 std::string quantity(double value, const char* unit) {
   static constexpr struct { double factor; const char* prefix; } prefixes[] = {
-      {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}};
+      {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
   const auto* chosen = &prefixes[5];
   for (const auto& p : prefixes)
     if (std::abs(value) >= p.factor) { chosen = &p; break; }

@@ -373,7 +373,13 @@ class Search {
         result_.ties.push_back(field[i].name());
   }
 
-  void collect_rivals(const std::vector<Candidate>& field, const Candidate& chosen) {
+  /// Other sets first, best first; then those that only add to the chosen one.
+  void collect_rivals(std::vector<Candidate> field, const Candidate& chosen) {
+    std::stable_partition(field.begin(), field.end(), [&](const Candidate& c) {
+      return chosen.choices.empty() || !std::all_of(chosen.choices.begin(), chosen.choices.end(), [&](const Choice& x) {
+        return holds(c.choices, x.effect);
+      });
+    });
     std::vector<std::string> seen{chosen.name()};
     for (const auto& c : field) {
       if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;

@@ -10,7 +10,8 @@ namespace lunid {
 
 namespace {
 
-/// "20.9(3)" style: the value with one or two digits of its standard deviation in brackets.
+/// "20.9(3)", "8.806(37)e5": the value to the last digit that its standard deviation leaves standing, and that deviation in
+/// units of it: one digit, two where it begins with 1.
 std::string value_with_std(const Parameter& p) {
   char text[96];
   if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) {
@@ -18,17 +19,14 @@ std::string value_with_std(const Parameter& p) {
     return text;
   }
   const int exponent = static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), p.std))));
-  const int last = static_cast<int>(std::floor(std::log10(p.std)));
-  int decimals = exponent - last;
-  if (decimals < 0) decimals = 0;
-  const bool scientific = exponent < -3 || exponent > 5;
-  const double scale = scientific ? std::pow(10.0, exponent) : 1;
-  const int places = std::max(0, scientific ? decimals : -last);
-  const auto digits = std::lround(p.std / scale * std::pow(10.0, places));
-  if (scientific)
-    std::snprintf(text, sizeof text, "%.*f(%ld)e%d", places, p.value / scale, digits, exponent);
+  int last = static_cast<int>(std::floor(std::log10(p.std)));
+  if (p.std < 2 * std::pow(10.0, last)) --last;
+  const auto digits = std::lround(p.std / std::pow(10.0, last));
+  if (exponent < -3 || exponent > 5 || last > 0)
+    std::snprintf(text, sizeof text, "%.*f(%ld)e%d", std::max(0, exponent - last), p.value / std::pow(10.0, exponent),
+                  digits, exponent);
   else
-    std::snprintf(text, sizeof text, "%.*f(%ld)", places, p.value, digits);
+    std::snprintf(text, sizeof text, "%.*f(%ld)", -last, p.value, digits);
   return text;
 }
 
@@ -56,14 +54,13 @@ std::string number(double x) {
   return text;
 }
 
+/// The best sets that were not named; why not is in discovery.json and the report.
 std::string rivals(const Discovery& d) {
+  constexpr std::size_t most = 3;
   std::string out;
-  std::size_t shown = 0;
-  for (const auto& r : d.rivals) {
-    if (shown++ == 3) break;
-    out += (out.empty() ? "" : " | ") + r.name + " " + number(r.gap) + (r.remark.empty() ? "" : " (" + r.remark + ")");
-  }
-  if (d.rivals.size() > 3) out += " | " + std::to_string(d.rivals.size() - 3) + " more";
+  for (std::size_t i = 0; i < std::min(most, d.rivals.size()); ++i)
+    out += (i == 0 ? "" : " | ") + d.rivals[i].name + " " + number(d.rivals[i].gap);
+  if (d.rivals.size() > most) out += " | " + std::to_string(d.rivals.size() - most) + " more";
   return out;
 }
 
@@ -88,7 +85,7 @@ std::string to_terminal(const Discovery& d) {
   line("gap", "train " + gap(d.baseline_train) + "   test " + gap(d.baseline_test) + "   (noise alone: train " +
                   number(d.final_train.floor) + ", test " + number(d.final_test.floor) + ")");
   line("where", d.where);
-  if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train)");
+  if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train after the fit)");
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.name + "  " + e.formula + ", " + list(e.parameters));
