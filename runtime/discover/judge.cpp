@@ -79,7 +79,7 @@ Whitening residual_colour(const Study& study, const Candidate& candidate) {
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening) {
   if (!candidate.ran()) return;
   FitOptions options;
-  options.max_iterations = 8;
+  options.max_iterations = 30;
   options.whitening = whitening;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
@@ -114,7 +114,7 @@ void run_left_out(const Study& study, Candidate& candidate) {
   for (int part = 0; part < parts; ++part) {
     const auto data = without_part(study, part, parts);
     FitOptions options;
-    options.max_iterations = 3;
+    options.max_iterations = 6;
     options.tolerance = 1e-4;
     options.substeps = candidate.fit.substeps;
     options.cancelled = study.options->cancelled;
