@@ -25,7 +25,7 @@ struct Values {
   double alpha = 0.01, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
-  bool imposed_motion = false;
+  bool imposed_motion = false, resample = false;
 };
 
 void add_shared(CLI::App* app, Values& values, bool with_out = true) {
@@ -51,6 +51,7 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--window", values.windows, "A:B, part of the training records [s]");
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
   discover->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  discover->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
       ->check([](const std::string& text) {
@@ -65,6 +66,7 @@ void add_simulate(CLI::App& app, Values& values) {
   simulate->add_option("model", values.model, "model.lua")->required();
   simulate->add_option("--excitation", values.excitation, "RECORD.csv whose F drives the model")->required();
   simulate->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  simulate->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
   simulate->add_option("--window", values.windows, "A:B, part of the record [s]");
   simulate->add_option("--from", values.initial, "first state \"y,v\"; else the record's own motion, else rest");
   simulate->add_option("--solver", values.solver, "auto, fixed, bdf, adams or explicit (auto)");
@@ -74,13 +76,10 @@ void add_simulate(CLI::App& app, Values& values) {
 void add_small_commands(CLI::App& app, Values& values) {
   CLI::App* check = app.add_subcommand("check", "look through a study without running it");
   check->add_option("study", values.study, "STUDY.lua")->required();
-  CLI::App* list = app.add_subcommand("list", "list effects, features, solvers or cases");
-  list->add_option("topic", values.topic, "effects | features | solvers | cases");
+  CLI::App* list = app.add_subcommand("list", "list effects, features or solvers");
+  list->add_option("topic", values.topic, "effects | features | solvers");
   CLI::App* help = app.add_subcommand("help", "explain a constructor, a command or an effect");
   help->add_option("topic", values.topic, "such as regress, discover or cubic_stiffness");
-  CLI::App* thesis = app.add_subcommand("thesis", "the cases of the reference thesis");
-  thesis->add_option("case", values.topic, "list | case1 | ... | all");
-  add_shared(thesis, values);
   add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);
   app.add_subcommand("doctor", "say what is installed and whether figures work here");
 }
@@ -116,6 +115,7 @@ json to_json(const CLI::App& app, const Values& values) {
     options["alpha"] = values.alpha;
     options["imposed_motion"] = values.imposed_motion;
   }
+  if (values.resample) options["resample"] = true;
   return options;
 }
 

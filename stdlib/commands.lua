@@ -114,9 +114,11 @@ local function baseline(lunid, options)
   return model
 end
 
-local function read_all(lunid, paths, columns)
+local function read_all(lunid, paths, options)
   local list = {}
-  for i, path in ipairs(paths) do list[i] = lunid.read { path, columns = columns } end
+  for i, path in ipairs(paths) do
+    list[i] = lunid.read { path, columns = options.columns, resample = options.resample }
+  end
   return list
 end
 
@@ -125,8 +127,8 @@ commands["discover"] = function(options)
   with_output("discover", options, function()
     local discovery = require "lunid.discovery"
     local model = baseline(lunid, options)
-    local train = read_all(lunid, options.train, options.columns)
-    local test = options.test and read_all(lunid, options.test, options.columns)
+    local train = read_all(lunid, options.train, options)
+    local test = options.test and read_all(lunid, options.test, options)
     local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
       window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }
     print(found)
@@ -138,7 +140,7 @@ commands["simulate"] = function(options)
   local lunid = require "lunid"
   with_output("simulate", options, function()
     local model = lunid.load(options.model)
-    local record = lunid.read { options.excitation, columns = options.columns,
+    local record = lunid.read { options.excitation, columns = options.columns, resample = options.resample,
       window = window(lunid, options.window, "window") }
     local from
     if options.from then
@@ -159,8 +161,4 @@ commands["check"] = function(options) return require("lunid.check").study(option
 commands["list"] = function(options) return require("lunid.help").list(options.topic) end
 commands["help"] = function(options) return require("lunid.help").explain(options.topic) end
 commands["doctor"] = function() return require("lunid.doctor").report() end
-commands["thesis"] = function()
-  fault("the cases of the thesis are not in this version", "usage")
-end
-
 return commands

@@ -141,7 +141,6 @@ function lists.solvers()
   for _, name in ipairs(simulation.solvers) do print(("  %-15s%s"):format(name, simulation.solver_words[name])) end
 end
 
-function lists.cases() print "the cases of the thesis are not in this version" end
 
 function help.list(topic)
   require "lunid"
@@ -154,7 +153,7 @@ function help.list(topic)
     return
   end
   if not lists[topic] then
-    local near = core.nearest(topic, { "effects", "features", "solvers", "cases" })
+    local near = core.nearest(topic, { "effects", "features", "solvers" })
     core.raise(("list: expected effects, features, solvers or cases, got '%s'%s"):format(topic,
       near and (", did you mean '%s'?"):format(near) or ""), "usage")
   end

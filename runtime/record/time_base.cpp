@@ -163,7 +163,7 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
                              " missing before t = " + number(t[row]) + " s";
     const std::string where = gaps.size() > 1 ? "; gaps before lines " + list_lines(gaps, lines) : "";
     if (!resample)
-      throw InputError(text + where + "; cut the record there, or set resample = true to interpolate",
+      throw InputError(text + where + "; cut the record there, or set resample = true (--resample) to interpolate",
                        {path, lines[row]}, Fault::data);
     warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated");
     return even;
@@ -178,7 +178,7 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
                            " s, median " + number(step) + " s";
   if (!resample) {
     const auto row = static_cast<std::size_t>(most - steps.begin()) + 1;
-    throw InputError(text + "; the largest ends here; set resample = true to interpolate to the median step",
+    throw InputError(text + "; the largest ends here; set resample = true (--resample) to interpolate to the median step",
                      {path, lines[row]}, Fault::data);
   }
   warnings.push_back(text + ": resampled to the median step");

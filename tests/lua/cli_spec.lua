@@ -56,6 +56,18 @@ spec.case("two columns of one name", function()
   refused("twice.csv", usual, "twice.csv:1: two columns of one name: columns 2 and 3 are both 'y'" .. kept, 3)
 end)
 
+spec.case("an uneven time base: refused, and resampled when asked", function()
+  record("uneven.csv", 600, function(i, cells)
+    cells[1] = ("%.6f"):format(i * 0.01 + 0.002 * math.sin(i))
+    return cells
+  end)
+  refused("uneven.csv", usual, "uneven.csv:524: time is uneven: steps from 0.008082 to 0.011918 s, median 0.01 s; "
+    .. "the largest ends here; set resample = true (--resample) to interpolate to the median step" .. kept, 3)
+  local said, code = spec.lunid 'discover uneven.csv --mass 1 --restoring "k*y + c*v" --resample --out resampled'
+  spec.equal(code, 0)
+  spec.contains(said, "verdict")
+end)
+
 spec.case("a time column that runs backwards", function()
   record("back.csv", 100, function(i, cells)
     if i == 50 then cells[1] = "0.1" end
