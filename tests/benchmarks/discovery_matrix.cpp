@@ -162,6 +162,7 @@ std::vector<Setting> settings(bool full, bool brief, const std::string& only) {
       list.push_back({&truth::case_named(name), &scales[scale], db});
     };
     add("cubic_hardening", 0, 30);
+    add("bouc_wen", 2, 40);
     add("coulomb_friction", 1, 40);
     add("one_sided_stop", 2, 30);
     add("null_linear", 2, 20);

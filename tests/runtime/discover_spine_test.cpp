@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "discover_catalogue.hpp"
+#include "statistics/moments.hpp"
+#include "statistics/philox.hpp"
 
 namespace lunid {
 namespace {
@@ -61,6 +64,74 @@ TEST(Discovery, NamesNothingWhereNothingIsMissing) {
     EXPECT_TRUE(d.effects.empty());
     EXPECT_NEAR(d.baseline_test.value, d.baseline_test.floor, 0.15 * d.baseline_test.floor) << name;
   }
+}
+
+/// m*a + c*v + k*y + k3*y^3 = F with m = 1, k = 1, c = 0.06 from rest by RK4 at a 24th of a sample; F(t, row) is the force
+/// within the interval after a row. Noise of 1 % is added to y.
+Record oscillator(double k3, const std::function<double(double, int)>& force, std::uint64_t seed) {
+  constexpr int rows = 2000, steps = 24;
+  const double dt = 2 * M_PI / 25, h = dt / steps;
+  truth::Columns columns;
+  double y = 0, v = 0;
+  for (int row = 0; row < rows; ++row) {
+    columns.t.push_back(row * dt);
+    columns.F.push_back(force(row * dt, row));
+    columns.y.push_back(y);
+    for (int j = 0; j < steps; ++j) {
+      const double t = row * dt + j * h;
+      const auto a = [&](double time, double y, double v) { return force(time, row) - 0.06 * v - y - k3 * y * y * y; };
+      const double a1 = a(t, y, v), v2 = v + h / 2 * a1, a2 = a(t + h / 2, y + h / 2 * v, v2);
+      const double v3 = v + h / 2 * a2, a3 = a(t + h / 2, y + h / 2 * v2, v3);
+      const double v4 = v + h * a3, a4 = a(t + h, y + h * v3, v4);
+      y += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+      v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+  }
+  Philox random(seed, 0);
+  const double noise = 0.01 * moments::standard_deviation(columns.y);
+  for (double& y : columns.y) y += noise * random.normal();
+  return record_of(columns, "oscillator");
+}
+
+/// Trained on a force that is held between its samples, tested on one that is smooth: each is read as what it is.
+TEST(Discovery, ReadsTheForceBetweenItsSamplesPerRecord) {
+  Philox random(5, 0);
+  std::vector<double> held(2000);
+  for (double& f : held) f = random.normal();
+  const auto stairs = [&](double, int row) { return held[static_cast<std::size_t>(row)]; };
+  const auto smooth = [](double t, int) {
+    return 0.25 * (std::cos(0.62 * t) + std::cos(0.97 * t + 1) + std::cos(1.31 * t + 2));
+  };
+  for (const double k3 : {0.0, 0.05}) {
+    const Model model = baseline("k*y + c*v", 1);
+    const auto catalogue = small_catalogue(*model.pool);
+    const Discovery d = discover(model, catalogue, {oscillator(k3, stairs, 1)}, {oscillator(k3, smooth, 2)});
+    EXPECT_EQ(d.interpolation, "hold");
+    EXPECT_EQ(d.effects.size(), k3 > 0 ? 1u : 0u) << d.verdict << ": " << d.sentence;
+    for (const auto& effect : d.effects) EXPECT_EQ(effect.name, "cubic_stiffness");
+    EXPECT_LT(d.final_test.value, d.final_test.floor + 3 * d.final_test.floor_std + 0.3 * d.final_test.floor);
+  }
+}
+
+/// A stop may have its gap only where the motion is: a constant force is not a stop that is always in contact.
+TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::RecordOptions options;
+  options.rows = 1500;
+  options.noise_db = 30;
+  options.seed = 7;
+  const auto records = truth::make_records(truth::case_named("constant_force"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  Effect stop = testing::entry(*model.pool, "one_sided_stop", "one_sided_stop_k*max(y - one_sided_stop_g, 0)",
+                               {testing::row("one_sided_stop_k", 0), testing::row("one_sided_stop_g")});
+  stop.guess = [](const RecordScales& s, int) {
+    return std::vector<Guess>{{{"one_sided_stop_g", s.y_min}}, {{"one_sided_stop_g", 0.5 * s.y_max}}};
+  };
+  stop.range = [](const RecordScales& s, int) { return Ranges{{"one_sided_stop_g", {s.y_min, s.y_max}}}; };
+  const Discovery d =
+      discover(model, {stop}, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  EXPECT_TRUE(d.effects.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
 }
 
 TEST(Discovery, JsonKeepsItsContract) {
