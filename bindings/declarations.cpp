@@ -11,8 +11,8 @@ namespace {
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 bool same(const Parameter& a, const Parameter& b) {
-  return same(a.value, b.value) && same(a.min, b.min) && same(a.max, b.max) && a.unit == b.unit &&
-         a.fixed == b.fixed && same(a.std, b.std);
+  return same(a.value, b.value) && same(a.min, b.min) && same(a.max, b.max) && a.unit == b.unit && a.fixed == b.fixed &&
+         same(a.std, b.std);
 }
 
 bool same(const InternalState& a, const InternalState& b) {

@@ -73,7 +73,8 @@ std::vector<Guess> read_guesses(lua_State* L, const std::string& effect) {
 /// The limits on top of the stack, under the entry's private names.
 Ranges read_ranges(lua_State* L, const std::string& effect) {
   const std::string where = "effect " + effect + ": range: ";
-  if (lua_type(L, -1) != LUA_TTABLE) throw InputError(where + "expected name = { least, most }, got " + describe(L, -1));
+  if (lua_type(L, -1) != LUA_TTABLE)
+    throw InputError(where + "expected name = { least, most }, got " + describe(L, -1));
   Ranges ranges;
   lua_pushnil(L);
   while (lua_next(L, -2)) {
@@ -139,9 +140,8 @@ Effect read_effect(lua_State* L) {
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
   effect.parameters = read_rows(L);
-  with_field(L, -1, "variants", [&] {
-    for_each(L, -1, [&](lua_Integer) { effect.variants.push_back(check_value(L, -1).expr); });
-  });
+  with_field(L, -1, "variants",
+             [&] { for_each(L, -1, [&](lua_Integer) { effect.variants.push_back(check_value(L, -1).expr); }); });
   with_field(L, -1, "state_values", [&] {
     for_each(L, -1, [&](lua_Integer) {
       for (const DeclaredState& row : check_value(L, -1).declared->states) effect.states.push_back(row.state);
@@ -268,15 +268,24 @@ nlohmann::json data_of(const Discovery& found) {
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
-  if (key == "verdict") push_text(L, found.verdict);
-  else if (key == "sentence") push_text(L, found.sentence);
-  else if (key == "model") push<Model>(L, found.final);
-  else if (key == "baseline") push<Model>(L, found.baseline);
-  else if (key == "data") push_json(L, data_of(found));
-  else if (key == "json") push_text(L, data_of(found).dump(1) + "\n");
-  else if (key == "seconds") lua_pushnumber(L, found.seconds);
-  else if (key == "comparisons") push_comparisons(L, found.comparisons);
-  else if (key == "map") push_map(L, found.map);
+  if (key == "verdict")
+    push_text(L, found.verdict);
+  else if (key == "sentence")
+    push_text(L, found.sentence);
+  else if (key == "model")
+    push<Model>(L, found.final);
+  else if (key == "baseline")
+    push<Model>(L, found.baseline);
+  else if (key == "data")
+    push_json(L, data_of(found));
+  else if (key == "json")
+    push_text(L, data_of(found).dump(1) + "\n");
+  else if (key == "seconds")
+    lua_pushnumber(L, found.seconds);
+  else if (key == "comparisons")
+    push_comparisons(L, found.comparisons);
+  else if (key == "map")
+    push_map(L, found.map);
   else if (key == "effects" || key == "warnings") {
     const auto data = to_json(found);
     push_json(L, data.value(key, nlohmann::json::array()));

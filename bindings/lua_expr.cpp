@@ -208,8 +208,8 @@ int make_state(lua_State* L) {
   row.state.initial = number_field(L, 1, "initial").value_or(0);
   row.place = string_field(L, 1, "place").value_or("");
   DeclarationsPtr declared;
-  for (const auto& [field, target] : {std::pair{"rate", &row.state.rate}, std::pair{"min", &row.state.min},
-                                      std::pair{"max", &row.state.max}}) {
+  for (const auto& [field, target] :
+       {std::pair{"rate", &row.state.rate}, std::pair{"min", &row.state.min}, std::pair{"max", &row.state.max}}) {
     const Value value = field_value(L, 1, field);
     *target = value.expr;
     declared = join(declared, value.declared);
@@ -299,14 +299,10 @@ void open_expressions(lua_State* L) {
   };
   make_type<Value>(L, methods, meta);
   static constexpr Entry functions[] = {
-      {"channel", guarded<make_channel>},
-      {"parameter", guarded<make_parameter>},
-      {"state", guarded<make_state>},
-      {"state_symbol", guarded<make_state_symbol>},
-      {"parse", guarded<parse_text>},
-      {"rename_symbols", guarded<rename_symbols>},
-      {"number_text", guarded<number_text>},
-      {"is_expression", guarded<is_expression>},
+      {"channel", guarded<make_channel>},    {"parameter", guarded<make_parameter>},
+      {"state", guarded<make_state>},        {"state_symbol", guarded<make_state_symbol>},
+      {"parse", guarded<parse_text>},        {"rename_symbols", guarded<rename_symbols>},
+      {"number_text", guarded<number_text>}, {"is_expression", guarded<is_expression>},
   };
   set_functions(L, functions);
   open_functions(L);

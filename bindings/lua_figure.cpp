@@ -137,7 +137,7 @@ Panel panel(lua_State* L) {
   panel.legend = legend(L);
   panel.column_span = static_cast<int>(number_field(L, -1, "column_span").value_or(1));
   collect_list(L, "series", panel.series, [&] {
-    return Series{text(L, "label"), numbers(L, "x"),          numbers(L, "y"),
+    return Series{text(L, "label"),      numbers(L, "x"),      numbers(L, "y"),
                   style(L, Style::line), role(L, Role::first), number_field(L, -1, "width").value_or(1)};
   });
   collect_list(L, "ribbons", panel.ribbons, [&] {

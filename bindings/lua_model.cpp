@@ -157,11 +157,16 @@ void push_states(lua_State* L, const Model& model) {
 int get(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string key = check_string(L, 2);
-  if (key == "mass") push<Value>(L, {model.mass, declarations_of(model)});
-  else if (key == "restoring") push<Value>(L, {model.restoring, declarations_of(model)});
-  else if (key == "imposed_motion") lua_pushboolean(L, model.imposed_motion);
-  else if (key == "parameters") push_parameters(L, model.parameters);
-  else if (key == "states") push_states(L, model);
+  if (key == "mass")
+    push<Value>(L, {model.mass, declarations_of(model)});
+  else if (key == "restoring")
+    push<Value>(L, {model.restoring, declarations_of(model)});
+  else if (key == "imposed_motion")
+    lua_pushboolean(L, model.imposed_motion);
+  else if (key == "parameters")
+    push_parameters(L, model.parameters);
+  else if (key == "states")
+    push_states(L, model);
   else {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());

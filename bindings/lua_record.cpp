@@ -83,12 +83,18 @@ void push_channels(lua_State* L, const Record& record) {
 int get(lua_State* L) {
   const Record& record = check<Record>(L, 1);
   const std::string key = check_string(L, 2);
-  if (key == "name") push_text(L, record.name());
-  else if (key == "rows") lua_pushinteger(L, record.rows());
-  else if (key == "dt") lua_pushnumber(L, record.dt());
-  else if (key == "start") lua_pushnumber(L, record.start());
-  else if (key == "duration") lua_pushnumber(L, record.duration());
-  else if (key == "channels") push_channels(L, record);
+  if (key == "name")
+    push_text(L, record.name());
+  else if (key == "rows")
+    lua_pushinteger(L, record.rows());
+  else if (key == "dt")
+    lua_pushnumber(L, record.dt());
+  else if (key == "start")
+    lua_pushnumber(L, record.start());
+  else if (key == "duration")
+    lua_pushnumber(L, record.duration());
+  else if (key == "channels")
+    push_channels(L, record);
   else if (key == "warnings") {
     lua_newtable(L);
     lua_Integer i = 0;

@@ -92,8 +92,8 @@ void read_parameters(const Expr expr, const DeclarationsPtr& declared, RegressOp
       options.values[symbol.name()] = parameter.value;
     } else if (bounded) {
       const double middle = 0.5 * (parameter.min + parameter.max);
-      options.implicit.push_back({symbol.name(), std::isfinite(parameter.value) ? parameter.value : middle,
-                                  parameter.min, parameter.max});
+      options.implicit.push_back(
+          {symbol.name(), std::isfinite(parameter.value) ? parameter.value : middle, parameter.min, parameter.max});
     } else {
       throw InputError("regress: the parameter '" + symbol.name() +
                        "' stands in a feature or in the mass: give it min and max, to search between them, or fixed = "
@@ -106,8 +106,10 @@ void read_parameters(const Expr expr, const DeclarationsPtr& declared, RegressOp
 std::string coefficient_name(const std::string& feature) {
   std::string name = "c_";
   for (const char c : feature) {
-    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') name += c;
-    else if (c != '^' && c != ' ' && name.back() != '_') name += '_';
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_')
+      name += c;
+    else if (c != '^' && c != ' ' && name.back() != '_')
+      name += '_';
   }
   while (name.back() == '_' && name.size() > 2) name.pop_back();
   return name;
@@ -133,7 +135,8 @@ Model model_of(lua_State* L, const Regression& result, Expr mass, const RegressO
     model.restoring = model.restoring.valid() ? model.restoring + part : part;
     model.parameters.push_back(std::move(parameter));
   }
-  if (options.known.valid()) model.restoring = model.restoring.valid() ? model.restoring + options.known : options.known;
+  if (options.known.valid())
+    model.restoring = model.restoring.valid() ? model.restoring + options.known : options.known;
   if (!model.restoring.valid()) model.restoring = pool.constant(0);
   for (const Expr expr : {model.mass, model.restoring}) {
     for (const Expr symbol : symbols(expr, SymbolKind::parameter)) {
@@ -231,28 +234,44 @@ void push_texts(lua_State* L, const std::vector<Item>& items, Text text) {
   }
 }
 
-/// Fields model, terms, implicit, r2, rmse, solver, stopped, converged, condition, active, unexcited, warnings, windows.
+/// Fields model, terms, implicit, r2, rmse, solver, stopped, converged, condition, active, unexcited, warnings,
+/// windows.
 int get(lua_State* L) {
   const SolvedRegression& solved = check<SolvedRegression>(L, 1);
   const Regression& result = solved.result;
   const std::string key = check_string(L, 2);
   const auto itself = [](const std::string& text) { return text; };
   const auto text = [](const auto& item) { return item.text; };
-  if (key == "model") push<Model>(L, solved.model);
-  else if (key == "terms") push_terms(L, solved);
-  else if (key == "implicit") push_implicit(L, result);
-  else if (key == "r2") lua_pushnumber(L, result.r2);
-  else if (key == "rmse") lua_pushnumber(L, result.rmse);
-  else if (key == "condition") lua_pushnumber(L, result.fit.condition);
-  else if (key == "solver") push_text(L, result.fit.summary.solver);
-  else if (key == "stopped") push_text(L, result.fit.summary.stopped);
-  else if (key == "mode") push_text(L, result.mode);
-  else if (key == "converged") lua_pushboolean(L, result.fit.summary.converged);
-  else if (key == "restoring") push<Value>(L, {solved.model.restoring, declarations_of(solved.model)});
-  else if (key == "active") push_texts(L, result.fit.active, text);
-  else if (key == "unexcited") push_texts(L, result.fit.unexcited, text);
-  else if (key == "warnings") push_texts(L, result.warnings, itself);
-  else if (key == "windows") push_texts(L, result.windows, itself);
+  if (key == "model")
+    push<Model>(L, solved.model);
+  else if (key == "terms")
+    push_terms(L, solved);
+  else if (key == "implicit")
+    push_implicit(L, result);
+  else if (key == "r2")
+    lua_pushnumber(L, result.r2);
+  else if (key == "rmse")
+    lua_pushnumber(L, result.rmse);
+  else if (key == "condition")
+    lua_pushnumber(L, result.fit.condition);
+  else if (key == "solver")
+    push_text(L, result.fit.summary.solver);
+  else if (key == "stopped")
+    push_text(L, result.fit.summary.stopped);
+  else if (key == "mode")
+    push_text(L, result.mode);
+  else if (key == "converged")
+    lua_pushboolean(L, result.fit.summary.converged);
+  else if (key == "restoring")
+    push<Value>(L, {solved.model.restoring, declarations_of(solved.model)});
+  else if (key == "active")
+    push_texts(L, result.fit.active, text);
+  else if (key == "unexcited")
+    push_texts(L, result.fit.unexcited, text);
+  else if (key == "warnings")
+    push_texts(L, result.warnings, itself);
+  else if (key == "windows")
+    push_texts(L, result.windows, itself);
   else {
     throw InputError("a regression has no '" + key +
                      "' (fields: model restoring terms implicit r2 rmse mode condition solver stopped converged active "

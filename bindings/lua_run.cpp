@@ -201,9 +201,12 @@ int as_record(lua_State* L) {
 int get(lua_State* L) {
   const FreeRun& free = check<FreeRun>(L, 1);
   const std::string key = check_string(L, 2);
-  if (key == "summary") push_summary(L, free.run.summary);
-  else if (key == "rows") lua_pushinteger(L, free.run.x.rows());
-  else if (key == "dt") lua_pushnumber(L, free.run.dt);
+  if (key == "summary")
+    push_summary(L, free.run.summary);
+  else if (key == "rows")
+    lua_pushinteger(L, free.run.x.rows());
+  else if (key == "dt")
+    lua_pushnumber(L, free.run.dt);
   else {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());

@@ -128,21 +128,31 @@ void push_score(lua_State* L, const SurfaceScore& score) {
 int get(lua_State* L) {
   const ForceMap& map = check<ForceMap>(L, 1);
   const std::string key = check_string(L, 2);
-  if (key == "name") push_text(L, map.name);
-  else if (key == "kind") push_text(L, map.drawn().name());
-  else if (key == "restoring") push<Value>(L, {map.polynomial->expression(*runtime(L).pool()), nullptr});
-  else if (key == "coefficients") push_coefficients(L, map.polynomial->monomials());
-  else if (key == "r2") lua_pushnumber(L, map.grid ? map.grid->r2 : map.polynomial->r2);
-  else if (key == "rmse") lua_pushnumber(L, map.grid ? map.grid->rmse : map.polynomial->rmse);
-  else if (key == "left_out") push_score(L, map.score);
-  else if (key == "table") push_table(L, map);
-  else if (key == "points") push_points(L, map.points);
+  if (key == "name")
+    push_text(L, map.name);
+  else if (key == "kind")
+    push_text(L, map.drawn().name());
+  else if (key == "restoring")
+    push<Value>(L, {map.polynomial->expression(*runtime(L).pool()), nullptr});
+  else if (key == "coefficients")
+    push_coefficients(L, map.polynomial->monomials());
+  else if (key == "r2")
+    lua_pushnumber(L, map.grid ? map.grid->r2 : map.polynomial->r2);
+  else if (key == "rmse")
+    lua_pushnumber(L, map.grid ? map.grid->rmse : map.polynomial->rmse);
+  else if (key == "left_out")
+    push_score(L, map.score);
+  else if (key == "table")
+    push_table(L, map);
+  else if (key == "points")
+    push_points(L, map.points);
   else {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a surface has no '" + key +
-                       "' (fields: name kind restoring coefficients r2 rmse left_out table points; methods: at export)");
+      throw InputError(
+          "a surface has no '" + key +
+          "' (fields: name kind restoring coefficients r2 rmse left_out table points; methods: at export)");
     }
   }
   return 1;
@@ -151,11 +161,12 @@ int get(lua_State* L) {
 int to_string(lua_State* L) {
   const ForceMap& map = check<ForceMap>(L, 1);
   char text[256];
-  std::snprintf(text, sizeof text,
-                "%s surface of %lld points: R2 %.4g on the data, %.4g on blocks of time left out (%.0f %% of their points "
-                "lie where it has data)",
-                map.drawn().name().c_str(), static_cast<long long>(map.points.size()),
-                map.grid ? map.grid->r2 : map.polynomial->r2, map.score.r2, 100 * map.score.covered);
+  std::snprintf(
+      text, sizeof text,
+      "%s surface of %lld points: R2 %.4g on the data, %.4g on blocks of time left out (%.0f %% of their points "
+      "lie where it has data)",
+      map.drawn().name().c_str(), static_cast<long long>(map.points.size()),
+      map.grid ? map.grid->r2 : map.polynomial->r2, map.score.r2, 100 * map.score.covered);
   push_text(L, text);
   return 1;
 }

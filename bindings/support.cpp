@@ -81,7 +81,8 @@ void set_functions(lua_State* L, std::span<const Entry> entries) {
   }
 }
 
-void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods, std::span<const Entry> meta) {
+void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods,
+                    std::span<const Entry> meta) {
   luaL_newmetatable(L, key);
   set_functions(L, meta);
   lua_newtable(L);

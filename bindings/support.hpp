@@ -52,8 +52,10 @@ struct Entry {
 };
 /// Sets the entries as fields of the table on top of the stack.
 void set_functions(lua_State* L, std::span<const Entry> entries);
-/// Makes the metatable `key`: methods under __methods, and under __index when no metamethod is given; metamethods; a lock.
-void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods, std::span<const Entry> meta);
+/// Makes the metatable `key`: methods under __methods, and under __index when no metamethod is given; metamethods; a
+/// lock.
+void make_metatable(lua_State* L, const char* key, const char* words, std::span<const Entry> methods,
+                    std::span<const Entry> meta);
 
 namespace detail {
 void* test(lua_State* L, int index, const char* key);

@@ -58,7 +58,8 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
         part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = scaled(open[i], open[j]);
     }
     const Eigen::VectorXd solved = part.completeOrthogonalDecomposition().solve(right);
-    for (std::size_t i = 0; i < open.size(); ++i) step[open[i]] += scale[open[i]] * solved[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < open.size(); ++i)
+      step[open[i]] += scale[open[i]] * solved[static_cast<Eigen::Index>(i)];
     bool again = false;
     for (const auto j : open) {
       const auto& row = table[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])];
@@ -160,7 +161,8 @@ bool Candidate::degenerate() const {
   const auto& table = system->model().parameters;
   const std::size_t own = table.size() - added();
   for (std::size_t i = own; i < table.size(); ++i)
-    if (linear[i] && i < fit.at_bound.size() && fit.at_bound[i] && fit.theta[static_cast<Eigen::Index>(i)] == 0) return true;
+    if (linear[i] && i < fit.at_bound.size() && fit.at_bound[i] && fit.theta[static_cast<Eigen::Index>(i)] == 0)
+      return true;
   for (const auto& [i, limits] : shown) {
     const double value = fit.theta[static_cast<Eigen::Index>(i)], margin = 1e-3 * (limits.second - limits.first);
     if (value < limits.first + margin || value > limits.second - margin) return true;

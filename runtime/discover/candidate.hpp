@@ -22,17 +22,18 @@ struct Candidate {
   Choices choices;
   std::shared_ptr<const System> system, force_system;  ///< as simulated; with imposed motion, for fits of the force
   std::vector<std::uint8_t> linear;                    ///< parameters in which the force is affine, all at once
-  std::vector<std::pair<std::size_t, std::pair<double, double>>> shown;  ///< parameter, and where the record can show it
-  std::vector<Eigen::VectorXd> starts;                 ///< first guesses, the best first
-  double force_cost = 0;                               ///< squared misfit of the smoothed force at the best start
+  std::vector<std::pair<std::size_t, std::pair<double, double>>>
+      shown;                            ///< parameter, and where the record can show it
+  std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
+  double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
   FitResult fit;
   // Filled by the judge:
-  FitResult whitened;              ///< the likeliest parameters under the noise's colour
-  Eigen::VectorXd innovations;     ///< whitened residual of all records
-  double likelihood_cost = 0;      ///< squared norm of it after the whitened fit
+  FitResult whitened;           ///< the likeliest parameters under the noise's colour
+  Eigen::VectorXd innovations;  ///< whitened residual of all records
+  double likelihood_cost = 0;   ///< squared norm of it after the whitened fit
   double log_likelihood = 0;
-  Eigen::VectorXd left_out;        ///< residual of free runs on rows that the fit did not see; all records in a row
-  double left_out_gap = 0;         ///< its RMSE over std of the measured output
+  Eigen::VectorXd left_out;  ///< residual of free runs on rows that the fit did not see; all records in a row
+  double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
   bool ran() const { return std::isfinite(fit.cost); }

@@ -1,7 +1,7 @@
 #include "discover/closure.hpp"
 
-#include <Eigen/QR>
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -75,8 +75,8 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
       options.solver = Solver::fixed;
       options.substeps = candidate.whitened.substeps;
       options.cancelled = study.options->cancelled;
-      const auto run = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation,
-                                              x0, options);
+      const auto run =
+          simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation, x0, options);
       if (!run.run.summary.completed) return false;
       jacobian = run.dy.leftCols(all + fitted.size());
     }
@@ -143,7 +143,8 @@ std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Ind
   std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(m, m));
   std::vector<Eigen::VectorXd> right(static_cast<std::size_t>(parts), Eigen::VectorXd::Zero(m));
   std::vector<std::vector<Eigen::Index>> rows(static_cast<std::size_t>(parts));
-  for (Eigen::Index i = 0; i < all.rows(); ++i) rows[static_cast<std::size_t>(columns.part[static_cast<std::size_t>(i)])].push_back(i);
+  for (Eigen::Index i = 0; i < all.rows(); ++i)
+    rows[static_cast<std::size_t>(columns.part[static_cast<std::size_t>(i)])].push_back(i);
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(m, m);
   Eigen::VectorXd target = Eigen::VectorXd::Zero(m);
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -5,9 +5,9 @@
 namespace lunid {
 
 struct Closure {
-  double p_value = 1;     ///< that generic forces of y, v, slow time and fading memory explain nothing
-  double gain = 0;        ///< relative drop of the RMS of the whitened residual on left-out blocks, <= 1; < 0: none
-  std::string shape;      ///< the feature that explains most, in words
+  double p_value = 1;  ///< that generic forces of y, v, slow time and fading memory explain nothing
+  double gain = 0;     ///< relative drop of the RMS of the whitened residual on left-out blocks, <= 1; < 0: none
+  std::string shape;   ///< the feature that explains most, in words
   std::shared_ptr<const System> system;  ///< the model with the generic forces; null where they could not be run
   FitResult fit;                         ///< filled by fit_closure
 };

@@ -80,18 +80,21 @@ class Spine {
     baseline_ = compile(study_, model_, {});
     find_starts(study_, baseline_, Eigen::VectorXd(), {});
     if (baseline_.starts.empty())
-      throw InputError("discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
+      throw InputError(
+          "discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
     check_excitation();
     fit(study_, baseline_, fit_options(40));
     from_given_guess();
     if (!baseline_.ran())
-      out_.warnings.push_back("the baseline cannot be simulated over the training records (" + baseline_.fit.stopped + ")");
+      out_.warnings.push_back("the baseline cannot be simulated over the training records (" + baseline_.fit.stopped +
+                              ")");
   }
 
   void from_given_guess() {
     const std::vector<double> values = model_.values();
     if (values.empty() || !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return;
-    const Eigen::VectorXd guess = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    const Eigen::VectorXd guess =
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
     FitResult again = fit_trajectory(*baseline_.system, guess, study_.train, fit_options(40));
     if (again.cost < baseline_.fit.cost) baseline_.fit = std::move(again);
   }
@@ -125,12 +128,13 @@ class Spine {
       if (table[static_cast<std::size_t>(j)].fixed) continue;
       if (!(gram(j, j) > 0))
         throw InputError("discover: the data do not excite parameter '" + name +
-                             "': its term is zero on every row of the training records; fix it, leave it out, or use a record that reaches it",
+                             "': its term is zero on every row of the training records; fix it, leave it out, or use a "
+                             "record that reaches it",
                          {}, Fault::data);
     }
     if (mass_free && !(force > 0))
-      throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number", {},
-                       Fault::data);
+      throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number",
+                       {}, Fault::data);
     for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table);
   }
 
@@ -140,13 +144,15 @@ class Spine {
       const double left = 1 - cosine * cosine;
       const auto &a = table[static_cast<std::size_t>(i)].name, &b = table[static_cast<std::size_t>(j)].name;
       if (left < 1e-12)
-        throw InputError("discover: the data do not excite parameters '" + a + "' and '" + b +
-                             "' separately: their terms are one column on this record; fix one of them, or use a record "
-                             "with another frequency or amplitude",
-                         {}, Fault::data);
+        throw InputError(
+            "discover: the data do not excite parameters '" + a + "' and '" + b +
+                "' separately: their terms are one column on this record; fix one of them, or use a record "
+                "with another frequency or amplitude",
+            {}, Fault::data);
       if (left < 2e-3)
-        out_.warnings.push_back("the terms of " + a + " and " + b +
-                                " are nearly one column on this record (a single frequency?): only their combination is well seen");
+        out_.warnings.push_back(
+            "the terms of " + a + " and " + b +
+            " are nearly one column on this record (a single frequency?): only their combination is well seen");
     }
   }
 
@@ -158,8 +164,8 @@ class Spine {
   }
 
   /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
-  /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns the
-  /// relative drop of the squared error.
+  /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns
+  /// the relative drop of the squared error.
   double rechoose_interpolation(const Candidate& chosen) {
     if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
     const Interpolation before = study_.interpolation;
@@ -167,7 +173,8 @@ class Spine {
     const double first = raw_cost(chosen.fit);
     double cost = first;
     const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
-    for (const auto kind : {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
+    for (const auto kind :
+         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
       if (kind == before) continue;
       set_interpolation(study_, kind);
       FitOptions options = fit_options(6);
@@ -359,7 +366,7 @@ class Spine {
     out_.where = describe_residual(study_, found.baseline, found.chosen);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
-      out_.rivals.push_back({c.name(), std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)) , c.log_likelihood,
+      out_.rivals.push_back({c.name(), std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)), c.log_likelihood,
                              improvement_p_value(found.baseline, c), found.remarks[i]});
       out_.rivals.back().gap = raw_gap(c);
     }
@@ -370,12 +377,14 @@ class Spine {
     }
     check_bounds(found.chosen);
     check_by_sundials(found.chosen);
-    for (const auto& r : study_.full) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
-    for (const auto& r : study_.test) out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "test"));
+    for (const auto& r : study_.full)
+      out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
+    for (const auto& r : study_.test)
+      out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "test"));
     out_.map = residual_map(study_, found.baseline, found.chosen);
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
-    out_.solver = study_.imposed ? "none: the motion is imposed"
-                                 : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
+    out_.solver =
+        study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
     out_.noise_model = found.whitening.ar.empty()
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
@@ -396,7 +405,8 @@ class Spine {
     const auto& table = c.system->model().parameters;
     for (std::size_t i = 0; i < table.size(); ++i)
       if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
-        out_.warnings.push_back("parameter " + table[i].name + " sits at its bound " + std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
+        out_.warnings.push_back("parameter " + table[i].name + " sits at its bound " +
+                                std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
   }
 
   /// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
@@ -430,21 +440,30 @@ class Spine {
       const double share = excess > 0 ? (out_.baseline_test.value - out_.final_test.value) / excess : 0;
       std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
                     100 * std::clamp(share, 0.0, 1.0));
-      std::string out = out_.verdict == "ambiguous" ? names + " or another of equal simplicity that this record cannot tell from it" : names;
-      if (!std::isfinite(out_.baseline_test.value)) return out + ": the baseline cannot be run on the test record, the final model can";
+      std::string out = out_.verdict == "ambiguous"
+                            ? names + " or another of equal simplicity that this record cannot tell from it"
+                            : names;
+      if (!std::isfinite(out_.baseline_test.value))
+        return out + ": the baseline cannot be run on the test record, the final model can";
       return out + text + (left_.material ? "; a small repeatable force is left (" + left_.closure.shape + ")" : "");
     }
     if (out_.verdict == "nothing-missing") {
-      std::snprintf(text, sizeof text, "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
+      std::snprintf(text, sizeof text,
+                    "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
                     out_.final_test.value, out_.final_test.floor);
       const bool rough = out_.final_test.value > 3 * out_.final_test.floor;
-      return std::string("no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond chance") +
+      return std::string(
+                 "no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond "
+                 "chance") +
              (rough ? text : "");
     }
     if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
     const std::string nearest = withdrawn_.empty() ? "" : "; nearest: " + withdrawn_;
-    if (!left_.seen) return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" + nearest;
-    return "something repeatable is missing (" + left_.closure.shape + ") that no entry of the catalogue explains" + nearest;
+    if (!left_.seen)
+      return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
+             nearest;
+    return "something repeatable is missing (" + left_.closure.shape + ") that no entry of the catalogue explains" +
+           nearest;
   }
 
   const DiscoverOptions& options_;

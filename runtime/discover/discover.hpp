@@ -13,13 +13,13 @@
 namespace lunid {
 
 struct DiscoverOptions {
-  double alpha = 0.01;          ///< false-alarm level of the whole search, 0 < alpha < 0.5
-  double minimum_gain = 0.05;   ///< least relative drop of the left-out gap for which an effect is named, 0..1
-  int max_effects = 4;          ///< named one after another, >= 1
-  int blocks = 6;               ///< left-out blocks of the training records, >= 3
-  double holdout = 0.3;         ///< last part of each record held out when no test is given, 0..0.9
+  double alpha = 0.01;         ///< false-alarm level of the whole search, 0 < alpha < 0.5
+  double minimum_gain = 0.05;  ///< least relative drop of the left-out gap for which an effect is named, 0..1
+  int max_effects = 4;         ///< named one after another, >= 1
+  int blocks = 6;              ///< left-out blocks of the training records, >= 3
+  double holdout = 0.3;        ///< last part of each record held out when no test is given, 0..0.9
   std::uint64_t seed = 1;
-  int threads = 0;              ///< 0: all cores
+  int threads = 0;  ///< 0: all cores
   std::function<void(const std::string& stage, double fraction)> progress;
   const std::atomic<bool>* cancelled = nullptr;
 };
@@ -30,7 +30,7 @@ void validate(const DiscoverOptions& options);
 /// with imposed motion that of the force. NaN where the run exploded (stopped_at, cause).
 struct Gap {
   double value = 0;
-  double floor = 0;      ///< what sensor noise, input noise and first-state error alone leave
+  double floor = 0;  ///< what sensor noise, input noise and first-state error alone leave
   double floor_std = 0;
   double stopped_at = 0;
   std::string cause;
@@ -38,31 +38,31 @@ struct Gap {
 
 /// A measured record beside the free runs of baseline and final model, for figures and reports. All in SI.
 struct Comparison {
-  std::string record, role;            ///< path; "train" or "test"
-  Eigen::VectorXd t, measured, baseline, final;   ///< displacement (force with imposed motion); NaN in the lead-in
-  Eigen::VectorXd y, v;                ///< measured motion, smoothed
+  std::string record, role;                         ///< path; "train" or "test"
+  Eigen::VectorXd t, measured, baseline, final;     ///< displacement (force with imposed motion); NaN in the lead-in
+  Eigen::VectorXd y, v;                             ///< measured motion, smoothed
   Eigen::VectorXd residual_before, residual_after;  ///< force that the model leaves unexplained [N]
-  Eigen::VectorXd named_force;         ///< the named effects' force along the measured motion [N]
+  Eigen::VectorXd named_force;                      ///< the named effects' force along the measured motion [N]
 };
 
 /// A rectangle of the (y, v) plane and the mean residual force there, before and after; NaN where there is no data.
 struct ResidualMap {
-  Eigen::VectorXd y, v;                ///< cell centres
-  Eigen::MatrixXd before, after;       ///< mean residual force [N], (y index, v index)
+  Eigen::VectorXd y, v;           ///< cell centres
+  Eigen::MatrixXd before, after;  ///< mean residual force [N], (y index, v index)
   Eigen::MatrixXd count;
 };
 
 struct Rival {
   std::string name;
-  double gap = 0;          ///< over left-out blocks of the training records
+  double gap = 0;  ///< over left-out blocks of the training records
   double log_likelihood = 0;
   double p_value = 1;
-  std::string remark;      ///< why it was not named
+  std::string remark;  ///< why it was not named
 };
 
 struct NamedEffect {
   std::string name, family, formula, where, sentence;
-  std::vector<Parameter> parameters;   ///< under the entry's own names, with std
+  std::vector<Parameter> parameters;  ///< under the entry's own names, with std
   std::vector<std::string> indistinguishable;
   double gap_train = 0, gap_test = 0;
   double p_value = 1;
@@ -70,21 +70,21 @@ struct NamedEffect {
 };
 
 struct Discovery {
-  std::string verdict;         ///< explained | nothing-missing | ambiguous | unknown-effect
-  std::string sentence;        ///< the verdict in one sentence
-  std::string where;           ///< where baseline and data disagree
-  Model baseline, final;       ///< refitted, with standard deviations
+  std::string verdict;    ///< explained | nothing-missing | ambiguous | unknown-effect
+  std::string sentence;   ///< the verdict in one sentence
+  std::string where;      ///< where baseline and data disagree
+  Model baseline, final;  ///< refitted, with standard deviations
   std::vector<Parameter> baseline_before;
   Gap baseline_train, baseline_test, final_train, final_test;
   double gap_left_out_before = 0, gap_left_out_after = 0;
-  double test_p_value = 1;     ///< of "the final model's test gap is not below the baseline's"
+  double test_p_value = 1;  ///< of "the final model's test gap is not below the baseline's"
   std::vector<NamedEffect> effects;
-  std::vector<Rival> rivals;   ///< of the last round, where nothing (more) was named
+  std::vector<Rival> rivals;  ///< of the last round, where nothing (more) was named
   std::vector<std::string> warnings;
   std::vector<Comparison> comparisons;
   ResidualMap map;
   std::string interpolation, solver, noise_model;
-  double check_error = 0;      ///< largest difference of the fast path to SUNDIALS, over std(y)
+  double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;
   double seconds = 0;
 };

@@ -13,8 +13,8 @@ namespace {
 constexpr double roughest_noise = 0.3;
 
 /// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
-double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta,
-                           const FitData& data, const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
+double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                           const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
                            const SimulateOptions& options) {
   const Record& record = data.record;
   const double noise = record.channel("F").noise;
@@ -39,8 +39,8 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
                const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
   const double noise = data.record.channel("y").noise;
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
-  const auto sensitivities = simulate_sensitivities(
-      system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, state.x0, options);
+  const auto sensitivities = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(theta.size())},
+                                                    data.excitation, state.x0, options);
   if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
     const Eigen::MatrixXd d = sensitivities.dy.rightCols(system.states()).bottomRows(out.rows);
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.

@@ -10,12 +10,12 @@ Eigen::Index lead_in(const Record& record, double omega);
 /// One record beside the free run of a model.
 struct FreeRun {
   Eigen::Index lead = 0;
-  Eigen::VectorXd model;       ///< displacement (force with imposed motion); NaN in the lead-in and after a stop
-  double squares = 0;          ///< sum of squared errors after the lead-in; NaN when the run stopped
-  double variance = 0;         ///< sum of squared deviations of the measured output from its mean, same rows
-  double floor_squares = 0;    ///< what sensor noise and first-state error alone would leave
-  double floor_variance = 0;   ///< of floor_squares, from the first state
-  double input_squares = 0;    ///< what the force channel's noise would add, were it not felt by the system
+  Eigen::VectorXd model;      ///< displacement (force with imposed motion); NaN in the lead-in and after a stop
+  double squares = 0;         ///< sum of squared errors after the lead-in; NaN when the run stopped
+  double variance = 0;        ///< sum of squared deviations of the measured output from its mean, same rows
+  double floor_squares = 0;   ///< what sensor noise and first-state error alone would leave
+  double floor_variance = 0;  ///< of floor_squares, from the first state
+  double input_squares = 0;   ///< what the force channel's noise would add, were it not felt by the system
   Eigen::Index rows = 0;
   double stopped_at = 0;
   std::string cause;

@@ -38,8 +38,8 @@ std::vector<FitData> without_part(const Study& study, int part, int parts) {
   return out;
 }
 
-/// Parameters of the whitened fit are kept where they raise the error of the free run by no more than this factor. A model
-/// that lacks something has no noise to whiten: it is shown at its least error.
+/// Parameters of the whitened fit are kept where they raise the error of the free run by no more than this factor. A
+/// model that lacks something has no noise to whiten: it is shown at its least error.
 constexpr double tolerable_loss = 1.05;
 
 /// Of the plain residual [m] ([N] with imposed motion).
@@ -144,7 +144,8 @@ double vuong_z(const Candidate& a, const Candidate& b) {
   const double variance_a = a.likelihood_cost / n, variance_b = b.likelihood_cost / n;
   const Eigen::VectorXd difference =
       0.5 * (std::log(variance_b / variance_a) + b.innovations.array().square() / variance_b -
-             a.innovations.array().square() / variance_a).matrix();
+             a.innovations.array().square() / variance_a)
+                .matrix();
   const double correction = 0.5 * (a.parameters() - b.parameters()) * std::log(n);
   const double variance = long_run_variance(view(difference));
   if (!(variance > 0)) return 0;
@@ -159,7 +160,8 @@ double required_gain(const Study& study, double gap_after) {
 Eigen::Index bootstrap_block(const Study& study) {
   const auto& record = study.train.front().record;
   const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 1;
-  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * period), 5, std::max<Eigen::Index>(5, record.rows() / 20));
+  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * period), 5,
+                                  std::max<Eigen::Index>(5, record.rows() / 20));
 }
 
 double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after) {

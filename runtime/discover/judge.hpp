@@ -8,8 +8,8 @@ namespace lunid {
 /// autoregression chosen by BIC. White residuals are left as they are.
 Whitening residual_colour(const Study& study, const Candidate& candidate);
 
-/// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit becomes the
-/// whitened fit, or a plain one where the whitened free run is clearly worse.
+/// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit
+/// becomes the whitened fit, or a plain one where the whitened free run is clearly worse.
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening);
 
 /// Refits without each of options->blocks interleaved parts of the training records and fills left_out, left_out_gap.

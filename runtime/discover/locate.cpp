@@ -66,11 +66,16 @@ std::string parity(const Binned& b, const char* name) {
 }
 
 std::string quantity(double value, const char* unit) {
-  static constexpr struct { double factor; const char* prefix; } prefixes[] = {
-      {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
+  static constexpr struct {
+    double factor;
+    const char* prefix;
+  } prefixes[] = {{1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
   const auto* chosen = &prefixes[5];
   for (const auto& p : prefixes)
-    if (std::abs(value) >= p.factor) { chosen = &p; break; }
+    if (std::abs(value) >= p.factor) {
+      chosen = &p;
+      break;
+    }
   if (value == 0) chosen = &prefixes[2];
   char text[64];
   std::snprintf(text, sizeof text, "%.3g %s%s", value / chosen->factor, chosen->prefix, unit);
@@ -128,8 +133,7 @@ std::string describe_residual(const Study& study, const Candidate& candidate, co
   const double rms = standard_deviation(r);
   const Binned in_y = bin(y, r), in_v = bin(v, r);
   const std::string size = "rms " + quantity(rms, "N");
-  if (std::max(in_y.share, in_v.share) < 0.05)
-    return size + ", no dependence on displacement or velocity alone";
+  if (std::max(in_y.share, in_v.share) < 0.05) return size + ", no dependence on displacement or velocity alone";
   char percent[80];
   const bool by_y = in_y.share >= in_v.share;
   const Binned& b = by_y ? in_y : in_v;

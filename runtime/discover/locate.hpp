@@ -4,8 +4,9 @@
 
 namespace lunid {
 
-// Smoothing cuts the harmonics of the acceleration, which looks like a force. Each function therefore takes a reference,
-// the final model: what the same smoothing makes of the reference's own free run, whose residual is zero, is taken away.
+// Smoothing cuts the harmonics of the acceleration, which looks like a force. Each function therefore takes a
+// reference, the final model: what the same smoothing makes of the reference's own free run, whose residual is zero, is
+// taken away.
 
 /// Force that a model leaves unexplained along the smoothed measured motion of training record `index` [N].
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,

@@ -48,8 +48,8 @@ class Search {
                      [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
   }
 
-  /// The sets that grow by one more effect: the best on the trajectory, and the one that explains most of the force. The
-  /// two differ where one missing effect makes free runs drift so far that another does not show in them.
+  /// The sets that grow by one more effect: the best on the trajectory, and the one that explains most of the force.
+  /// The two differ where one missing effect makes free runs drift so far that another does not show in them.
   static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
     std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
     const auto by_force = std::min_element(sorted.begin(), sorted.end(), [](const Candidate& a, const Candidate& b) {
@@ -68,7 +68,8 @@ class Search {
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
-    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) && rms(after) > 1.02 * study_.sensor_noise();
+    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
+           rms(after) > 1.02 * study_.sensor_noise();
   }
 
   static bool holds(const Choices& set, const Effect* effect) {
@@ -99,7 +100,8 @@ class Search {
           if (holds(parent.choices, &effect)) continue;
           Choices set = parent.choices;
           set.push_back({&effect, variant});
-          if (std::any_of(level.begin(), level.end(), [&](const Candidate& c) { return same(c.choices, set); })) continue;
+          if (std::any_of(level.begin(), level.end(), [&](const Candidate& c) { return same(c.choices, set); }))
+            continue;
           level.push_back(compile(study_, model_, set));
           parent_of.push_back(&parent);
           guesses.push_back(guesses_of({&effect, variant}, residual_force(parent)));
@@ -150,7 +152,8 @@ class Search {
     const Eigen::VectorXd& theta = candidate.starts.front();
     for (const auto& data : study_.force) {
       Eigen::MatrixXd jacobian;
-      imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian, start_substeps);
+      imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian,
+                    start_substeps);
       gram += jacobian.transpose() * jacobian;
     }
     if (!gram.allFinite()) return true;  // the trajectory will tell
@@ -159,7 +162,8 @@ class Search {
       Eigen::VectorXd scale = gram.diagonal().head(before).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
       const Eigen::MatrixXd others = scale.asDiagonal() * gram.topLeftCorner(before, before) * scale.asDiagonal();
       const Eigen::VectorXd with = scale.asDiagonal() * gram.col(j).head(before);
-      const double left = gram(j, j) - with.dot((others + 1e-12 * Eigen::MatrixXd::Identity(before, before)).ldlt().solve(with));
+      const double left =
+          gram(j, j) - with.dot((others + 1e-12 * Eigen::MatrixXd::Identity(before, before)).ldlt().solve(with));
       if (left > 1e-6 * gram(j, j)) return true;
     }
     return before == 0;
@@ -204,14 +208,15 @@ class Search {
       result_.chosen = result_.baseline;
       return;
     }
-    const Candidate& best_raw = result_.baseline.ran() && result_.baseline.fit.cost < all_.front().fit.cost
-                                    ? result_.baseline : all_.front();
+    const Candidate& best_raw =
+        result_.baseline.ran() && result_.baseline.fit.cost < all_.front().fit.cost ? result_.baseline : all_.front();
     result_.whitening = residual_colour(study_, best_raw);
     std::vector<Candidate> field = contenders();
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
-    std::stable_sort(field.begin(), field.end(), [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
+    std::stable_sort(field.begin(), field.end(),
+                     [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
     choose(field);
   }
 
@@ -276,7 +281,8 @@ class Search {
   }
 
   /// Every effect of the chosen set must lower the left-out gap; sets shrink until that holds.
-  void accept(std::vector<Candidate>& field, Candidate chosen, const std::vector<std::size_t>& alike, std::size_t pick) {
+  void accept(std::vector<Candidate>& field, Candidate chosen, const std::vector<std::size_t>& alike,
+              std::size_t pick) {
     run_left_out(study_, result_.baseline);
     run_left_out(study_, chosen);
     while (!chosen.choices.empty()) {
@@ -359,16 +365,17 @@ class Search {
     for (const auto& x : a)
       for (const auto& y : b)
         for (const auto& [one, other] : {std::make_pair(x.effect, y.effect), std::make_pair(y.effect, x.effect)})
-          if (std::find(one->special_case_of.begin(), one->special_case_of.end(), other->name) != one->special_case_of.end())
+          if (std::find(one->special_case_of.begin(), one->special_case_of.end(), other->name) !=
+              one->special_case_of.end())
             return true;
     return false;
   }
 
   void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike, std::size_t pick) {
     for (const auto i : alike)
-      if (i != pick && field[i].parameters() == field[pick].parameters() && !same(field[i].choices, field[pick].choices) &&
-          !related(field[i].choices, field[pick].choices) && field[i].name() != field[pick].name() &&
-          std::abs(vuong_z(field[pick], field[i])) < 2.33 &&
+      if (i != pick && field[i].parameters() == field[pick].parameters() &&
+          !same(field[i].choices, field[pick].choices) && !related(field[i].choices, field[pick].choices) &&
+          field[i].name() != field[pick].name() && std::abs(vuong_z(field[pick], field[i])) < 2.33 &&
           improvement_p_value(result_.baseline, field[i]) < study_.options->alpha)
         result_.ties.push_back(field[i].name());
   }
@@ -376,9 +383,8 @@ class Search {
   /// Other sets first, best first; then those that only add to the chosen one.
   void collect_rivals(std::vector<Candidate> field, const Candidate& chosen) {
     std::stable_partition(field.begin(), field.end(), [&](const Candidate& c) {
-      return chosen.choices.empty() || !std::all_of(chosen.choices.begin(), chosen.choices.end(), [&](const Choice& x) {
-        return holds(c.choices, x.effect);
-      });
+      return chosen.choices.empty() || !std::all_of(chosen.choices.begin(), chosen.choices.end(),
+                                                    [&](const Choice& x) { return holds(c.choices, x.effect); });
     });
     std::vector<std::string> seen{chosen.name()};
     for (const auto& c : field) {
@@ -386,13 +392,18 @@ class Search {
       seen.push_back(c.name());
       std::string remark;
       const bool tie = std::find(result_.ties.begin(), result_.ties.end(), c.name()) != result_.ties.end();
-      if (tie) remark = "this record cannot tell it from " + chosen.name();
-      else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha) remark = "no better than the baseline";
-      else if (chosen.choices.empty()) remark = "does not lower the left-out gap by the least gain";
+      if (tie)
+        remark = "this record cannot tell it from " + chosen.name();
+      else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
+        remark = "no better than the baseline";
+      else if (chosen.choices.empty())
+        remark = "does not lower the left-out gap by the least gain";
       else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
         remark = "not better by what its extra parameters cost";
-      else if (vuong_z(chosen, c) > 2.33) remark = "fits worse";
-      else remark = "fits no better";
+      else if (vuong_z(chosen, c) > 2.33)
+        remark = "fits worse";
+      else
+        remark = "fits no better";
       result_.rivals.push_back(c);
       result_.remarks.push_back(remark);
     }

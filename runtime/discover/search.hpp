@@ -10,16 +10,16 @@ namespace lunid {
 
 struct SearchResult {
   Whitening whitening;
-  Candidate baseline;                 ///< judged, with left-out runs
-  Candidate chosen;                   ///< the baseline itself when nothing is named
-  std::vector<Candidate> steps;       ///< models between baseline and chosen, one effect more each; the last is chosen
-  Choices order;                      ///< the effect that each step adds
-  std::vector<Candidate> rivals;      ///< judged sets that were not chosen, best first
-  std::vector<std::string> remarks;   ///< for each rival: why not
-  std::vector<std::string> ties;      ///< rivals of equal simplicity that the record cannot tell from the chosen set
+  Candidate baseline;                ///< judged, with left-out runs
+  Candidate chosen;                  ///< the baseline itself when nothing is named
+  std::vector<Candidate> steps;      ///< models between baseline and chosen, one effect more each; the last is chosen
+  Choices order;                     ///< the effect that each step adds
+  std::vector<Candidate> rivals;     ///< judged sets that were not chosen, best first
+  std::vector<std::string> remarks;  ///< for each rival: why not
+  std::vector<std::string> ties;     ///< rivals of equal simplicity that the record cannot tell from the chosen set
   std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline
-  double p_value = 1;                 ///< of the chosen set against the baseline, corrected for the search
-  int tried = 0;                      ///< start points over which the p-value is corrected
+  double p_value = 1;                   ///< of the chosen set against the baseline, corrected for the search
+  int tried = 0;                        ///< start points over which the p-value is corrected
 };
 
 /// Searches the catalogue for what `baseline` (fitted) lacks. Changes the pool: main thread only; fits run on threads.

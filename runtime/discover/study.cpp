@@ -83,8 +83,8 @@ FitData force_data(const Record& record, Eigen::Index edge) {
   return data;
 }
 
-/// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies above
-/// holds noise alone, and F and y are averaged alike.
+/// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies
+/// above holds noise alone, and F and y are averaged alike.
 Record thinned(const Record& record) {
   const double v = standard_deviation(record["v"]);
   if (!(v > 0)) return record;
@@ -104,7 +104,8 @@ Record thinned(const Record& record) {
     channels.push_back(std::move(c));
   }
   const double half = 0.5 * record.dt() * static_cast<double>(rows - 1);
-  return derive_motion(Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows), std::move(channels)));
+  return derive_motion(
+      Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows), std::move(channels)));
 }
 
 }  // namespace

@@ -14,19 +14,19 @@ using moments::standard_deviation;
 struct Study {
   const DiscoverOptions* options = nullptr;
   bool imposed = false;
-  std::vector<FitData> train;      ///< means over rows where a record is sampled far faster than it moves
-  std::vector<Record> full;        ///< training records at their own rate, for gaps and figures
+  std::vector<FitData> train;  ///< means over rows where a record is sampled far faster than it moves
+  std::vector<Record> full;    ///< training records at their own rate, for gaps and figures
   std::vector<Record> test;
-  std::vector<Record> smooth;      ///< training records with y v a F through one Savitzky-Golay kernel
-  std::vector<FitData> force;      ///< the same for fits of the force; edges of the kernel left out
+  std::vector<Record> smooth;  ///< training records with y v a F through one Savitzky-Golay kernel
+  std::vector<FitData> force;  ///< the same for fits of the force; edges of the kernel left out
   std::vector<std::string> warnings;
-  double omega = 0;                ///< dominant angular frequency [rad/s]
+  double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
   Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
 
   const std::string output() const { return imposed ? "F" : "y"; }
-  double measured_std() const;     ///< of the output, over the training records
-  double sensor_noise() const;     ///< of the output, over the training records
+  double measured_std() const;  ///< of the output, over the training records
+  double sensor_noise() const;  ///< of the output, over the training records
 };
 
 /// Cuts the holdout, checks the records (rows, motion, force, channels) and smooths them. Throws InputError.

@@ -43,16 +43,27 @@ json model(const Model& m, const Gap& train, const Gap& test) {
 }
 
 json effect(const NamedEffect& e) {
-  json out = {{"name", e.name}, {"family", e.family}, {"formula", e.formula}, {"parameters", parameters(e.parameters)},
-              {"indistinguishable", e.indistinguishable}, {"where", e.where}, {"sentence", e.sentence},
-              {"p_value", e.p_value}, {"gap_train", number(e.gap_train)}, {"gap_test", number(e.gap_test)}};
-  if (!std::isfinite(e.gap_train) || !std::isfinite(e.gap_test)) out["cause"] = "the free run of this step stopped early";
+  json out = {{"name", e.name},
+              {"family", e.family},
+              {"formula", e.formula},
+              {"parameters", parameters(e.parameters)},
+              {"indistinguishable", e.indistinguishable},
+              {"where", e.where},
+              {"sentence", e.sentence},
+              {"p_value", e.p_value},
+              {"gap_train", number(e.gap_train)},
+              {"gap_test", number(e.gap_test)}};
+  if (!std::isfinite(e.gap_train) || !std::isfinite(e.gap_test))
+    out["cause"] = "the free run of this step stopped early";
   return out;
 }
 
 json rival(const Rival& r) {
-  json out = {{"name", r.name}, {"gap", number(r.gap)}, {"log_likelihood", number(r.log_likelihood)},
-              {"p_value", r.p_value}, {"remark", r.remark}};
+  json out = {{"name", r.name},
+              {"gap", number(r.gap)},
+              {"log_likelihood", number(r.log_likelihood)},
+              {"p_value", r.p_value},
+              {"remark", r.remark}};
   if (!std::isfinite(r.gap)) out["cause"] = "its free run stopped early";
   return out;
 }
@@ -68,20 +79,27 @@ json to_json(const Discovery& d) {
   out["rivals"] = json::array();
   for (const auto& r : d.rivals) out["rivals"].push_back(rival(r));
   out["final"] = model(d.final, d.final_train, d.final_test);
-  out["noise_floor"] = {{"gap_train", number(d.final_train.floor)}, {"gap_test", number(d.final_test.floor)},
+  out["noise_floor"] = {{"gap_train", number(d.final_train.floor)},
+                        {"gap_test", number(d.final_test.floor)},
                         {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))}};
   if (!std::isfinite(d.final_train.floor) || !std::isfinite(d.final_test.floor))
     out["noise_floor"]["reason"] = "the final model's run stopped early";
-  out["left_out"] = {{"gap_before", number(d.gap_left_out_before)}, {"gap_after", number(d.gap_left_out_after)},
+  out["left_out"] = {{"gap_before", number(d.gap_left_out_before)},
+                     {"gap_after", number(d.gap_left_out_after)},
                      {"meaning", "free runs, rows of the training records that the fit did not see"}};
   if (!std::isfinite(d.gap_left_out_before) || !std::isfinite(d.gap_left_out_after))
     out["left_out"]["reason"] = "a free run stopped early";
   out["test_p_value"] = d.test_p_value;
   out["warnings"] = d.warnings;
-  out["method"] = {{"gap", "RMSE of the free-run output over the standard deviation of the measured one, first state from a lead-in"},
-                   {"force_between_samples", d.interpolation}, {"solver", d.solver}, {"noise", d.noise_model}};
+  out["method"] = {
+      {"gap",
+       "RMSE of the free-run output over the standard deviation of the measured one, first state from a lead-in"},
+      {"force_between_samples", d.interpolation},
+      {"solver", d.solver},
+      {"noise", d.noise_model}};
   if (!d.check_solver.empty())
-    out["method"]["check"] = {{"solver", d.check_solver}, {"largest_difference", number(d.check_error)},
+    out["method"]["check"] = {{"solver", d.check_solver},
+                              {"largest_difference", number(d.check_error)},
                               {"meaning", "integration only: same tape, same force between samples; over std(y)"}};
   out["seconds"] = d.seconds;
   return out;

@@ -10,8 +10,8 @@ namespace lunid {
 
 namespace {
 
-/// "20.9(3)", "8.806(37)e5": the value to the last digit that its standard deviation leaves standing, and that deviation in
-/// units of it: one digit, two where it begins with 1.
+/// "20.9(3)", "8.806(37)e5": the value to the last digit that its standard deviation leaves standing, and that
+/// deviation in units of it: one digit, two where it begins with 1.
 std::string value_with_std(const Parameter& p) {
   char text[96];
   if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) {
@@ -89,7 +89,8 @@ std::string to_terminal(const Discovery& d) {
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.name + "  " + e.formula + ", " + list(e.parameters));
-    line("", "gap  train " + number(train) + " -> " + number(e.gap_train) + "   test " + number(test) + " -> " + number(e.gap_test));
+    line("", "gap  train " + number(train) + " -> " + number(e.gap_train) + "   test " + number(test) + " -> " +
+                 number(e.gap_test));
     if (!e.indistinguishable.empty()) {
       std::string names;
       for (const auto& n : e.indistinguishable) names += (names.empty() ? "" : ", ") + n;
@@ -100,8 +101,8 @@ std::string to_terminal(const Discovery& d) {
   }
   line("equation", d.final.equation());
   if (!d.effects.empty()) line("", list(d.final.parameters));
-  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " + number(d.gap_left_out_after) +
-                  "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
+  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " +
+                  number(d.gap_left_out_after) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
   line("verdict", d.verdict + ": " + d.sentence);
   return out.str();
 }

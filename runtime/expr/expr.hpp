@@ -26,10 +26,35 @@ namespace lunid {
 
 /// One row per operation in op.cpp: name, arity, value, derivative, printing.
 enum class Op : std::uint8_t {
-  constant, symbol,
-  add, sub, mul, div, pow, neg,
-  sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, exp, log, sqrt, abs, sign,
-  min, max, greater, less, greater_equal, less_equal, where,
+  constant,
+  symbol,
+  add,
+  sub,
+  mul,
+  div,
+  pow,
+  neg,
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan,
+  sinh,
+  cosh,
+  tanh,
+  exp,
+  log,
+  sqrt,
+  abs,
+  sign,
+  min,
+  max,
+  greater,
+  less,
+  greater_equal,
+  less_equal,
+  where,
 };
 
 /// What a symbol stands for. A node holds identity only (kind and name): values, bounds and units live in the
@@ -132,10 +157,9 @@ enum class Format { plain, latex, c, lua };
 /// functions as lunid.sin(...). Constants print in the fewest digits that read back to the same double.
 std::string to_text(Expr f, Format format = Format::plain);
 
-/// Reads the plain form (nested at most 200 levels). `y v a t F` (and yb vb ab, y1 v1 a1 F1 ...) are channels (degrees of freedom count
-/// from 1: F0 is no channel), pi is the number, a name already known to the pool keeps its kind, any other identifier
-/// becomes a parameter.
-/// Throws InputError with the 1-based column in the text, e.g.
+/// Reads the plain form (nested at most 200 levels). `y v a t F` (and yb vb ab, y1 v1 a1 F1 ...) are channels (degrees
+/// of freedom count from 1: F0 is no channel), pi is the number, a name already known to the pool keeps its kind, any
+/// other identifier becomes a parameter. Throws InputError with the 1-based column in the text, e.g.
 ///   `--restoring:1:7: unknown function 'sine', did you mean 'sin'?`  (source = "--restoring").
 Expr parse(Pool& pool, std::string_view text, std::string_view source = "expression");
 

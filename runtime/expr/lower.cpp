@@ -70,9 +70,7 @@ class Lowering {
     }
   }
 
-  static Expr opposite(Expr g) {
-    return g.op() == Op::sub ? g.arguments()[1] - g.arguments()[0] : -g;
-  }
+  static Expr opposite(Expr g) { return g.op() == Op::sub ? g.arguments()[1] - g.arguments()[0] : -g; }
 
   /// Switches in order of first appearance, so that a tape with more outputs starts with the switches of a tape
   /// with fewer. A g and its negative are one switch: they cross zero together.
@@ -83,9 +81,12 @@ class Lowering {
       const auto known = switch_of_.find(g.id());
       const auto reversed = switch_of_.find(opposite(g).id());
       Switch at{static_cast<std::uint32_t>(values_.switching_functions.size()), false};
-      if (known != switch_of_.end()) at = known->second;
-      else if (reversed != switch_of_.end()) at = {reversed->second.index, !reversed->second.reversed};
-      else values_.switching_functions.push_back(g);
+      if (known != switch_of_.end())
+        at = known->second;
+      else if (reversed != switch_of_.end())
+        at = {reversed->second.index, !reversed->second.reversed};
+      else
+        values_.switching_functions.push_back(g);
       switch_of_.emplace(g.id(), at);
       node_switch_.emplace(node.id(), at);
     }
@@ -125,8 +126,9 @@ class Lowering {
 
   std::uint32_t integer_power_of(Expr node, int n) {
     const std::uint32_t base = value(node.arguments()[0]);
-    const std::uint32_t product = integer_power(
-        base, n < 0 ? -n : n, [this](std::uint32_t a, std::uint32_t b) { return emit({Code::mul, a, b}); });
+    const std::uint32_t product = integer_power(base, n < 0 ? -n : n, [this](std::uint32_t a, std::uint32_t b) {
+      return emit({Code::mul, a, b});
+    });
     return n < 0 ? emit({Code::div, constant(node.pool().constant(1)), product}) : product;
   }
 
@@ -152,8 +154,7 @@ class Lowering {
       case Op::less: return Code::less;
       case Op::greater_equal: return Code::greater_equal;
       case Op::less_equal: return Code::less_equal;
-      case Op::where:
-        return row_of(node.arguments()[0].op()).kind == OpClass::comparison ? Code::select : Code::where;
+      case Op::where: return row_of(node.arguments()[0].op()).kind == OpClass::comparison ? Code::select : Code::where;
       default: return Code::call;
     }
   }

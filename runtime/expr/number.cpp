@@ -41,9 +41,9 @@ Written write_latex_number(const std::string& text, int level) {
   return {mantissa + " \\times " + power, bind::product};
 }
 
-constexpr std::array greek = {"alpha", "beta",  "gamma", "delta", "epsilon", "zeta", "eta",  "theta",
-                              "kappa", "lambda", "mu",   "nu",    "xi",      "rho",  "sigma", "tau",
-                              "phi",   "chi",   "psi",   "omega", "pi"};
+constexpr std::array greek = {"alpha", "beta",  "gamma",  "delta", "epsilon", "zeta",  "eta",
+                              "theta", "kappa", "lambda", "mu",    "nu",      "xi",    "rho",
+                              "sigma", "tau",   "phi",    "chi",   "psi",     "omega", "pi"};
 
 std::string latex_word(const std::string& word) {
   if (std::find(greek.begin(), greek.end(), word) != greek.end()) return "\\" + word;

@@ -39,10 +39,9 @@ Expr power_slope(Expr f, const Expr* d) {
   return plus(base, exponent);
 }
 
-Expr greater(Expr f) {
-  return f.pool().apply(Op::greater, f.arguments());
-}
+Expr greater(Expr f) { return f.pool().apply(Op::greater, f.arguments()); }
 
+// clang-format off
 // Values and derivatives, short enough for a row: a, b, c are the arguments; f the node, d the derivatives.
 #define VALUE(expression) [](double a, double b, double c) -> double { (void)a, (void)b, (void)c; return expression; }
 #define SLOPE(expression) \
@@ -68,7 +67,6 @@ constexpr OpRow comparison_row(Op op, const char* name, double (*value)(double, 
           {bind::comparison, pattern}, call_only};
 }
 
-// clang-format off
 const std::array rows = {
   OpRow{Op::constant, "constant", 0, OpClass::leaf, nullptr, nullptr, {}, {}, {}, {}},
   OpRow{Op::symbol, "symbol", 0, OpClass::leaf, nullptr, nullptr, {}, {}, {}, {}},

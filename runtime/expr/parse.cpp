@@ -10,9 +10,7 @@ namespace {
 /// Recursive descent over the grammar of expr.hpp, one function per rule.
 class Parser {
  public:
-  Parser(Pool& pool, std::string_view text, std::string_view source) : pool_(pool), scan_(text, source) {
-    advance();
-  }
+  Parser(Pool& pool, std::string_view text, std::string_view source) : pool_(pool), scan_(text, source) { advance(); }
 
   Expr parse() {
     if (token_.kind == TokenKind::end) fail("expected an expression, got nothing");
@@ -36,11 +34,16 @@ class Parser {
   Expr comparison() {
     const Expr left = sum();
     Op op;
-    if (is(">")) op = Op::greater;
-    else if (is("<")) op = Op::less;
-    else if (is(">=")) op = Op::greater_equal;
-    else if (is("<=")) op = Op::less_equal;
-    else return left;
+    if (is(">"))
+      op = Op::greater;
+    else if (is("<"))
+      op = Op::less;
+    else if (is(">="))
+      op = Op::greater_equal;
+    else if (is("<="))
+      op = Op::less_equal;
+    else
+      return left;
     advance();
     return pool_.apply(op, {left, sum()});
   }
@@ -180,8 +183,6 @@ class Parser {
 
 }  // namespace
 
-Expr parse(Pool& pool, std::string_view text, std::string_view source) {
-  return Parser(pool, text, source).parse();
-}
+Expr parse(Pool& pool, std::string_view text, std::string_view source) { return Parser(pool, text, source).parse(); }
 
 }  // namespace lunid

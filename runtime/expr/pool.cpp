@@ -49,8 +49,7 @@ const char* word_of(SymbolKind kind) {
 
 void check_name(std::string_view name, SymbolKind kind) {
   const std::string quoted = "'" + std::string(name) + "'";
-  if (!is_identifier(name))
-    throw InputError("name " + quoted + ": expected a letter or _, then letters, digits or _");
+  if (!is_identifier(name)) throw InputError("name " + quoted + ": expected a letter or _, then letters, digits or _");
   if (is_reserved(name)) throw InputError("name " + quoted + ": is a word of the language, choose another");
   if (kind != SymbolKind::channel && is_channel_name(name))
     throw InputError("name " + quoted + ": is a channel, not a " + word_of(kind) + "; choose another name");

@@ -14,8 +14,10 @@ class Printer {
     while (!pending_.empty()) {
       const Piece piece = pending_.back();
       pending_.pop_back();
-      if (piece.node.valid()) write(piece.node, piece.level);
-      else text_ += piece.text;
+      if (piece.node.valid())
+        write(piece.node, piece.level);
+      else
+        text_ += piece.text;
     }
     return std::move(text_);
   }
@@ -34,13 +36,14 @@ class Printer {
     const Notation& notation = notation_of(row);
     const bool in_parentheses = notation.level < demanded;
     if (in_parentheses) open();
-    if (notation.pattern) write_pattern(node, notation.pattern);
-    else write_call(node, row.name);
+    if (notation.pattern)
+      write_pattern(node, notation.pattern);
+    else
+      write_call(node, row.name);
   }
 
   void write_leaf(Expr node, int demanded) {
-    const Written leaf =
-        node.is_constant() ? write_number(node.value(), format_) : write_name(node.name(), format_);
+    const Written leaf = node.is_constant() ? write_number(node.value(), format_) : write_name(node.name(), format_);
     if (leaf.level < demanded) open();
     text_ += leaf.text;
   }

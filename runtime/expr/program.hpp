@@ -13,8 +13,15 @@ namespace lunid {
 /// Instructions. Fused ones round each operation on its own: the same bits as the single ones. a, b, c, d are
 /// operands; switching instructions hold the switch in d.
 enum class Code : std::uint32_t {
-  input, constant,  // no instructions: registers that are set before the run
-  copy, add, sub, mul, div, neg, sqrt,
+  input,
+  constant,  // no instructions: registers that are set before the run
+  copy,
+  add,
+  sub,
+  mul,
+  div,
+  neg,
+  sqrt,
   mul3,         // (a*b)*c
   mul_add,      // a*b + c
   mul_sub,      // a*b - c
@@ -24,7 +31,15 @@ enum class Code : std::uint32_t {
   sub_sum,      // d - (a*b + c): the force less a restoring force
   call,         // the value function of operation d on a, b, c
   select,       // c where a fails, b where it holds; a is a comparison
-  sign, abs, min, max, greater, less, greater_equal, less_equal, where,
+  sign,
+  abs,
+  min,
+  max,
+  greater,
+  less,
+  greater_equal,
+  less_equal,
+  where,
   done,
 };
 

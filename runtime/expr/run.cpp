@@ -33,6 +33,7 @@ int told(const std::int8_t* mode, std::uint32_t switch_operand) {
 /// which branch predictors learn far better than one common switch.
 template <bool frozen>
 void execute(const Instruction* at, double* r, const std::int8_t* mode) noexcept {
+  // clang-format off
   static constexpr void* const labels[] = {
       nullptr,   nullptr,  &&do_copy,        &&do_add,         &&do_sub,         &&do_mul,  &&do_div,    &&do_neg,
       &&do_sqrt, &&do_mul3, &&do_mul_add,    &&do_mul_sub,     &&do_sub_mul, &&do_mul_add_mul, &&do_mul_sub_mul, &&do_sub_sum,
@@ -72,6 +73,7 @@ do_greater_equal: { const int m = MODE; DST = m ? m > 0 : branch::greater_equal(
 do_less_equal: { const int m = MODE; DST = m ? m > 0 : branch::greater_equal(B, A); } NEXT;
 do_where: { const int m = MODE; DST = m ? (m > 0 ? B : C) : branch::where(A, B, C); } NEXT;
 do_done: return;
+  // clang-format on
 #undef NEXT
 #undef A
 #undef B

@@ -59,10 +59,10 @@ Token Scanner::number() {
     const bool product = (std::isalpha(static_cast<unsigned char>(rest[0])) || rest[0] == '_') && rest != "e" &&
                          rest != "E" && typed[0] + std::string(1, rest[0]) != "0x" &&
                          rest.find('.') == std::string::npos;
-    fail(first, "malformed number '" + typed + "'" +
-                    (product ? ", write '" + typed.substr(0, typed.size() - rest.size()) + "*" + rest +
-                                   "' for a product"
-                             : ""));
+    fail(first,
+         "malformed number '" + typed + "'" +
+             (product ? ", write '" + typed.substr(0, typed.size() - rest.size()) + "*" + rest + "' for a product"
+                      : ""));
   }
   if (error == std::errc::result_out_of_range) fail(first, "number '" + typed + "' is beyond the range of a double");
   return {TokenKind::number, text_.substr(first, at_ - first), value, first};

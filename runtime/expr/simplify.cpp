@@ -34,8 +34,7 @@ Expr negate(Pool& pool, Expr a) {
   std::vector<Expr> spine;
   for (; is_product(a); a = a.arguments()[0]) spine.push_back(a);
   Expr result = a.is_constant() ? pool.constant(-a.value()) : a.op() == Op::neg ? a.arguments()[0] : -a;
-  for (auto at = spine.rbegin(); at != spine.rend(); ++at)
-    result = pool.apply(at->op(), {result, at->arguments()[1]});
+  for (auto at = spine.rbegin(); at != spine.rend(); ++at) result = pool.apply(at->op(), {result, at->arguments()[1]});
   return result;
 }
 
@@ -69,8 +68,7 @@ Expr simplify_abs(Pool& pool, Expr a) {
 }  // namespace
 
 Expr simplify(Pool& pool, Op op, std::span<const Expr> x) {
-  if (all_constant(x))
-    return pool.constant(row_of(op).value(value_at(x, 0), value_at(x, 1), value_at(x, 2)));
+  if (all_constant(x)) return pool.constant(row_of(op).value(value_at(x, 0), value_at(x, 1), value_at(x, 2)));
   switch (op) {
     case Op::add:
     case Op::sub: return simplify_sum(pool, op, x[0], x[1]);

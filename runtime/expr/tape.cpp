@@ -20,8 +20,7 @@ Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
   program->values = assemble(values, program->layout, results);
   program->complete = assemble(values, program->layout, all);
   program->switches = assemble(values, program->layout, switches);
-  program->registers =
-      std::max({program->values.registers, program->complete.registers, program->switches.registers});
+  program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers});
   program_ = std::move(program);
 }
 

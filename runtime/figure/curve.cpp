@@ -48,14 +48,10 @@ Point along(Point a, Point b, double t) { return {a.x + t * (b.x - a.x), a.y + t
 /// Lengths of ink and gap in turn, in line widths.
 std::vector<double> pattern(Style style) {
   switch (style) {
-    case Style::dashed:
-      return {4.5, 2.4};
-    case Style::dotted:
-      return {1.0, 1.7};
-    case Style::dash_dot:
-      return {5.0, 1.8, 1.0, 1.8};
-    default:
-      return {};
+    case Style::dashed: return {4.5, 2.4};
+    case Style::dotted: return {1.0, 1.7};
+    case Style::dash_dot: return {5.0, 1.8, 1.0, 1.8};
+    default: return {};
   }
 }
 

@@ -42,19 +42,16 @@ class BarPainter {
     const double from = at(plan_.x.scale == Scale::log ? plan_.x.range.low : 0.0), to = at(value);
     const double half = 0.46 * thickness_;
     const double bottom = plan_.at(0.0, row - half).y, top = plan_.at(0.0, row + half).y;
-    canvas_.rectangle({std::min(from, to), bottom, std::max(from, to), top},
-                      role_colour(set.role, look_.theme));
+    canvas_.rectangle({std::min(from, to), bottom, std::max(from, to), top}, role_colour(set.role, look_.theme));
     double beyond = to, short_of = to;
     if (!set.error.empty() && std::isfinite(set.error[i])) {
       const double low = at(value - set.error[i]), high = at(value + set.error[i]), y = 0.5 * (bottom + top);
       canvas_.line({low, y}, {high, y}, look_.palette.ink, look_.frame);
-      for (const double x : {low, high})
-        canvas_.line({x, y - 2.5}, {x, y + 2.5}, look_.palette.ink, look_.frame);
+      for (const double x : {low, high}) canvas_.line({x, y - 2.5}, {x, y + 2.5}, look_.palette.ink, look_.frame);
       beyond = value < 0.0 ? low : high;
       short_of = value < 0.0 ? high : low;
     }
-    number(value, {from, short_of, beyond}, 0.5 * (bottom + top),
-           std::min(look_.tick_text, 1.1 * (top - bottom)));
+    number(value, {from, short_of, beyond}, 0.5 * (bottom + top), std::min(look_.tick_text, 1.1 * (top - bottom)));
   }
 
   /// Where a bar begins, and where its whisker begins and ends.
@@ -67,16 +64,13 @@ class BarPainter {
     const std::string text = three_digits(value / plan_.x.factor);
     const double width = meter_.width(text, size, false) + 2.0 * look_.gap;
     int side = value < 0.0 ? 1 : -1;
-    const bool leaves =
-        side > 0 ? bar.beyond - width < plan_.plot.left : bar.beyond + width > plan_.plot.right;
+    const bool leaves = side > 0 ? bar.beyond - width < plan_.plot.left : bar.beyond + width > plan_.plot.right;
     const bool within = leaves && std::abs(bar.short_of - bar.root) > width;
     if (within) side = -side;
     const double end = within ? bar.short_of : bar.beyond;
-    canvas_.text({end - side * look_.gap, y}, text,
-                 {.size = size,
-                  .colour = within ? Colour{255, 255, 255} : look_.palette.ink,
-                  .across = side,
-                  .upward = 0});
+    canvas_.text(
+        {end - side * look_.gap, y}, text,
+        {.size = size, .colour = within ? Colour{255, 255, 255} : look_.palette.ink, .across = side, .upward = 0});
   }
 
   Canvas& canvas_;

@@ -6,9 +6,8 @@ void draw_figure(Canvas& canvas, TextMeter& meter, const Look& look, const Figur
   canvas.rectangle({0.0, 0.0, plan.extent.x, plan.extent.y}, look.palette.background);
   double y = plan.extent.y - look.margin;
   for (const std::string& line : plan.heading) {
-    canvas.text(
-        {look.margin, y}, line,
-        {.size = look.heading_text, .bold = true, .colour = look.palette.ink, .across = -1, .upward = 1});
+    canvas.text({look.margin, y}, line,
+                {.size = look.heading_text, .bold = true, .colour = look.palette.ink, .across = -1, .upward = 1});
     y -= line_height(look.heading_text);
   }
   draw_strip(canvas, meter, look, plan.legend, look.margin, y);

@@ -24,9 +24,7 @@ void hatch(Canvas& canvas, const Look& look, const PanelPlan& plan, const Box& b
   }
 }
 
-bool same(const Colour& a, const Colour& b) {
-  return a.red == b.red && a.green == b.green && a.blue == b.blue;
-}
+bool same(const Colour& a, const Colour& b) { return a.red == b.red && a.green == b.green && a.blue == b.blue; }
 
 class MapPainter {
  public:
@@ -96,8 +94,7 @@ void outline(Canvas& canvas, const Look& look, const Box& box) {
 }
 
 /// The lines of the colour bar's title, side by side. A word that is longer than the bar is written smaller.
-void draw_colour_title(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan,
-                       const Box& bar) {
+void draw_colour_title(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan, const Box& bar) {
   double x = bar.right + look.tick_length + 1.7 * look.gap + widest_label(meter, look, *plan.colour);
   for (const std::string& line : plan.colour_title) {
     const double size = fitting_size(meter, line, look.axis_text, bar.height());
@@ -119,12 +116,10 @@ void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, boo
   constexpr int steps = 128;
   for (int i = 0; i < steps; ++i) {
     const double share = (i + 0.5) / steps;
-    const double value = axis.scale == Scale::log
-                             ? axis.range.low * std::pow(axis.range.high / axis.range.low, share)
-                             : axis.range.low + share * (axis.range.high - axis.range.low);
+    const double value = axis.scale == Scale::log ? axis.range.low * std::pow(axis.range.high / axis.range.low, share)
+                                                  : axis.range.low + share * (axis.range.high - axis.range.low);
     const double bottom = bar.bottom + bar.height() * i / steps;
-    const double top =
-        std::min(bar.top, bar.bottom + bar.height() * (i + 1) / steps + (i + 1 < steps ? 0.3 : 0.0));
+    const double top = std::min(bar.top, bar.bottom + bar.height() * (i + 1) / steps + (i + 1 < steps ? 0.3 : 0.0));
     canvas.rectangle({bar.left, bottom, bar.right, top},
                      map_colour(colour_position(axis, diverging, value), diverging));
   }
@@ -146,8 +141,8 @@ void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPla
     canvas.rectangle(swatch, look.palette.no_data);
     hatch(canvas, look, plan, swatch);
     outline(canvas, look, swatch);
-    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)},
-                "no data", {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
+    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)}, "no data",
+                {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
   }
   draw_colour_bar(canvas, look, *plan.colour, plan.panel->map->diverging, bar);
   draw_colour_title(canvas, meter, look, plan, bar);

@@ -61,8 +61,7 @@ class PanelPainter {
       const Point corners[] = {held(plan_.at(r.x[i - 1], r.low[i - 1])), held(plan_.at(r.x[i], r.low[i])),
                                held(plan_.at(r.x[i], r.high[i])), held(plan_.at(r.x[i - 1], r.high[i - 1]))};
       const bool drawn = std::all_of(std::begin(corners), std::end(corners), [&](Point p) {
-        return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 &&
-               p.x <= plot.right + 1e-6;
+        return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 && p.x <= plot.right + 1e-6;
       });
       if (drawn) canvas_.polygon(corners, colour);
     }

@@ -26,9 +26,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string axis_text(const Axis& axis) {
-  return axis.name + (axis.unit.empty() ? "" : " [" + axis.unit + "]");
-}
+std::string axis_text(const Axis& axis) { return axis.name + (axis.unit.empty() ? "" : " [" + axis.unit + "]"); }
 
 /// Long-form rows of a figure.
 class Table {
@@ -83,8 +81,8 @@ void add_panel(Table& table, std::size_t n, const Panel& panel) {
   if (panel.bars)
     for (const BarSet& set : panel.bars->set)
       for (std::size_t i = 0; i < set.value.size(); ++i)
-        table.row(n, "bar", set.label, shown(set.value[i]), set.error.empty() ? absent : shown(set.error[i]),
-                  absent, panel.bars->name[i]);
+        table.row(n, "bar", set.label, shown(set.value[i]), set.error.empty() ? absent : shown(set.error[i]), absent,
+                  panel.bars->name[i]);
   for (const Band& band : panel.bands) table.row(n, "band", band.label, shown(band.from), shown(band.to));
   for (const ReferenceLine& line : panel.lines) {
     if (line.vertical)

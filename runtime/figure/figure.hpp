@@ -15,20 +15,7 @@ inline constexpr double no_limit = std::numeric_limits<double>::quiet_NaN();
 
 /// What a curve means; decides its colour (Okabe-Ito palette), the same in every figure. `first` to `sixth`
 /// are for curves that have no such meaning.
-enum class Role {
-  measured,
-  baseline,
-  final,
-  residual,
-  effect,
-  noise,
-  first,
-  second,
-  third,
-  fourth,
-  fifth,
-  sixth
-};
+enum class Role { measured, baseline, final, residual, effect, noise, first, second, third, fourth, fifth, sixth };
 
 /// How a curve is drawn. Curves that share a panel should differ in style as well as in colour.
 enum class Style { line, dashed, dotted, dash_dot, points, line_points };
@@ -116,8 +103,7 @@ struct Bars {
 /// used.
 struct Panel {
   std::string title;
-  std::string
-      note;  ///< one short line above the panel, on the right: a number to remember, such as "gap 0.05"
+  std::string note;  ///< one short line above the panel, on the right: a number to remember, such as "gap 0.05"
   Axis x;
   Axis y;
   Legend legend = Legend::automatic;

@@ -42,9 +42,8 @@ Format format_of(const std::string& path, std::initializer_list<std::pair<const 
     if (extension == name) return format;
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  throw InputError(
-      "expected a file name that ends in " + names + ", got '" + fs::path(path).filename().string() + "'",
-      {path});
+  throw InputError("expected a file name that ends in " + names + ", got '" + fs::path(path).filename().string() + "'",
+                   {path});
 }
 
 void write(const Drawing& drawing, const std::string& path) {
@@ -74,8 +73,7 @@ Renderer& FigureModule::renderer() {
 
 void FigureModule::render(const Figure& figure, const std::string& path) {
   validate(figure);
-  const Format format =
-      format_of(path, {{".png", Format::png}, {".svg", Format::svg}, {".pdf", Format::pdf}});
+  const Format format = format_of(path, {{".png", Format::png}, {".svg", Format::svg}, {".pdf", Format::pdf}});
   write(renderer().draw(figure, format), path);
 }
 

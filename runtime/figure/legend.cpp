@@ -46,11 +46,9 @@ void draw_entry(Canvas& canvas, const Look& look, const LegendEntry& entry, doub
 
 Box corner_box(TextMeter& meter, const Look& look, const PanelPlan& plan, Legend corner) {
   double width = 0.0;
-  for (const LegendEntry& entry : plan.legend.entries)
-    width = std::max(width, entry_width(meter, look, entry));
+  for (const LegendEntry& entry : plan.legend.entries) width = std::max(width, entry_width(meter, look, entry));
   width += 2.0 * padding;
-  const double height =
-      static_cast<double>(plan.legend.entries.size()) * line_height(look.legend_text) + padding;
+  const double height = static_cast<double>(plan.legend.entries.size()) * line_height(look.legend_text) + padding;
   const double inset = 5.0;
   const bool left = corner == Legend::top_left || corner == Legend::bottom_left;
   const bool top = corner == Legend::top_left || corner == Legend::top_right;
@@ -168,8 +166,7 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
     return settle_legend(meter, look, plan);
   }
   const Obstacles obstacles(plan);
-  for (const Legend corner :
-       {Legend::top_right, Legend::top_left, Legend::bottom_right, Legend::bottom_left}) {
+  for (const Legend corner : {Legend::top_right, Legend::top_left, Legend::bottom_right, Legend::bottom_left}) {
     const Box box = corner_box(meter, look, plan, corner);
     const bool fits = box.width() < 0.6 * plan.plot.width() && box.height() < 0.6 * plan.plot.height();
     if (!fits || !obstacles.free(box)) continue;
@@ -186,8 +183,8 @@ void settle_legend(TextMeter& meter, const Look& look, PanelPlan& plan) {
     legend.box = corner_box(meter, look, plan, legend.place);
 }
 
-void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look,
-                const std::vector<std::vector<LegendEntry>>& rows, double left, double top) {
+void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look, const std::vector<std::vector<LegendEntry>>& rows,
+                double left, double top) {
   double middle = top - 0.5 * line_height(look.legend_text);
   for (const std::vector<LegendEntry>& row : rows) {
     double x = left;

@@ -48,8 +48,8 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
 void settle_legend(TextMeter& meter, const Look& look, PanelPlan& plan);
 
 /// Draws rows from the top left corner of a strip, or a corner's box with its background.
-void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look,
-                const std::vector<std::vector<LegendEntry>>& rows, double left, double top);
+void draw_strip(Canvas& canvas, TextMeter& meter, const Look& look, const std::vector<std::vector<LegendEntry>>& rows,
+                double left, double top);
 void draw_corner(Canvas& canvas, const Look& look, const LegendPlan& legend);
 
 }  // namespace lunid::figure

@@ -5,8 +5,7 @@
 
 namespace lunid::figure {
 
-std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold,
-                                 double width) {
+std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold, double width) {
   std::vector<std::string> lines;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
@@ -35,9 +34,7 @@ std::string shortened(TextMeter& meter, const std::string& text, double size, bo
 std::string printable(const std::string& text) {
   std::string clean;
   for (std::size_t i = 0; i < text.size();) {
-    const auto byte = [&](std::size_t k) {
-      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
-    };
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
     const unsigned lead = byte(i);
     const std::size_t length = lead < 0x80                   ? 1
                                : lead >= 0xC2 && lead < 0xE0 ? 2

@@ -35,8 +35,7 @@ struct Look {
 inline double line_height(double size) { return 1.28 * size; }
 
 /// `text` broken at spaces into lines not wider than `width` (a longer word stays whole).
-std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold,
-                                 double width);
+std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, double size, bool bold, double width);
 
 /// `text`, cut with an ellipsis where it is wider than `width`.
 std::string shortened(TextMeter& meter, const std::string& text, double size, bool bold, double width);

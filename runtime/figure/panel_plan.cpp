@@ -17,8 +17,7 @@ bool apart(TextMeter& meter, const Look& look, const AxisPlan& axis, double leng
   double end = -1e9;  // of the label before
   for (const Tick& tick : axis.ticks) {
     if (tick.label.empty()) continue;
-    const double at = axis.place(tick.value) * length,
-                 half = 0.5 * meter.width(tick.label, look.tick_text, false);
+    const double at = axis.place(tick.value) * length, half = 0.5 * meter.width(tick.label, look.tick_text, false);
     if (at - half < end + 0.6 * look.tick_text) return false;
     end = at + half;
   }
@@ -41,8 +40,7 @@ AxisPlan horizontal_axis(TextMeter& meter, const Look& look, const Axis& axis, R
 }
 
 AxisPlan vertical_axis(const Look& look, const Axis& axis, Range range, double length, const Hints& hints) {
-  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.5 * look.tick_text))),
-                   hint(hints, axis));
+  return plan_axis(axis, range, std::max(2, static_cast<int>(length / (2.5 * look.tick_text))), hint(hints, axis));
 }
 
 /// How far the labels of a horizontal axis reach beyond the plot's right end.
@@ -126,8 +124,8 @@ Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan
   Margins margins;
   margins.left = left_margin(meter, look, plan);
   margins.right = right_margin(meter, look, plan);
-  margins.bottom = look.tick_length + 0.7 * look.gap + 1.15 * look.tick_text +
-                   (plan.x.title.empty() ? 0.0 : 1.2 * look.axis_text);
+  margins.bottom =
+      look.tick_length + 0.7 * look.gap + 1.15 * look.tick_text + (plan.x.title.empty() ? 0.0 : 1.2 * look.axis_text);
   const bool note_line = plan.note_below || (plan.title.empty() && !plan.panel->note.empty());
   margins.top = static_cast<double>(plan.title.size()) * line_height(look.title_text) +
                 (note_line ? line_height(look.legend_text) : 0.0) + look.gap;
@@ -135,8 +133,7 @@ Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan
   return margins;
 }
 
-std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x,
-                                   const std::vector<double>& y) {
+std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y) {
   // A quarter of a point is finer than a pixel of the default figure.
   constexpr double column = 0.25;
   std::vector<Stroke> strokes;

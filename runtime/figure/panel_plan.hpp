@@ -62,8 +62,7 @@ void plan_content(TextMeter& meter, const Look& look, PanelPlan& plan, const Hin
 Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan);
 
 /// The strokes of a series in the plot, thinned and clipped, not dashed.
-std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x,
-                                   const std::vector<double>& y);
+std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y);
 
 /// The points of a series that can be told apart in the plot.
 std::vector<Point> series_points(const PanelPlan& plan, const Series& series, double radius);

@@ -37,8 +37,7 @@ std::vector<Slot> slots(const Figure& figure) {
 double usual_height(const Panel& panel, double width, bool alone) {
   if (panel.bars) {
     const double sets = static_cast<double>(std::max<std::size_t>(1, panel.bars->set.size()));
-    return std::max(60.0,
-                    (sets > 1.0 ? 6.0 + 13.0 * sets : 19.0) * static_cast<double>(panel.bars->name.size()));
+    return std::max(60.0, (sets > 1.0 ? 6.0 + 13.0 * sets : 19.0) * static_cast<double>(panel.bars->name.size()));
   }
   if (panel.map) return std::clamp(0.8 * width, 110.0, 250.0);
   if (width > 300.0) return alone ? 190.0 : 118.0;
@@ -137,9 +136,8 @@ class Planner {
   bool said_before(std::size_t i) const {
     const std::vector<LegendEntry> entries = legend_entries(figure_.panels[i]);
     if (figure_.panels[i].legend != Legend::automatic) return false;
-    return std::any_of(
-        figure_.panels.begin(), figure_.panels.begin() + static_cast<std::ptrdiff_t>(i),
-        [&](const Panel& p) { return p.legend != Legend::none && legend_entries(p) == entries; });
+    return std::any_of(figure_.panels.begin(), figure_.panels.begin() + static_cast<std::ptrdiff_t>(i),
+                       [&](const Panel& p) { return p.legend != Legend::none && legend_entries(p) == entries; });
   }
 
   void arrange() {
@@ -167,8 +165,7 @@ class Planner {
     const double width = room / n;
     check(width);
     std::vector<double> starts(columns_ + 1, look_.margin);
-    for (std::size_t c = 0; c < columns_; ++c)
-      starts[c + 1] = starts[c] + left_[c] + width + right_[c] + between;
+    for (std::size_t c = 0; c < columns_; ++c) starts[c + 1] = starts[c] + left_[c] + width + right_[c] + between;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       PanelPlan& p = plan_.panels[i];
       p.cell.left = starts[places_[i].first];
@@ -214,8 +211,7 @@ class Planner {
 
   static void check(double length) {
     if (!(length >= 20.0))
-      throw std::invalid_argument(
-          "the figure is too small for its panels: raise size.width_cm or size.height_cm");
+      throw std::invalid_argument("the figure is too small for its panels: raise size.width_cm or size.height_cm");
   }
 
   TextMeter& meter_;

@@ -77,8 +77,7 @@ Range from_zero(const Panel& panel, Range range) {
   double low = 0.0;
   for (const BarSet& set : panel.bars->set)
     for (std::size_t i = 0; i < set.value.size(); ++i)
-      if (std::isfinite(set.value[i]))
-        low = std::min(low, set.value[i] - (set.error.empty() ? 0.0 : set.error[i]));
+      if (std::isfinite(set.value[i])) low = std::min(low, set.value[i] - (set.error.empty() ? 0.0 : set.error[i]));
   if (low >= 0.0 && !std::isfinite(panel.x.min)) range.low = 0.0;
   return range;
 }

@@ -16,8 +16,7 @@ struct Edge {
 
 class AxesPainter {
  public:
-  AxesPainter(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure,
-              const SurfaceView& view)
+  AxesPainter(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view)
       : canvas_(canvas), meter_(meter), look_(look), figure_(figure), view_(view) {}
 
   void paint() {
@@ -66,8 +65,7 @@ class AxesPainter {
         };
         for (const Tick& tick : axes[across]->ticks)
           draw(coordinate(*axes[across], across, tick.value), look_.palette.faint, 0.6);
-        for (const double side : {-0.5, 0.5})
-          draw(side * view_.size[across], look_.palette.hatch, look_.frame);
+        for (const double side : {-0.5, 0.5}) draw(side * view_.size[across], look_.palette.hatch, look_.frame);
       }
     }
   }
@@ -92,8 +90,7 @@ class AxesPainter {
       const double away = 3.0 + clearance(tick.label, look_.tick_text, edge.outward);
       canvas_.text({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label,
                    centred(look_.tick_text));
-      reach = std::max(reach,
-                       look_.tick_length + 3.0 + 2.0 * clearance(tick.label, look_.tick_text, edge.outward));
+      reach = std::max(reach, look_.tick_length + 3.0 + 2.0 * clearance(tick.label, look_.tick_text, edge.outward));
     }
     title(plan, edge, reach);
   }
@@ -106,8 +103,7 @@ class AxesPainter {
     const TextStyle style = centred(look_.axis_text);
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
-    const double x =
-        std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
+    const double x = std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
     canvas_.text({x, std::max(p.y + away * edge.outward.y, 0.8 * look_.axis_text)}, plan.title, style);
   }
 
@@ -122,16 +118,13 @@ class AxesPainter {
     canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
   }
 
-  TextStyle centred(double size) const {
-    return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0};
-  }
+  TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }
 
   void header() {
     double y = view_.extent.y - look_.margin;
     for (const std::string& text : view_.heading) {
-      canvas_.text(
-          {look_.margin, y}, text,
-          {.size = look_.heading_text, .bold = true, .colour = look_.palette.ink, .across = -1, .upward = 1});
+      canvas_.text({look_.margin, y}, text,
+                   {.size = look_.heading_text, .bold = true, .colour = look_.palette.ink, .across = -1, .upward = 1});
       y -= line_height(look_.heading_text);
     }
     draw_strip(canvas_, meter_, look_, view_.legend, look_.margin, y - 0.5 * look_.gap);

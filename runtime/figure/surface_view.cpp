@@ -77,8 +77,7 @@ void fit(SurfaceView& view, const Box& room) {
     half_height = std::max(half_height, std::abs(q.y));
   }
   if (room.width() < 40.0 || room.height() < 40.0)
-    throw std::invalid_argument(
-        "the figure is too small for its surface: raise size.width_cm or size.height_cm");
+    throw std::invalid_argument("the figure is too small for its surface: raise size.width_cm or size.height_cm");
   view.scale = std::min(room.width() / (2.0 * half_width), room.height() / (2.0 * half_height));
   view.centre = {0.5 * (room.left + room.right), 0.5 * (room.bottom + room.top)};
 }
@@ -86,8 +85,7 @@ void fit(SurfaceView& view, const Box& room) {
 }  // namespace
 
 Vector SurfaceView::in_box(double x_value, double y_value, double z_value) const {
-  return {(x.place(x_value) - 0.5) * size[0], (y.place(y_value) - 0.5) * size[1],
-          (z.place(z_value) - 0.5) * size[2]};
+  return {(x.place(x_value) - 0.5) * size[0], (y.place(y_value) - 0.5) * size[1], (z.place(z_value) - 0.5) * size[2]};
 }
 
 bool SurfaceView::holds(double x_value, double y_value, double z_value) const {

@@ -20,8 +20,7 @@ std::string superscript(int number) {
 
 /// The first symbol of a unit, when an SI prefix may stand before it: "m" of "m/s", "N" of "N s/m".
 std::string_view prefixable(std::string_view unit) {
-  static constexpr std::array<std::string_view, 11> bases{"m", "N", "V",  "A", "Pa", "J",
-                                                          "W", "g", "Hz", "s", "K"};
+  static constexpr std::array<std::string_view, 11> bases{"m", "N", "V", "A", "Pa", "J", "W", "g", "Hz", "s", "K"};
   const std::size_t end = unit.find_first_of(" /*^");
   const std::string_view symbol = unit.substr(0, end);
   const bool power = end != std::string_view::npos && unit[end] == '^';
@@ -121,16 +120,14 @@ ScaledUnit scaled_unit(const std::string& unit, double largest) {
   const bool up = exponent > 0;
   // A kilosecond and a megagram are read by nobody.
   const bool usual = !(up && (symbol == "s" || symbol == "K" || symbol == "g"));
-  if (!symbol.empty() && usual && prefix(exponent))
-    return {std::pow(10.0, exponent), prefix(exponent) + shown};
+  if (!symbol.empty() && usual && prefix(exponent)) return {std::pow(10.0, exponent), prefix(exponent) + shown};
   if (largest >= 1e-3 && largest < 1e5) return {1.0, shown};
   return {std::pow(10.0, exponent), "10" + superscript(exponent) + (shown.empty() ? "" : " " + shown)};
 }
 
 std::string fixed(double value, int decimals) {
   char buffer[400];
-  const auto end =
-      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals).ptr;
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals).ptr;
   std::string text(buffer, end);
   if (text.starts_with('-')) {
     const bool zero = text.find_first_of("123456789") == std::string::npos;
@@ -154,8 +151,7 @@ AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest) {
   plan.scale = axis.scale;
   ScaledUnit unit{1.0, with_superscripts(axis.unit)};
   const double own = std::max(std::abs(range.low), std::abs(range.high));
-  if (axis.scale == Scale::linear)
-    unit = scaled_unit(axis.unit, largest > own && largest < 1e3 * own ? largest : own);
+  if (axis.scale == Scale::linear) unit = scaled_unit(axis.unit, largest > own && largest < 1e3 * own ? largest : own);
   plan.factor = unit.factor;
   plan.title = axis.name;
   if (!unit.unit.empty()) plan.title += (plan.title.empty() ? "[" : " [") + unit.unit + "]";

@@ -6,24 +6,21 @@
 namespace lunid::figure {
 namespace {
 
-[[noreturn]] void fail(const std::string& place, const std::string& text) {
-  throw InputError(place + ": " + text);
-}
+[[noreturn]] void fail(const std::string& place, const std::string& text) { throw InputError(place + ": " + text); }
 
 std::string quoted(const std::string& label) { return label.empty() ? "without label" : "'" + label + "'"; }
 
 void same_length(const std::string& place, const char* names, std::size_t a, std::size_t b) {
   if (a == b) return;
-  fail(place, std::string(names) + ": expected the same length, got " + std::to_string(a) + " and " +
-                  std::to_string(b));
+  fail(place,
+       std::string(names) + ": expected the same length, got " + std::to_string(a) + " and " + std::to_string(b));
 }
 
 void increasing(const std::string& place, const char* name, const std::vector<double>& values) {
   if (values.empty()) fail(place, std::string(name) + ": expected at least one value, got none");
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]) || (i > 0 && !(values[i] > values[i - 1])))
-      fail(place, std::string(name) +
-                      ": expected finite values that increase, got something else at position " +
+      fail(place, std::string(name) + ": expected finite values that increase, got something else at position " +
                       std::to_string(i + 1));
   }
 }
@@ -39,10 +36,8 @@ void check_axis(const std::string& place, const char* name, const Axis& axis) {
 void check_size(const Size& size) {
   const auto inside = [](double value, double low, double high) { return value >= low && value <= high; };
   if (!inside(size.width_cm, 3.0, 100.0)) fail("figure", "size.width_cm: expected 3 to 100");
-  if (size.height_cm != 0.0 && !inside(size.height_cm, 3.0, 100.0))
-    fail("figure", "size.height_cm: expected 3 to 100");
-  if (!inside(size.dpi, 50.0, 600.0))
-    fail("figure", "size.dpi: expected 50 to 600, got " + std::to_string(size.dpi));
+  if (size.height_cm != 0.0 && !inside(size.height_cm, 3.0, 100.0)) fail("figure", "size.height_cm: expected 3 to 100");
+  if (!inside(size.dpi, 50.0, 600.0)) fail("figure", "size.dpi: expected 50 to 600, got " + std::to_string(size.dpi));
 }
 
 void check_map(const std::string& place, const HeatMap& map) {
@@ -54,8 +49,7 @@ void check_map(const std::string& place, const HeatMap& map) {
 }
 
 void check_bars(const std::string& place, const Bars& bars) {
-  if (bars.name.empty() || bars.set.empty())
-    fail(place + ": bars", "expected at least one name and one set, got none");
+  if (bars.name.empty() || bars.set.empty()) fail(place + ": bars", "expected at least one name and one set, got none");
   for (const BarSet& set : bars.set) {
     const std::string where = place + ": bars " + quoted(set.label);
     same_length(where, "value and name", set.value.size(), bars.name.size());
@@ -94,12 +88,9 @@ void validate(const SurfaceFigure& figure) {
   check_size(figure.size);
   increasing("surface", "grid_x", figure.grid_x);
   increasing("surface", "grid_y", figure.grid_y);
-  if (figure.grid_x.size() < 2 || figure.grid_y.size() < 2)
-    fail("surface", "expected at least 2 by 2 grid points");
-  same_length("surface", "columns and grid_x", static_cast<std::size_t>(figure.surface.cols()),
-              figure.grid_x.size());
-  same_length("surface", "rows and grid_y", static_cast<std::size_t>(figure.surface.rows()),
-              figure.grid_y.size());
+  if (figure.grid_x.size() < 2 || figure.grid_y.size() < 2) fail("surface", "expected at least 2 by 2 grid points");
+  same_length("surface", "columns and grid_x", static_cast<std::size_t>(figure.surface.cols()), figure.grid_x.size());
+  same_length("surface", "rows and grid_y", static_cast<std::size_t>(figure.surface.rows()), figure.grid_y.size());
   for (const auto& [name, axis] : {std::pair{"x", &figure.x}, {"y", &figure.y}, {"z", &figure.z}}) {
     check_axis("surface", name, *axis);
     if (axis->scale == Scale::log) fail("surface", std::string("axis ") + name + ": expected a linear scale");

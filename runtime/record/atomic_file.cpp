@@ -81,8 +81,7 @@ void write_file_atomically(const std::string& path, std::string_view content) {
   auto [descriptor, temporary] = open_beside(path);
   Output output(descriptor, temporary);
   struct stat earlier {};
-  if (::stat(path.c_str(), &earlier) == 0 && ::fchmod(descriptor, earlier.st_mode & 07777) != 0)
-    fail(path, errno);
+  if (::stat(path.c_str(), &earlier) == 0 && ::fchmod(descriptor, earlier.st_mode & 07777) != 0) fail(path, errno);
   write_all(descriptor, content, path);
   if (::fsync(descriptor) != 0) fail(path, errno);
   if (output.close() != 0) fail(path, errno);

@@ -61,8 +61,7 @@ std::string list_headers(const std::vector<HeaderCell>& header) {
 }
 
 /// The column that `map` asks for.
-std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map,
-                        const SourceSpan& where) {
+std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map, const SourceSpan& where) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < header.size(); ++i) {
     if (header[i].text == map.header || header[i].name == map.header) return i;
@@ -75,9 +74,8 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
 }
 
 /// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
-std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header,
-                                        const std::vector<ColumnPlan>& plans, const Meaning& meaning,
-                                        const SourceSpan& where) {
+std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
+                                        const Meaning& meaning, const SourceSpan& where) {
   for (int strength : {2, 1}) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
@@ -95,17 +93,15 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header,
   return std::nullopt;
 }
 
-void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where,
-              std::vector<std::string>& warnings) {
+void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where, std::vector<std::string>& warnings) {
   if (unit.empty()) {
     if (const Meaning* meaning = meaning_of(plan.channel)) plan.unit = meaning->units[0];
     return;
   }
   const auto si = si_unit(unit);
   if (!si && plan.required)
-    throw InputError(
-        "column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(), where,
-        Fault::data);
+    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(),
+                     where, Fault::data);
   if (!si) {
     plan.unit = unit;
     warnings.push_back("column '" + plan.header.text + "': unknown unit '" + unit + "', taken as it is");
@@ -125,8 +121,8 @@ void check_repeats(const std::vector<HeaderCell>& header, const SourceSpan& wher
   for (std::size_t i = 0; i < header.size(); ++i)
     for (std::size_t j = i + 1; j < header.size(); ++j)
       if (header[i].name == header[j].name)
-        throw InputError("two columns of one name: columns " + std::to_string(i + 1) + " and " +
-                             std::to_string(j + 1) + " are both '" + header[i].name + "'",
+        throw InputError("two columns of one name: columns " + std::to_string(i + 1) + " and " + std::to_string(j + 1) +
+                             " are both '" + header[i].name + "'",
                          where, Fault::data);
 }
 
@@ -184,24 +180,21 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   for (const ColumnMap& map : options.columns) {
     const std::size_t i = find_header(header, map, where);
     if (plans[i].required)
-      throw InputError("column '" + header[i].text + "' is asked for twice, as '" + plans[i].channel +
-                           "' and '" + map.channel + "'",
-                       where, Fault::data);
+      throw InputError(
+          "column '" + header[i].text + "' is asked for twice, as '" + plans[i].channel + "' and '" + map.channel + "'",
+          where, Fault::data);
     assign(i, map.channel, map.unit);
   }
   for (const Meaning& meaning : meanings) {
-    const bool mapped = std::any_of(plans.begin(), plans.end(), [&](const ColumnPlan& p) {
-      return p.required && p.channel == meaning.channel;
-    });
+    const bool mapped = std::any_of(plans.begin(), plans.end(),
+                                    [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
     if (mapped) continue;
-    if (const auto i = find_meaning(header, plans, meaning, where))
-      assign(*i, std::string(meaning.channel), "");
+    if (const auto i = find_meaning(header, plans, meaning, where)) assign(*i, std::string(meaning.channel), "");
   }
   if (std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
-    throw InputError(
-        "no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
-            "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
-        where, Fault::data);
+    throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
+                         "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
+                     where, Fault::data);
   for (ColumnPlan& plan : plans)
     if (!plan.required) plan_extra(plan, plans, where, warnings);
   return plans;
@@ -225,8 +218,8 @@ std::vector<ColumnMap> parse_columns(std::string_view text) {
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos || equals == 0 || trim(item.substr(equals + 1)).empty())
       throw InputError(
-          "columns: expected channel=header, such as \"t=time,y=disp [mm]\", got '" + std::string(item) + "'",
-          {}, Fault::usage);
+          "columns: expected channel=header, such as \"t=time,y=disp [mm]\", got '" + std::string(item) + "'", {},
+          Fault::usage);
     maps.push_back(parse_column(item.substr(0, equals), item.substr(equals + 1)));
     for (std::size_t i = 0; i + 1 < maps.size(); ++i)
       if (maps[i].channel == maps.back().channel)

@@ -26,8 +26,8 @@ Channel make_channel(const ColumnPlan& plan, std::span<const double> values, std
   channel.unit = plan.unit;
   channel.source = plan.header.text;
   channel.source_unit = plan.header.unit;
-  channel.values = base.resampled ? resample(t, values, base)
-                                  : Eigen::Map<const Eigen::VectorXd>(values.data(), base.rows).eval();
+  channel.values =
+      base.resampled ? resample(t, values, base) : Eigen::Map<const Eigen::VectorXd>(values.data(), base.rows).eval();
   if (plan.factor != 1) channel.values *= plan.factor;
   channel.noise = noise_level({channel.values.data(), static_cast<std::size_t>(channel.values.size())});
   return channel;
@@ -39,8 +39,8 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   std::vector<std::string> warnings;
   CsvTable table = parse_table(path, read_text(path), options, warnings);
   const auto is_time = [](const ColumnPlan& plan) { return plan.channel == "t"; };
-  const auto time = static_cast<std::size_t>(std::find_if(table.plans.begin(), table.plans.end(), is_time) -
-                                             table.plans.begin());
+  const auto time =
+      static_cast<std::size_t>(std::find_if(table.plans.begin(), table.plans.end(), is_time) - table.plans.begin());
   if (table.plans.size() < 2)
     throw InputError("expected a column of numbers beside the time", {path, table.header_line}, Fault::data);
   const TimeBase base = time_base(table, time, path, options.resample, warnings);

@@ -121,15 +121,13 @@ std::string describe(const ColumnPlan& plan, const BadCells& bad) {
   std::string message = column + "expected a number, got '" + text + "'";
   if (bad.count == 1) return message;
   message += "; " + std::to_string(bad.count) + " such cells, the first in lines ";
-  for (std::size_t i = 0; i < bad.first.size(); ++i)
-    message += (i ? ", " : "") + std::to_string(bad.first[i].line);
+  for (std::size_t i = 0; i < bad.first.size(); ++i) message += (i ? ", " : "") + std::to_string(bad.first[i].line);
   return message;
 }
 
 class Parser {
  public:
-  Parser(const std::string& path, std::string_view text, const ReadOptions& options,
-         std::vector<std::string>& warnings)
+  Parser(const std::string& path, std::string_view text, const ReadOptions& options, std::vector<std::string>& warnings)
       : path_(path), size_(text.size()), lines_(text), options_(options), warnings_(warnings) {}
 
   CsvTable run() {
@@ -201,8 +199,7 @@ class Parser {
       const bool good = error == std::errc() && (tail == end || *tail == separator_) && std::isfinite(value);
       if (!good) {
         tail = std::find(cursor, end, separator_);
-        if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty())
-          return;  // trailing separator
+        if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty()) return;  // trailing separator
       }
       if (i >= width) return wrong_length(line);
       const std::string_view cell{cursor, static_cast<std::size_t>(tail - cursor)};
@@ -278,12 +275,10 @@ double PrintedDigits::resolution(double value) const {
 std::string read_text(const std::string& path) {
   const auto fail = [&](const std::string& message) { throw InputError(message, {path}, Fault::data); };
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
-    fail(errno == ENOENT ? "no such file" : "cannot read: " + std::string(std::strerror(errno)));
+  if (descriptor < 0) fail(errno == ENOENT ? "no such file" : "cannot read: " + std::string(std::strerror(errno)));
   std::string text;
   struct stat info {};
-  if (::fstat(descriptor, &info) == 0 && info.st_size > 0)
-    text.reserve(static_cast<std::size_t>(info.st_size) + 1);
+  if (::fstat(descriptor, &info) == 0 && info.st_size > 0) text.reserve(static_cast<std::size_t>(info.st_size) + 1);
   constexpr std::size_t chunk = 1 << 22;
   for (;;) {
     const std::size_t used = text.size();

@@ -8,8 +8,7 @@ namespace {
 
 void append(std::string& text, double value) {
   char digits[32];
-  const auto result =
-      std::to_chars(digits, digits + sizeof digits, value);  // shortest that reads back the same
+  const auto result = std::to_chars(digits, digits + sizeof digits, value);  // shortest that reads back the same
   text.append(digits, result.ptr);
 }
 

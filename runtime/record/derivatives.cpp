@@ -29,9 +29,7 @@ class Fit {
     solution_ = r.triangularView<Eigen::Upper>().solve(q.transpose());
   }
   /// Coefficients of the polynomial through a window of samples.
-  Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::VectorXd>& window) const {
-    return solution_ * window;
-  }
+  Eigen::VectorXd coefficients(const Eigen::Ref<const Eigen::VectorXd>& window) const { return solution_ * window; }
   /// Derivatives of the basis, per sample^derivative, `offset` samples from the middle.
   Eigen::VectorXd basis(int offset, int derivative) const {
     const double s = static_cast<double>(offset) / half_width_;
@@ -53,9 +51,7 @@ class Fit {
 };
 
 void validate(const SavitzkyGolay& options, int derivative, std::size_t rows) {
-  const auto fail = [](const std::string& text) {
-    throw InputError("savitzky_golay: " + text, {}, Fault::study);
-  };
+  const auto fail = [](const std::string& text) { throw InputError("savitzky_golay: " + text, {}, Fault::study); };
   if (derivative < 0) fail("derivative: expected >= 0, got " + std::to_string(derivative));
   if (options.order < derivative || options.order > most_order)
     fail("order: expected " + std::to_string(derivative) + " to " + std::to_string(most_order) + ", got " +
@@ -78,8 +74,7 @@ Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& x, const Eige
     return result;
   }
   const Eigen::Index length = power_of_two_above(8 * points), useful = length - points + 1;
-  const Eigen::VectorXcd filter =
-      half_spectrum({w.data(), static_cast<std::size_t>(points)}, length).conjugate();
+  const Eigen::VectorXcd filter = half_spectrum({w.data(), static_cast<std::size_t>(points)}, length).conjugate();
   for (Eigen::Index start = 0; start < count; start += useful) {
     const Eigen::Index rows = std::min(length, x.size() - start);
     // The level is taken off first, so that a large offset costs no digits; the filter's sum puts it back.
@@ -118,8 +113,7 @@ Eigen::VectorXd signal_density(const Spectrum& spectrum, double noise_density) {
   for (Eigen::Index k = 0; k < bins; ++k) sum[k + 1] = sum[k] + spectrum.density[k];
   const double independent = std::max(1.0, 0.5 * static_cast<double>(spectrum.segments));
   for (Eigen::Index k = 0; k < bins; ++k) {
-    const Eigen::Index reach =
-        std::min<Eigen::Index>(4, bins / 8) + k / 8;  // broader where chance weighs more
+    const Eigen::Index reach = std::min<Eigen::Index>(4, bins / 8) + k / 8;  // broader where chance weighs more
     const Eigen::Index first = std::max<Eigen::Index>(k - reach, 0), last = std::min(k + reach + 1, bins);
     // Quantile 1 - 1e-4 of chi-square over its degrees of freedom (Wilson & Hilferty 1931); neighbouring bins
     // of a Hann window share half of theirs.
@@ -138,8 +132,8 @@ Signal analyse(std::span<const double> x, double noise, int derivative) {
   Signal signal{signal_density(spectrum, noise * noise), noise * noise, {}, spectrum.length};
   signal.ideal.resize(signal.density.size());
   for (Eigen::Index k = 0; k < signal.ideal.size(); ++k) {
-    const std::complex<double> iw(
-        0, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(signal.length));
+    const std::complex<double> iw(0,
+                                  2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(signal.length));
     signal.ideal[k] = std::pow(iw, derivative);
   }
   return signal;
@@ -166,8 +160,7 @@ double savitzky_golay_noise(double dt, int derivative, const SavitzkyGolay& opti
   return savitzky_golay_weights(derivative, options).norm() / std::pow(dt, derivative);
 }
 
-Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative,
-                               const SavitzkyGolay& options) {
+Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative, const SavitzkyGolay& options) {
   validate(options, derivative, x.size());
   const auto n = static_cast<Eigen::Index>(x.size());
   const int h = options.half_width;
@@ -187,8 +180,7 @@ Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivat
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative) {
   const auto n = static_cast<Eigen::Index>(x.size());
   const Signal signal = analyse(x, noise, derivative);
-  const int widest =
-      static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, signal.length / 10, (n - 1) / 2}), 2));
+  const int widest = static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, signal.length / 10, (n - 1) / 2}), 2));
   // The narrowest filter of order 3 is there for any record of 5 rows.
   SavitzkyGolay best{2, 3};
   double least = std::numeric_limits<double>::infinity();

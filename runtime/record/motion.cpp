@@ -36,8 +36,7 @@ Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
   sum[0] = 0;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const bool inside = i > 0 && i + 2 < n;
-    const double mean =
-        inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
+    const double mean = inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
     sum[static_cast<Eigen::Index>(i) + 1] = sum[static_cast<Eigen::Index>(i)] + dt * mean;
   }
   return detrend({sum.data(), n}, degree);
@@ -45,8 +44,7 @@ Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
 
 /// The integral of a channel. Integrated white noise is a random walk; rid of its line it has the mean
 /// variance noise^2 dt^2 n / 15 (of a Brownian motion on [0, 1]: 1/6 about its mean, less 1/10 in its slope).
-Channel integral(const Record& record, const std::string& from, const std::string& name, int degree,
-                 int rank) {
+Channel integral(const Record& record, const std::string& from, const std::string& name, int degree, int rank) {
   const Channel& source = record.channel(from);
   Channel channel;
   channel.name = name;
@@ -65,14 +63,12 @@ Record derive_motion(const Record& record) {
     throw InputError("expected a displacement y, a velocity v or an acceleration a to derive the motion from",
                      {record.name()}, Fault::data);
   if (record.rows() < 6)
-    throw InputError("expected at least 6 rows, got " + std::to_string(record.rows()), {record.name()},
-                     Fault::data);
+    throw InputError("expected at least 6 rows, got " + std::to_string(record.rows()), {record.name()}, Fault::data);
   Record result = record;
   if (!v) result = result.with(y ? differentiate(result, "y", "v", 1, 1) : integral(result, "a", "v", 1, 1));
   // Twice integrated, an offset of the accelerometer is a parabola.
   if (!y) result = result.with(integral(result, "v", "y", v ? 1 : 2, 0));
-  if (!a)
-    result = result.with(v ? differentiate(result, "v", "a", 1, 2) : differentiate(result, "y", "a", 2, 2));
+  if (!a) result = result.with(v ? differentiate(result, "v", "a", 1, 2) : differentiate(result, "y", "a", 2, 2));
   return result;
 }
 

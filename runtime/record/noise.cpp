@@ -67,8 +67,7 @@ double floor_of(const Spectrum& spectrum, double samples) {
   std::vector<double> levels;
   for (Eigen::Index b = 0; b < bands; ++b) {
     const Eigen::Index first = 1 + b * (bins - 2) / bands, last = 1 + (b + 1) * (bins - 2) / bands;
-    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) /
-                     median_over_mean(dof));
+    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) / median_over_mean(dof));
   }
   const double lowest = *std::min_element(levels.begin(), levels.end());
   // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's
@@ -103,8 +102,7 @@ double dominant_frequency(std::span<const double> x, double dt) {
   const Eigen::Index length = 2 * power_of_two_above(n);
   const Eigen::VectorXd power = half_spectrum({part.data(), x.size()}, length).cwiseAbs2();
   // Less than three quarters of a cycle in the whole record is drift.
-  const auto lowest =
-      static_cast<Eigen::Index>(std::ceil(0.75 * static_cast<double>(length) / static_cast<double>(n)));
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(0.75 * static_cast<double>(length) / static_cast<double>(n)));
   Eigen::Index peak = lowest;
   power.segment(lowest, power.size() - lowest).maxCoeff(&peak);
   peak += lowest;

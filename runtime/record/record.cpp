@@ -71,14 +71,13 @@ Record Record::window(double from, double to) const {
   // A time that is meant as a row's must find it in spite of rounding: a part in a million of a step is
   // forgiven.
   const double slack = 1e-6;
-  const double low = std::ceil((from - start()) / dt_ - slack),
-               high = std::floor((to - start()) / dt_ + slack);
+  const double low = std::ceil((from - start()) / dt_ - slack), high = std::floor((to - start()) / dt_ + slack);
   const double first = std::max(low, 0.0), last = std::min(high, static_cast<double>(count_ - 1));
   if (!(last - first + 1 >= static_cast<double>(least_rows))) {
     std::ostringstream text;
     text << "window " << from << " to " << to << " s: expected at least " << least_rows
-         << " rows, the record has t = " << start() << " to " << start() + duration() << " s in steps of "
-         << dt_ << " s";
+         << " rows, the record has t = " << start() << " to " << start() + duration() << " s in steps of " << dt_
+         << " s";
     throw InputError(text.str(), {name_}, Fault::data);
   }
   return slice(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first) + 1);

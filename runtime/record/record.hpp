@@ -34,10 +34,8 @@ class Record {
 
   const std::string& name() const { return name_; }  ///< the file's path, as given
   Eigen::Index rows() const { return count_; }
-  double dt() const { return dt_; }  ///< [s]
-  double start() const {
-    return t0_ + dt_ * static_cast<double>(first_);
-  }  ///< [s] of the first row of the window
+  double dt() const { return dt_; }                                          ///< [s]
+  double start() const { return t0_ + dt_ * static_cast<double>(first_); }   ///< [s] of the first row of the window
   double duration() const { return dt_ * static_cast<double>(count_ - 1); }  ///< [s]
   double time(Eigen::Index row) const { return start() + dt_ * static_cast<double>(row); }
   bool has(std::string_view channel) const;
@@ -45,9 +43,7 @@ class Record {
   std::span<const double> operator[](std::string_view channel) const;
   const Channel& channel(std::string_view channel) const;
   const std::vector<Channel>& channels() const { return *channels_; }
-  const std::vector<std::string>& warnings() const {
-    return warnings_;
-  }  ///< what reading found (rounded time, ...)
+  const std::vector<std::string>& warnings() const { return warnings_; }  ///< what reading found (rounded time, ...)
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
 
   /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the
@@ -106,8 +102,7 @@ struct SavitzkyGolay {
   int half_width = 5;
   int order = 3;
 };
-Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative,
-                               const SavitzkyGolay& options);
+Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivative, const SavitzkyGolay& options);
 /// The window that a signal of this noise calls for: the widest whose smoothing bias stays below the noise
 /// that it leaves (order 3 or 5; at least order + 2 samples).
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative);

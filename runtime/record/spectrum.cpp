@@ -11,8 +11,7 @@ namespace {
 Eigen::VectorXd hann(Eigen::Index length) {
   Eigen::VectorXd w(length);
   for (Eigen::Index i = 0; i < length; ++i) {
-    const double s =
-        std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     w[i] = s * s;
   }
   return w;
@@ -62,8 +61,7 @@ Spectrum welch(std::span<const double> x, Eigen::Index length) {
   Spectrum result{Eigen::VectorXd::Zero(length / 2 + 1), length, 0};
   for (Eigen::Index start = 0; start + length <= n;) {
     const Eigen::VectorXd part =
-        detrend(x.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(length)), 1)
-            .cwiseProduct(window);
+        detrend(x.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(length)), 1).cwiseProduct(window);
     result.density += half_spectrum({part.data(), static_cast<std::size_t>(length)}, length).cwiseAbs2();
     ++result.segments;
     // The last segment ends with the record.

@@ -27,8 +27,7 @@ TimeBase fit_line(std::span<const double> t) {
   const double n = static_cast<double>(t.size()), centre = (n - 1) / 2;
   double mean = 0, slope = 0;
   for (double value : t) mean += (value - t[0]) / n;
-  for (std::size_t i = 0; i < t.size(); ++i)
-    slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
+  for (std::size_t i = 0; i < t.size(); ++i) slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
   slope /= n * (n * n - 1) / 12;
   return {t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(t.size()), false};
 }
@@ -61,8 +60,7 @@ std::optional<double> start_of(std::span<const double> t, std::span<const double
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double start = t[i] - dt * static_cast<double>(i);
-    const double half =
-        0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
+    const double half = 0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
     low = std::max(low, start - half);
     high = std::min(high, start + half);
     if (low > high) return std::nullopt;
@@ -77,8 +75,7 @@ std::optional<double> start_of(std::span<const double> t, std::span<const double
 
 /// The even base of the roundest step (in its own digits, or as a rate: 0.00125, 1/300) of which the stamps
 /// are roundings; nullopt when they are not. `line` is the least-squares line.
-std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution,
-                                  const TimeBase& line) {
+std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
   if (!(line.dt > 0)) return std::nullopt;
   const double slack = std::max(resolution.back(), 1e-9 * line.dt) / static_cast<double>(t.size() - 1);
   for (int digits = 1; digits <= 17; ++digits)
@@ -101,8 +98,8 @@ void check_increasing(std::span<const double> t, std::span<const int> lines, con
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] > t[i - 1]) continue;
     const std::string stamps = "t = " + number(t[i]) + " s after t = " + number(t[i - 1]) + " s";
-    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps,
-                     {path, lines[i]}, Fault::data);
+    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps, {path, lines[i]},
+                     Fault::data);
   }
 }
 
@@ -124,11 +121,9 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
 
 }  // namespace
 
-TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution,
-                       std::span<const int> lines, const std::string& path, bool resample,
-                       std::vector<std::string>& warnings) {
-  if (t.size() < 6)
-    throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
+TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
+                       const std::string& path, bool resample, std::vector<std::string>& warnings) {
+  if (t.size() < 6) throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
   std::vector<double> steps(t.size() - 1);
   for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
   const double step = median(steps);
@@ -169,17 +164,18 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
     return even;
   }
   if (found.rms < 0.02 * line.dt && found.largest < 0.5 * line.dt) {
-    warnings.push_back("time stamps jitter by " + number(found.rms) + " s rms (" +
-                       number(100 * found.rms / line.dt) + " % of the step): taken as even");
+    warnings.push_back("time stamps jitter by " + number(found.rms) + " s rms (" + number(100 * found.rms / line.dt) +
+                       " % of the step): taken as even");
     return line;
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
-  const std::string text = "time is uneven: steps from " + number(*least) + " to " + number(*most) +
-                           " s, median " + number(step) + " s";
+  const std::string text =
+      "time is uneven: steps from " + number(*least) + " to " + number(*most) + " s, median " + number(step) + " s";
   if (!resample) {
     const auto row = static_cast<std::size_t>(most - steps.begin()) + 1;
-    throw InputError(text + "; the largest ends here; set resample = true (--resample) to interpolate to the median step",
-                     {path, lines[row]}, Fault::data);
+    throw InputError(
+        text + "; the largest ends here; set resample = true (--resample) to interpolate to the median step",
+        {path, lines[row]}, Fault::data);
   }
   warnings.push_back(text + ": resampled to the median step");
   return even;

@@ -74,11 +74,12 @@ void Columns::refuse(const Record& record, Index first, const MatrixXd& work) co
     for (Index j = 1; j < work.cols(); ++j) {
       if (std::isfinite(work(i, j))) continue;
       const bool target = j == work.cols() - 1;
-      throw InputError((target ? std::string("the target") : "feature '" + names_[static_cast<std::size_t>(j - 1)] + "'") +
-                           " is " + (std::isnan(work(i, j)) ? "not a number" : "infinite") + " at t = " +
-                           number(record.time(first + i), 6) + " s (row " + std::to_string(first + i + 1) + " of " +
-                           record.name() + "): leave such rows out of the window, or the feature out of the list",
-                       {}, Fault::data);
+      throw InputError(
+          (target ? std::string("the target") : "feature '" + names_[static_cast<std::size_t>(j - 1)] + "'") + " is " +
+              (std::isnan(work(i, j)) ? "not a number" : "infinite") + " at t = " + number(record.time(first + i), 6) +
+              " s (row " + std::to_string(first + i + 1) + " of " + record.name() +
+              "): leave such rows out of the window, or the feature out of the list",
+          {}, Fault::data);
     }
   throw InputError("the columns overflow when added up: scale the features", {}, Fault::data);
 }

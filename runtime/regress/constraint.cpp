@@ -13,8 +13,10 @@ namespace {
 std::string left_side(const Constraint& constraint, std::span<const std::string> features) {
   std::string text;
   for (const auto& [feature, weight] : constraint.terms) {
-    if (!text.empty()) text += weight < 0 ? " - " : " + ";
-    else if (weight < 0) text += "-";
+    if (!text.empty())
+      text += weight < 0 ? " - " : " + ";
+    else if (weight < 0)
+      text += "-";
     if (std::abs(weight) != 1) text += number(std::abs(weight)) + "*";
     text += features[static_cast<std::size_t>(feature)];
   }
@@ -63,8 +65,7 @@ void validate(const Constraint& c, std::span<const std::string> features) {
   if (c.terms.empty()) throw InputError("constraint: expected at least one feature", c.where);
   for (const auto& [feature, weight] : c.terms) {
     if (feature < 0 || feature >= static_cast<int>(features.size()))
-      throw InputError("constraint: feature " + std::to_string(feature + 1) + " of " +
-                           std::to_string(features.size()),
+      throw InputError("constraint: feature " + std::to_string(feature + 1) + " of " + std::to_string(features.size()),
                        c.where);
     if (!std::isfinite(weight) || weight == 0)
       throw InputError("constraint: weight: expected a number other than 0, got " + number(weight), c.where);

@@ -18,7 +18,7 @@ struct ActiveBound {
   int constraint = 0;  ///< index in the list given
   bool upper = false;
   double multiplier = 0;
-  std::string text;    ///< "y^5 <= y^3"
+  std::string text;  ///< "y^5 <= y^3"
 };
 
 /// A feature that the data do not excite on its own: to rounding it is a combination of features before it. Its
@@ -29,11 +29,11 @@ struct Unexcited {
 };
 
 struct SolverSummary {
-  std::string solver;      ///< "least squares", "lasso, lambda = 0.012 (cross-validation, one standard error)", ...
-  std::string stopped;     ///< why it stopped
+  std::string solver;   ///< "least squares", "lasso, lambda = 0.012 (cross-validation, one standard error)", ...
+  std::string stopped;  ///< why it stopped
   bool converged = true;
   int iterations = 0;
-  double kkt = 0;          ///< optimality: largest violation of a first-order condition, relative to |target|
+  double kkt = 0;  ///< optimality: largest violation of a first-order condition, relative to |target|
   double seconds = 0;
 };
 
@@ -44,29 +44,30 @@ struct Fit {
   /// Covariance of the coefficients, given which of them are free and which bounds are active; rows and columns of
   /// held coefficients are 0. NaN where rows do not exceed free coefficients, and for unexcited features.
   Eigen::MatrixXd covariance;
-  Eigen::VectorXd std;             ///< square root of its diagonal
-  Eigen::VectorXd contribution;    ///< rms of coefficient * feature over the rms of the target
+  Eigen::VectorXd std;           ///< square root of its diagonal
+  Eigen::VectorXd contribution;  ///< rms of coefficient * feature over the rms of the target
   Eigen::Index rows = 0;
-  int free = 0;                    ///< coefficients that were estimated, less the active bounds
-  double residual_std = 0;         ///< sqrt(RSS / (rows - free)), in units of the target
-  double rmse = 0;                 ///< sqrt(RSS / rows)
-  double r2 = 0;                   ///< about the mean when a constant is among the features, else about zero (as NIST)
-  double condition = 0;            ///< of the free columns, each scaled to length 1
+  int free = 0;             ///< coefficients that were estimated, less the active bounds
+  double residual_std = 0;  ///< sqrt(RSS / (rows - free)), in units of the target
+  double rmse = 0;          ///< sqrt(RSS / rows)
+  double r2 = 0;            ///< about the mean when a constant is among the features, else about zero (as NIST)
+  double condition = 0;     ///< of the free columns, each scaled to length 1
   std::vector<Unexcited> unexcited;
   std::vector<ActiveBound> active;
   SolverSummary summary;
 };
 
-/// min |X b - z|^2 under the constraints. Rows fewer than features throw InputError, as do a feature that is zero on all
-/// rows and constraints that cannot all be met.
+/// min |X b - z|^2 under the constraints. Rows fewer than features throw InputError, as do a feature that is zero on
+/// all rows and constraints that cannot all be met.
 Fit least_squares(const Statistic& data, std::span<const Constraint> constraints = {});
 
 struct RidgeOptions {
   double lambda = 1e-3;  ///< > 0, dimensionless: penalty on the squares of coefficient * size(feature) / size(target)
 };
 void validate(const RidgeOptions& options);
-/// min |X b - z|^2 / rows + lambda * sum (size_j b_j)^2. The size of a feature is its standard deviation when a constant
-/// is among the features (which is then not penalised), else its rms. (Hoerl & Kennard 1970, Technometrics 12, 55.)
+/// min |X b - z|^2 / rows + lambda * sum (size_j b_j)^2. The size of a feature is its standard deviation when a
+/// constant is among the features (which is then not penalised), else its rms. (Hoerl & Kennard 1970, Technometrics
+/// 12, 55.)
 Fit ridge(const Statistic& data, const RidgeOptions& options = {}, std::span<const Constraint> constraints = {});
 
 struct StlsqOptions {
@@ -83,8 +84,8 @@ Fit stlsq(const Statistic& data, const StlsqOptions& options = {}, std::span<con
 struct LassoOptions {
   /// Dimensionless, > 0; empty: by cross-validation over the blocks given. At the first entry of a path all are zero.
   std::optional<double> lambda = std::nullopt;
-  int path = 100;              ///< values of lambda on the path, >= 2
-  double path_ratio = 1e-3;    ///< last over first value, 0 < ratio < 1
+  int path = 100;                  ///< values of lambda on the path, >= 2
+  double path_ratio = 1e-3;        ///< last over first value, 0 < ratio < 1
   bool one_standard_error = true;  ///< cross-validation: the largest lambda within one standard error of the least
   /// Refit the selected features by least squares, which takes away the lasso's shrinkage.
   bool refit = false;
@@ -95,9 +96,9 @@ void validate(const LassoOptions& options);
 struct PathPoint {
   double lambda = 0;
   Eigen::VectorXd coefficients;
-  double rmse = 0;       ///< on the data of the fit
-  double cv_rmse = 0;    ///< over the left-out blocks; NaN without cross-validation
-  double cv_std = 0;     ///< standard error of the left-out mean square, carried over to the rmse
+  double rmse = 0;     ///< on the data of the fit
+  double cv_rmse = 0;  ///< over the left-out blocks; NaN without cross-validation
+  double cv_std = 0;   ///< standard error of the left-out mean square, carried over to the rmse
 };
 
 /// min |X b - z|^2 / (2 rows size(z)^2) + lambda * sum size_j |b_j| / size(z), with the sizes of ridge(). Exact at each

@@ -20,7 +20,9 @@ using Eigen::VectorXd;
 class Projection {
  public:
   Projection(const ImplicitProblem& problem, const std::vector<ImplicitParameter>& implicit)
-      : problem_(problem), implicit_(implicit), features_(static_cast<int>(problem.features.size())),
+      : problem_(problem),
+        implicit_(implicit),
+        features_(static_cast<int>(problem.features.size())),
         columns_(extended(problem, implicit), problem.target) {}
 
   int evaluations() const { return evaluations_; }
@@ -42,8 +44,8 @@ class Projection {
     const double rows = static_cast<double>(data.rows());
     if (gradient)
       for (std::size_t i = 0; i < implicit_.size(); ++i)
-        gradient[i] = -static_cast<double>(residual.dot(direction(factor, b, i))) / rows *
-                      (implicit_[i].max - implicit_[i].min);
+        gradient[i] =
+            -static_cast<double>(residual.dot(direction(factor, b, i))) / rows * (implicit_[i].max - implicit_[i].min);
     return static_cast<double>(residual.squaredNorm()) / (2 * rows);
   }
 
@@ -65,8 +67,7 @@ class Projection {
     const double freedom = static_cast<double>(data.rows() - k);
     const double variance = fit.rmse * fit.rmse * static_cast<double>(data.rows()) / freedom;
     std::vector<double> out;
-    for (Index i = linear; i < k; ++i)
-      out.push_back(std::sqrt(variance) * static_cast<double>(root.row(i).norm()));
+    for (Index i = linear; i < k; ++i) out.push_back(std::sqrt(variance) * static_cast<double>(root.row(i).norm()));
     return out;
   }
 

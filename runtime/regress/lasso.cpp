@@ -39,7 +39,8 @@ class OrthantWalk {
     sign_ = VectorXd::Ones(n);
     kink_ = VectorXd::Zero(n);
     if (user_rows_ > 0)
-      for (Index k = 0; k < n; ++k) kink_[k] = 1e-9 * problem_.z.norm() * (std::fmod(0.618 * static_cast<double>(k + 1), 1) - 0.5);
+      for (Index k = 0; k < n; ++k)
+        kink_[k] = 1e-9 * problem_.z.norm() * (std::fmod(0.618 * static_cast<double>(k + 1), 1) - 0.5);
     point_.u = user_rows_ == 0 ? unpenalised_only() : solve(problem_, data, constraints).u;
     const VectorXd fall = -gradient(point_.u);
     for (Index k = 0; k < n; ++k) sign_[k] = (point_.u[k] != kink_[k] ? point_.u[k] - kink_[k] : fall[k]) < 0 ? -1 : 1;
@@ -170,7 +171,7 @@ class OrthantWalk {
   }
 
   Problem problem_;
-  Index user_rows_;                // rows of c that are the user's; the signs' rows follow
+  Index user_rows_;  // rows of c that are the user's; the signs' rows follow
   std::vector<Index> penalised_;
   VectorXd kappa_, sign_, kink_;
   Point point_;
@@ -210,8 +211,7 @@ MatrixXd cross_validate(std::span<const Statistic> blocks, std::span<const Const
 std::size_t choose(const MatrixXd& left_out, bool one_standard_error, std::vector<PathPoint>& path) {
   const double blocks = static_cast<double>(left_out.cols());
   const VectorXd mean = left_out.rowwise().mean();
-  const VectorXd error =
-      ((left_out.colwise() - mean).rowwise().squaredNorm() / (blocks * (blocks - 1))).cwiseSqrt();
+  const VectorXd error = ((left_out.colwise() - mean).rowwise().squaredNorm() / (blocks * (blocks - 1))).cwiseSqrt();
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Index row = static_cast<Index>(i);
     path[i].cv_rmse = std::sqrt(mean[row]);

@@ -18,8 +18,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 class DualActiveSet {
  public:
   DualActiveSet(const MatrixXd& r, const VectorXd& z, const MatrixXd& c, const VectorXd& d, int equalities)
-      : c_(c), d_(d), equalities_(equalities), n_(r.cols()), sign_(VectorXd::Ones(c.rows())),
-        triangle_(MatrixXd::Zero(n_, n_)), in_(static_cast<std::size_t>(c.rows()), false) {
+      : c_(c),
+        d_(d),
+        equalities_(equalities),
+        n_(r.cols()),
+        sign_(VectorXd::Ones(c.rows())),
+        triangle_(MatrixXd::Zero(n_, n_)),
+        in_(static_cast<std::size_t>(c.rows()), false) {
     x_ = r.triangularView<Eigen::Upper>().solve(z);
     j_ = r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(n_, n_));
   }
@@ -78,7 +83,8 @@ class DualActiveSet {
       double partial = kInfinity;
       Index leaving = -1;
       for (Index k = 0; k < q; ++k)
-        if (active_[static_cast<std::size_t>(k)] >= equalities_ && fall[k] > 0 && u_[static_cast<std::size_t>(k)] / fall[k] < partial) {
+        if (active_[static_cast<std::size_t>(k)] >= equalities_ && fall[k] > 0 &&
+            u_[static_cast<std::size_t>(k)] / fall[k] < partial) {
           partial = u_[static_cast<std::size_t>(k)] / fall[k];
           leaving = k;
         }
@@ -122,7 +128,8 @@ class DualActiveSet {
     in_[static_cast<std::size_t>(active_[static_cast<std::size_t>(k)])] = false;
     active_.erase(active_.begin() + k);
     u_.erase(u_.begin() + k);
-    for (Index column = k; column + 1 < q; ++column) triangle_.col(column).head(column + 2) = triangle_.col(column + 1).head(column + 2);
+    for (Index column = k; column + 1 < q; ++column)
+      triangle_.col(column).head(column + 2) = triangle_.col(column + 1).head(column + 2);
     triangle_.col(q - 1).setZero();
     for (Index i = k; i + 1 < q; ++i) {
       Eigen::JacobiRotation<double> turn;
@@ -139,8 +146,8 @@ class DualActiveSet {
   Index n_;
   VectorXd sign_, x_;
   MatrixXd j_, triangle_;
-  std::vector<int> active_;   // rows of c_
-  std::vector<double> u_;     // their multipliers
+  std::vector<int> active_;  // rows of c_
+  std::vector<double> u_;    // their multipliers
   std::vector<bool> in_;
   int iterations_ = 0;
 };

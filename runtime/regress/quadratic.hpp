@@ -15,9 +15,9 @@ struct QuadraticSolution {
 };
 
 /// min |r x - z|^2 / 2  subject to  c x = d for the first `equalities` rows and c x >= d for the rest.
-/// `r` is n x n upper triangular and not singular; rows of `c` and columns of `r` should be of like size (scale before).
-/// Dual active-set method of Goldfarb & Idnani (1983), Math. Programming 27, 1-33, on the triangular factor itself, so
-/// that the condition is not squared.
+/// `r` is n x n upper triangular and not singular; rows of `c` and columns of `r` should be of like size (scale
+/// before). Dual active-set method of Goldfarb & Idnani (1983), Math. Programming 27, 1-33, on the triangular factor
+/// itself, so that the condition is not squared.
 QuadraticSolution solve_quadratic(const Eigen::MatrixXd& r, const Eigen::VectorXd& z, const Eigen::MatrixXd& c,
                                   const Eigen::VectorXd& d, int equalities);
 

@@ -41,7 +41,8 @@ VectorXd fixed_values(const Statistic& data, std::span<const Constraint> constra
 std::string combination(const Statistic& data, const MatrixXd& r, const VectorXd& size, int k,
                         const std::vector<int>& before) {
   LongMatrix basis(r.rows(), static_cast<Index>(before.size()));
-  for (Index i = 0; i < basis.cols(); ++i) basis.col(i) = (r.col(before[at(i)]) / size[before[at(i)]]).cast<long double>();
+  for (Index i = 0; i < basis.cols(); ++i)
+    basis.col(i) = (r.col(before[at(i)]) / size[before[at(i)]]).cast<long double>();
   const VectorXd weight = solve_by_qr(basis, (r.col(k) / size[k]).cast<long double>()).cast<double>();
   std::string text;
   for (Index i = 0; i < weight.size(); ++i) {
@@ -80,8 +81,10 @@ void add_sides(Problem& p, const Statistic& data, const Constraint& constraint, 
   double held = 0, scale = 0;
   for (const auto& [feature, weight] : constraint.terms) {
     const int k = place[at(feature)];
-    if (k >= 0) row[k] += weight / p.size[k];
-    else held += weight * p.held[feature];
+    if (k >= 0)
+      row[k] += weight / p.size[k];
+    else
+      held += weight * p.held[feature];
     scale += k >= 0 ? 0 : std::abs(weight * p.held[feature]);
   }
   const double length = row.norm();
@@ -171,9 +174,9 @@ Problem reduce(const Statistic& data, std::span<const Constraint> constraints, c
     }
   }
   if (static_cast<Index>(candidates.size()) > data.rows())
-    throw InputError(std::to_string(candidates.size()) + " features need at least as many rows, got " +
-                         std::to_string(data.rows()),
-                     {}, Fault::data);
+    throw InputError(
+        std::to_string(candidates.size()) + " features need at least as many rows, got " + std::to_string(data.rows()),
+        {}, Fault::data);
   p.columns = excited(data, r, size, candidates, p.unexcited);
 
   const Index f = static_cast<Index>(p.columns.size());

@@ -27,7 +27,7 @@ struct Problem {
   Eigen::VectorXd d;
   int equalities = 0;
   std::vector<Side> sides;
-  Eigen::VectorXd held;      ///< n: values of the coefficients that are not free
+  Eigen::VectorXd held;  ///< n: values of the coefficients that are not free
   std::vector<Unexcited> unexcited;
 };
 

@@ -59,8 +59,8 @@ void validate_implicit(const ImplicitParameter& p, const RegressOptions& options
     throw InputError("regress: implicit parameter '" + p.name + "': expected finite bounds min < max, got " +
                      number(p.min) + " and " + number(p.max));
   if (!(p.value >= p.min && p.value <= p.max))
-    throw InputError("regress: implicit parameter '" + p.name + "': expected a first guess in " + number(p.min) +
-                     ".." + number(p.max) + ", got " + number(p.value));
+    throw InputError("regress: implicit parameter '" + p.name + "': expected a first guess in " + number(p.min) + ".." +
+                     number(p.max) + ", got " + number(p.value));
   if (options.values.count(p.name))
     throw InputError("regress: parameter '" + p.name + "' has a value and is implicit too: expected one of both");
 }
@@ -195,9 +195,9 @@ int find_implicit(Regression& result, const RegressOptions& options, Expr target
                   std::span<const detail::TimeBlock> blocks, std::map<std::string, double>& values) {
   if (options.implicit.empty()) return 0;
   int passes = 0;
-  result.implicit = detail::search({options.features, target, constraints, records, blocks, &options.values,
-                                    options.threads, options.starts},
-                                   options.implicit, passes);
+  result.implicit = detail::search(
+      {options.features, target, constraints, records, blocks, &options.values, options.threads, options.starts},
+      options.implicit, passes);
   for (const ImplicitParameter& p : result.implicit) values[p.name] = p.value;
   return passes;
 }
@@ -205,8 +205,8 @@ int find_implicit(Regression& result, const RegressOptions& options, Expr target
 void add_terms(Regression& result, const RegressOptions& options, const VectorXd& block_std) {
   for (std::size_t j = 0; j < options.features.size(); ++j) {
     const Index i = static_cast<Index>(j);
-    result.terms.push_back({options.features[j], result.fit.coefficients[i], result.fit.std[i],
-                            block_std[i], result.fit.contribution[i]});
+    result.terms.push_back(
+        {options.features[j], result.fit.coefficients[i], result.fit.std[i], block_std[i], result.fit.contribution[i]});
   }
 }
 
@@ -251,8 +251,9 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   for (const Record& record : records) result.windows.push_back(describe(record));
   result.warnings = warnings(result.fit, records, options);
   result.restoring = restoring_of(result, options);
-  if (passes > 0) result.fit.summary.solver += ", around SLSQP on " + std::to_string(options.implicit.size()) +
-                                               " implicit parameters (" + std::to_string(passes) + " passes)";
+  if (passes > 0)
+    result.fit.summary.solver += ", around SLSQP on " + std::to_string(options.implicit.size()) +
+                                 " implicit parameters (" + std::to_string(passes) + " passes)";
   result.fit.summary.seconds = watch.seconds();
   return result;
 }

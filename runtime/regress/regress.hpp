@@ -29,8 +29,8 @@ TermConstraint fixed(Expr feature, double value);
 /// A parameter inside a feature (tanh(p*y)), searched for within its bounds around the linear regression.
 struct ImplicitParameter {
   std::string name;
-  double value = 1;  ///< first guess, min <= value <= max
-  double min = 0, max = 0;  ///< finite, min < max
+  double value = 1;                                       ///< first guess, min <= value <= max
+  double min = 0, max = 0;                                ///< finite, min < max
   double std = std::numeric_limits<double>::quiet_NaN();  ///< after the fit
 };
 
@@ -38,16 +38,16 @@ struct LeastSquaresOptions {};
 using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions>;
 
 struct RegressOptions {
-  std::vector<Expr> features;             ///< functions of channels, t, and parameters that have a value below
-  Expr mass;                              ///< [kg]; may depend on channels; empty: none, the target is F - known
-  Expr known;                             ///< known part of the restoring force, moved to the left; empty: none
-  std::map<std::string, double> values;   ///< of parameters in features, mass and known
+  std::vector<Expr> features;            ///< functions of channels, t, and parameters that have a value below
+  Expr mass;                             ///< [kg]; may depend on channels; empty: none, the target is F - known
+  Expr known;                            ///< known part of the restoring force, moved to the left; empty: none
+  std::map<std::string, double> values;  ///< of parameters in features, mass and known
   std::vector<ImplicitParameter> implicit;
   std::vector<TermConstraint> constraints;
   RegressionSolver solver = LeastSquaresOptions{};
-  int blocks = 8;    ///< of time in each record, 1..1000: for cross-validation and block errors
-  int starts = 4;    ///< of the search for implicit parameters, the first guess among them, >= 1
-  int threads = 0;   ///< 0: all cores; the result does not depend on it
+  int blocks = 8;   ///< of time in each record, 1..1000: for cross-validation and block errors
+  int starts = 4;   ///< of the search for implicit parameters, the first guess among them, >= 1
+  int threads = 0;  ///< 0: all cores; the result does not depend on it
 };
 /// Throws InputError: no features, bad counts, bounds of implicit parameters, options of the solver.
 void validate(const RegressOptions& options);
@@ -61,16 +61,16 @@ struct Term {
 };
 
 struct Regression {
-  std::vector<Term> terms;       ///< one for each feature, in order; dropped ones have coefficient 0
+  std::vector<Term> terms;                  ///< one for each feature, in order; dropped ones have coefficient 0
   std::vector<ImplicitParameter> implicit;  ///< with the values found
   Fit fit;
-  double r2 = 0;                 ///< of the target about its mean, on the rows of the fit
-  double rmse = 0;               ///< [unit of F]
-  std::string mode;              ///< "equation error, train": what r2 and rmse measure
-  std::vector<std::string> windows;   ///< "run3.csv, 2 to 10 s, 6401 rows"
+  double r2 = 0;                     ///< of the target about its mean, on the rows of the fit
+  double rmse = 0;                   ///< [unit of F]
+  std::string mode;                  ///< "equation error, train": what r2 and rmse measure
+  std::vector<std::string> windows;  ///< "run3.csv, 2 to 10 s, 6401 rows"
   std::vector<std::string> warnings;
-  std::vector<PathPoint> path;   ///< of a lasso by cross-validation
-  Expr restoring;                ///< sum of the terms that are not 0, implicit values put in, plus the known part
+  std::vector<PathPoint> path;  ///< of a lasso by cross-validation
+  Expr restoring;               ///< sum of the terms that are not 0, implicit values put in, plus the known part
 };
 
 /// Regresses over all rows of `records` (windows of them, several side by side) in one pass by blocks of time; memory

@@ -32,8 +32,7 @@ MatrixXd unit_covariance(const Problem& p, const MatrixXd& free, const MatrixXd*
   if (f == 0) return MatrixXd::Zero(p.r.cols(), p.r.cols());
   LongMatrix triangle = LongMatrix::Zero(f, f);
   triangularise(triangle, p.exact.topLeftCorner(p.r.cols(), p.r.cols()) * free.cast<long double>());
-  const MatrixXd inverse =
-      triangle.triangularView<Eigen::Upper>().solve(LongMatrix::Identity(f, f)).cast<double>();
+  const MatrixXd inverse = triangle.triangularView<Eigen::Upper>().solve(LongMatrix::Identity(f, f)).cast<double>();
   MatrixXd root = free * inverse;
   if (!unpenalised) return root * root.transpose();
   const MatrixXd hat = (*unpenalised) * root;  // trace(hat' hat): effective parameters of a ridge
@@ -48,8 +47,8 @@ void add_active_bounds(Fit& fit, const Problem& p, const Point& point, const Sta
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const Constraint& c = constraints[i];
     if (c.equality() && c.terms.size() == 1)
-      fit.active.push_back({static_cast<int>(i), false, gradient[c.terms[0].first] / c.terms[0].second,
-                            to_text(c, data.names())});
+      fit.active.push_back(
+          {static_cast<int>(i), false, gradient[c.terms[0].first] / c.terms[0].second, to_text(c, data.names())});
   }
   for (int row : point.active) {
     if (row >= static_cast<int>(p.sides.size())) continue;

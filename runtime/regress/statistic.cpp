@@ -111,9 +111,7 @@ VectorXd Statistic::deviation() const {
   return norm / std::sqrt(static_cast<double>(rows_));
 }
 
-VectorXd Statistic::mean() const {
-  return (r_.row(0).tail(r_.cols() - 1).transpose() / r_(0, 0)).cast<double>();
-}
+VectorXd Statistic::mean() const { return (r_.row(0).tail(r_.cols() - 1).transpose() / r_(0, 0)).cast<double>(); }
 
 int Statistic::constant_feature() const {
   const VectorXd spread = deviation(), size = rms();

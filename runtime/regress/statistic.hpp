@@ -12,10 +12,10 @@ namespace lunid {
 
 /// The least-squares problem min |R b - z|^2 + rest that a Statistic stands for.
 struct Triangle {
-  Eigen::MatrixXd r;       ///< n x n, upper triangular
-  Eigen::VectorXd z;       ///< n
-  double rest = 0;         ///< residual sum of squares that no b can remove
-  Eigen::Index rows = 0;   ///< rows of the data behind it
+  Eigen::MatrixXd r;      ///< n x n, upper triangular
+  Eigen::VectorXd z;      ///< n
+  double rest = 0;        ///< residual sum of squares that no b can remove
+  Eigen::Index rows = 0;  ///< rows of the data behind it
 };
 
 /// A streaming QR factorisation: the triangular factor of the columns [1, features, target], nothing else. Rows come in

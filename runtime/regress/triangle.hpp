@@ -16,8 +16,8 @@ void triangularise(Eigen::Ref<Eigen::MatrixXd> r, Eigen::Ref<Eigen::MatrixXd> bl
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
-/// The same in extended precision, one reflector at a time; zeros below the last entry of a column cost nothing, so that
-/// folding in a triangle is cheap.
+/// The same in extended precision, one reflector at a time; zeros below the last entry of a column cost nothing, so
+/// that folding in a triangle is cheap.
 void triangularise(LongMatrix& r, LongMatrix block);
 
 }  // namespace lunid

@@ -13,8 +13,11 @@ constexpr double huge = 1e50;
 class Terms {
  public:
   Terms(const System& system, std::span<const double> theta)
-      : expressions(system.terms()), values(expressions.size()), tape_(system.term_values()),
-        in_(tape_.inputs(), 0.0), scratch_(tape_.registers() + 1) {
+      : expressions(system.terms()),
+        values(expressions.size()),
+        tape_(system.term_values()),
+        in_(tape_.inputs(), 0.0),
+        scratch_(tape_.registers() + 1) {
     std::copy(theta.begin(), theta.end(), in_.end() - static_cast<std::ptrdiff_t>(theta.size()));
   }
 
@@ -119,7 +122,7 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
 
 std::string chatter_cause(const Dynamics& d, int event, long max_events) {
   const int surfaces = static_cast<int>(d.surfaces.size());
-  const std::string where = event < 0           ? std::string("its switches")
+  const std::string where = event < 0          ? std::string("its switches")
                             : event < surfaces ? to_text(d.surfaces[event].g) + " = 0"
                                                : "the bound of " + d.names[d.bounds[event - surfaces].state];
   return "more than " + std::to_string(max_events) + " switches: the motion chatters at " + where;

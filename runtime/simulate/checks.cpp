@@ -66,8 +66,8 @@ void check_run(const char* caller, const System& system, std::span<const double>
                      parameter_names(system) + "), got " + std::to_string(theta.size()));
   for (std::size_t i = 0; i < theta.size(); ++i)
     if (!std::isfinite(theta[i]))
-      throw InputError(name + ": parameter '" + system.model().parameters[i].name +
-                       "': expected a finite value, got " + number(theta[i]));
+      throw InputError(name + ": parameter '" + system.model().parameters[i].name + "': expected a finite value, got " +
+                       number(theta[i]));
   if (x0.size() != system.states())
     throw InputError(name + ": x0: expected " + std::to_string(system.states()) + " values (" + names_of(system) +
                      "), got " + std::to_string(x0.size()));

@@ -95,8 +95,7 @@ class Cvode : public SundialsBase {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0,
-                                       double max_step) {
+std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) {
   return std::make_unique<Cvode>(method, ode, t0, x0, max_step);
 }
 

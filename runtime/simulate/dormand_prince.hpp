@@ -1,7 +1,7 @@
 #pragma once
-// The fifth-order method of Dormand and Prince (1980, J. Comput. Appl. Math. 6, 19), at a fixed step. Its seventh stage is
-// the rate at the end of the step, which is the first of the next (FSAL): six evaluations per step. Per evaluation it is
-// worth more than the classical fourth-order method: on an oscillator, one step of it equals four of those.
+// The fifth-order method of Dormand and Prince (1980, J. Comput. Appl. Math. 6, 19), at a fixed step. Its seventh stage
+// is the rate at the end of the step, which is the first of the next (FSAL): six evaluations per step. Per evaluation
+// it is worth more than the classical fourth-order method: on an oscillator, one step of it equals four of those.
 #include <array>
 
 namespace lunid::dormand_prince {
@@ -13,14 +13,13 @@ inline constexpr std::array<double, 7> place{0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 
 inline constexpr int nodes = 5;
 
 /// Row i: weights of the stages before it; row 6 is the step itself.
-inline constexpr double weight[7][6] = {
-    {},
-    {1.0 / 5},
-    {3.0 / 40, 9.0 / 40},
-    {44.0 / 45, -56.0 / 15, 32.0 / 9},
-    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
+inline constexpr double weight[7][6] = {{},
+                                        {1.0 / 5},
+                                        {3.0 / 40, 9.0 / 40},
+                                        {44.0 / 45, -56.0 / 15, 32.0 / 9},
+                                        {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+                                        {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+                                        {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
 
 /// out = x + h * (weights of stage S) . k, with the stages k one after another, n values each. N: n where the compiler
 /// knows it, else 0.

@@ -151,9 +151,19 @@ class EventRun {
 };
 
 EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
-    : problem_(problem), d_(*problem.dynamics), n_(d_.n), p_(d_.p), columns_(d_.p + d_.n),
-      modes_(d_, problem.theta, problem.dt / problem.substeps), x_(x0.data(), x0.data() + n_), trial_(n_), stage_(n_),
-      k_(dp::stages * n_), now_(modes_.observation()), then_(modes_.observation()), gradient_(d_.inputs()) {
+    : problem_(problem),
+      d_(*problem.dynamics),
+      n_(d_.n),
+      p_(d_.p),
+      columns_(d_.p + d_.n),
+      modes_(d_, problem.theta, problem.dt / problem.substeps),
+      x_(x0.data(), x0.data() + n_),
+      trial_(n_),
+      stage_(n_),
+      k_(dp::stages * n_),
+      now_(modes_.observation()),
+      then_(modes_.observation()),
+      gradient_(d_.inputs()) {
   if (!problem.sensitivities) return;
   s_.assign(n_ * columns_, 0.0);
   for (int i = 0; i < n_; ++i) s_[i * columns_ + p_ + i] = 1;
@@ -254,8 +264,7 @@ bool EventRun::advance(Segment& segment) {
         return failed(segment, at, Stop::too_many_events);
       }
     }
-    if (problem_.bound > 0 && n_ > 0 && std::abs(x_[0]) > problem_.bound)
-      return failed(segment, at, Stop::exploded);
+    if (problem_.bound > 0 && n_ > 0 && std::abs(x_[0]) > problem_.bound) return failed(segment, at, Stop::exploded);
   }
   return true;
 }

@@ -64,8 +64,8 @@ void refine_band_limited(const VectorXd& f, std::span<const double> places, Vect
   for (Index i = 1; i < count; ++i) {
     const VectorXd w = kernel(places[i]);
     for (Index row = 0; row + 1 < f.size(); ++row)
-      out[row * count + i] = w.dot(g.segment(row + 1, 2 * half_width)) + f[0] +
-                             slope * (static_cast<double>(row) + places[i]);
+      out[row * count + i] =
+          w.dot(g.segment(row + 1, 2 * half_width)) + f[0] + slope * (static_cast<double>(row) + places[i]);
   }
 }
 
@@ -130,7 +130,7 @@ struct Excitation::Source {
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
   std::function<double(double)> function;
-  std::mutex mutex;  ///< guards the grids
+  std::mutex mutex;                                 ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
 
   VectorXd refine(std::span<const double> places) const;
@@ -149,7 +149,10 @@ std::string to_string(Interpolation interpolation) {
 }
 
 Excitation::Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation)
-    : t0_(t0), dt_(dt), rows_(static_cast<Index>(force.size())), interpolation_(interpolation),
+    : t0_(t0),
+      dt_(dt),
+      rows_(static_cast<Index>(force.size())),
+      interpolation_(interpolation),
       source_(std::make_shared<Source>()) {
   check(t0, dt, rows_);
   source_->t0 = t0;

@@ -18,9 +18,9 @@ constexpr int variance_blocks = 20;  // over which sums of scores are taken to b
 struct Normal {
   double cost = infinity;
   Eigen::Index rows = 0;
-  Eigen::MatrixXd a;                      ///< theta x theta (before elimination)
+  Eigen::MatrixXd a;  ///< theta x theta (before elimination)
   Eigen::VectorXd b;
-  std::vector<Eigen::MatrixXd> ax, axx;   ///< per segment: theta x n, n x n
+  std::vector<Eigen::MatrixXd> ax, axx;  ///< per segment: theta x n, n x n
   std::vector<Eigen::VectorXd> bx;
   /// What the equations are made of, per segment.
   struct Part {
@@ -29,7 +29,7 @@ struct Normal {
     Eigen::MatrixXd columns;   ///< d model / d(theta, first state), whitened
   };
   std::vector<Part> parts;
-  std::string cause;                      ///< why a run failed
+  std::string cause;  ///< why a run failed
 };
 
 /// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
@@ -140,14 +140,14 @@ class Problem {
     const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
     if (imposed()) {
       const auto force = data.record["F"];
-      const Eigen::VectorXd model = imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr,
-                                                  run_options_.substeps);
+      const Eigen::VectorXd model =
+          imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr, run_options_.substeps);
       error = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())) - model;
       if (!error.allFinite()) return fail(normal, "the model's force is not finite");
       return true;
     }
-    const auto y = data.record["y"].subspan(static_cast<std::size_t>(segment.first),
-                                            static_cast<std::size_t>(segment.count));
+    const auto y =
+        data.record["y"].subspan(static_cast<std::size_t>(segment.first), static_cast<std::size_t>(segment.count));
     const Eigen::Map<const Eigen::VectorXd> measured(y.data(), segment.count);
     if (derivatives) {
       SensitivityRun r = simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_);
@@ -242,8 +242,8 @@ std::vector<std::uint8_t> frozen(const Model& model, const Bounds& bounds, const
   return out;
 }
 
-/// Widens a covariance where the residual is not white: A^-1 B A^-1 with B the sum over blocks of the squared sums of the
-/// scores (batch means: whatever the correlation within a block). Never narrows it.
+/// Widens a covariance where the residual is not white: A^-1 B A^-1 with B the sum over blocks of the squared sums of
+/// the scores (batch means: whatever the correlation within a block). Never narrows it.
 void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& inverse, Eigen::MatrixXd& covariance) {
   Eigen::Index rows = 0;
   for (const auto& s : scores) rows += s.rows();
@@ -335,18 +335,27 @@ FitResult minimise(const System& system, const Eigen::VectorXd& start, const std
       auto hold = frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
       Step step = damped_step(normal, lambda, hold);
       Eigen::VectorXd theta = (result.theta + step.theta).cwiseMax(bounds.min).cwiseMin(bounds.max);
-      if (!theta.allFinite()) { lambda = lambda * 10 + 1e-6; continue; }
+      if (!theta.allFinite()) {
+        lambda = lambda * 10 + 1e-6;
+        continue;
+      }
       std::vector<FitSegment> trial = segments;
       for (std::size_t s = 0; s < step.x0.size(); ++s) trial[s].x0 += step.x0[s];
       bool finite = true;
       for (const auto& t : trial) finite = finite && t.x0.allFinite();
-      if (!finite) { lambda = lambda * 10 + 1e-6; continue; }
+      if (!finite) {
+        lambda = lambda * 10 + 1e-6;
+        continue;
+      }
       // The first step of an iteration is nearly always taken: its derivatives are computed along with its cost.
       Normal full = problem.evaluate(theta, trial, attempt == 0);
       if (full.cost < normal.cost) {
         const double drop = (normal.cost - full.cost) / normal.cost;
         if (attempt > 0) full = problem.evaluate(theta, trial, true);
-        if (!std::isfinite(full.cost)) { lambda = lambda * 10 + 1e-6; continue; }
+        if (!std::isfinite(full.cost)) {
+          lambda = lambda * 10 + 1e-6;
+          continue;
+        }
         result.theta = std::move(theta);
         segments = std::move(trial);
         normal = std::move(full);
@@ -384,8 +393,9 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
     const double spread = std::sqrt((values.array() - values.mean()).square().mean());
     // A tenth of what the sensor's noise hides.
     const double tolerance = std::clamp(0.1 * d.record.channel("y").noise / spread, 1e-5, 1e-3);
-    const int chosen = choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())},
-                                       d.excitation.part(first, rows), measured_state(system, d.record, first), tolerance);
+    const int chosen =
+        choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())}, d.excitation.part(first, rows),
+                        measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, 64);
@@ -424,7 +434,10 @@ void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use,
   out.setZero(rows);
   Eigen::Index history = 0;  // rows in use without a break before this one
   for (Eigen::Index i = 0; i < rows; ++i) {
-    if (!keep[static_cast<std::size_t>(i)]) { history = 0; continue; }
+    if (!keep[static_cast<std::size_t>(i)]) {
+      history = 0;
+      continue;
+    }
     if (history++ < order) continue;
     out[i] = mean[i];
     for (Eigen::Index j = 0; j < order; ++j) out[i] -= whitening.ar[static_cast<std::size_t>(j)] * mean[i - 1 - j];
@@ -436,7 +449,8 @@ void validate(const FitOptions& o) {
   if (o.segment < 0) refuse("segment: expected >= 0 rows, got " + std::to_string(o.segment));
   if (o.max_iterations < 1) refuse("max_iterations: expected >= 1, got " + std::to_string(o.max_iterations));
   if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + std::to_string(o.tolerance));
-  if (o.whitening.average < 1) refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
+  if (o.whitening.average < 1)
+    refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
 }
 

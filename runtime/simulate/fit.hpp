@@ -29,11 +29,11 @@ void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use,
             Eigen::VectorXd& out);
 
 struct FitOptions {
-  Eigen::Index segment = 0;   ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
-  int max_iterations = 40;    ///< >= 1
-  double tolerance = 1e-7;    ///< relative drop of the cost at which the fit stops, > 0
-  int substeps = 0;           ///< per sample; 0: chosen by halving the step at the start
-  Whitening whitening;        ///< what is done to the residual before it is squared
+  Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
+  int max_iterations = 40;   ///< >= 1
+  double tolerance = 1e-7;   ///< relative drop of the cost at which the fit stops, > 0
+  int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
+  Whitening whitening;       ///< what is done to the residual before it is squared
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.
@@ -49,17 +49,18 @@ struct FitSegment {
 struct FitResult {
   Eigen::VectorXd theta;
   std::vector<FitSegment> segments;
-  std::vector<Eigen::VectorXd> residual;  ///< per record: measured - model [m] (force [N] with imposed motion), rows out of use too
-  double cost = 0;           ///< sum of squared (whitened) residuals
-  Eigen::Index rows = 0;     ///< rows in the cost
+  std::vector<Eigen::VectorXd>
+      residual;           ///< per record: measured - model [m] (force [N] with imposed motion), rows out of use too
+  double cost = 0;        ///< sum of squared (whitened) residuals
+  Eigen::Index rows = 0;  ///< rows in the cost
   Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost
   /// Pseudo-inverse of information times cost / degrees of freedom, widened where sums of the scores over blocks vary
   /// more (the residual is not white); 0 rows at bounds
   Eigen::MatrixXd covariance;
-  std::vector<std::uint8_t> at_bound;   ///< parameter sits at a bound that holds it
-  std::vector<std::uint8_t> unseen;     ///< parameter that the data do not excite (rank)
+  std::vector<std::uint8_t> at_bound;  ///< parameter sits at a bound that holds it
+  std::vector<std::uint8_t> unseen;    ///< parameter that the data do not excite (rank)
   bool converged = false;
-  std::string stopped;       ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
+  std::string stopped;  ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
   int iterations = 0;
   long runs = 0;
   int substeps = 1;
@@ -84,8 +85,8 @@ struct StateEstimate {
   double residual_variance = 0;  ///< of the rows used
   bool converged = false;
 };
-StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data, Eigen::Index first,
-                             Eigen::Index count, int substeps);
+StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                             Eigen::Index first, Eigen::Index count, int substeps);
 
 /// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);

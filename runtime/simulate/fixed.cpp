@@ -13,8 +13,8 @@ void check_cancelled(const std::atomic<bool>* cancelled) {
 
 namespace {
 
-void sensitivity_rows(int n, int p, const double* jx, const double* jtheta, double steepest,
-                      const double* __restrict s, double* __restrict out) noexcept {
+void sensitivity_rows(int n, int p, const double* jx, const double* jtheta, double steepest, const double* __restrict s,
+                      double* __restrict out) noexcept {
   const int columns = p + n;
   for (int i = 0; i < n; ++i) {
     double* __restrict row = out + i * columns;
@@ -30,8 +30,8 @@ void sensitivity_rows(int n, int p, const double* jx, const double* jtheta, doub
 }
 
 /// The usual case, in one sweep.
-void sensitivity_rows_of_two(int p, const double* jx, const double* jtheta, double steepest,
-                             const double* __restrict s, double* __restrict out) noexcept {
+void sensitivity_rows_of_two(int p, const double* jx, const double* jtheta, double steepest, const double* __restrict s,
+                             double* __restrict out) noexcept {
   const int columns = p + 2;
   const double* __restrict other = s + columns;
   for (int i = 0; i < 2; ++i) {

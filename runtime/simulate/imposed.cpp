@@ -18,9 +18,17 @@ class ForceSink : public RowSink {
  public:
   ForceSink(const System& system, std::span<const double> theta, const Record& record,
             const std::array<std::span<const double>, 3>& motion, VectorXd& force, Eigen::MatrixXd* dforce)
-      : system_(system), record_(record), motion_(motion), force_(force), dforce_(dforce),
-        tape_(dforce ? system.force_with_derivatives() : system.force()), z_(system.states() - 2),
-        p_(system.parameters()), in_(tape_.inputs(), 0.0), out_(tape_.outputs()), scratch_(tape_.registers() + 1) {
+      : system_(system),
+        record_(record),
+        motion_(motion),
+        force_(force),
+        dforce_(dforce),
+        tape_(dforce ? system.force_with_derivatives() : system.force()),
+        z_(system.states() - 2),
+        p_(system.parameters()),
+        in_(tape_.inputs(), 0.0),
+        out_(tape_.outputs()),
+        scratch_(tape_.registers() + 1) {
     std::copy(theta.begin(), theta.end(), in_.end() - p_);
   }
 

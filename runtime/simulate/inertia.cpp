@@ -30,14 +30,11 @@ Expr choose(Pool& pool, Expr condition, Expr yes, Expr no) {
 Affine combine(Expr node, std::span<const Affine> parts) {
   switch (node.op()) {
     case Op::add: return {sum(parts[0].slope, parts[1].slope), sum(parts[0].rest, parts[1].rest)};
-    case Op::sub:
-      return {sum(parts[0].slope, negated(parts[1].slope)), sum(parts[0].rest, negated(parts[1].rest))};
+    case Op::sub: return {sum(parts[0].slope, negated(parts[1].slope)), sum(parts[0].rest, negated(parts[1].rest))};
     case Op::neg: return {negated(parts[0].slope), negated(parts[0].rest)};
     case Op::mul:
-      if (!parts[1].slope.valid())
-        return {scaled(parts[0].slope, parts[1].rest), scaled(parts[0].rest, parts[1].rest)};
-      if (!parts[0].slope.valid())
-        return {scaled(parts[1].slope, parts[0].rest), scaled(parts[1].rest, parts[0].rest)};
+      if (!parts[1].slope.valid()) return {scaled(parts[0].slope, parts[1].rest), scaled(parts[0].rest, parts[1].rest)};
+      if (!parts[0].slope.valid()) return {scaled(parts[1].slope, parts[0].rest), scaled(parts[1].rest, parts[0].rest)};
       refuse(node);
     case Op::div:
       if (parts[1].slope.valid()) refuse(node);

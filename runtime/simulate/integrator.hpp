@@ -19,7 +19,7 @@ struct Ode {
   /// The fall of an event function below zero ends a part; the rise of a watch above zero stops the integrator there
   /// without a consequence: each watch is the slope of an event function, so that a short dip below zero is seen.
   virtual void event_functions(double t, const double* x, double* g) = 0;  ///< events() values, then as many watches
-  virtual void error_weights(const double* x, double* w) = 0;  ///< 1 / (tolerated error of each state)
+  virtual void error_weights(const double* x, double* w) = 0;              ///< 1 / (tolerated error of each state)
 };
 
 class Integrator {

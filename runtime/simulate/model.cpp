@@ -62,9 +62,8 @@ void check_symbols(const Model& model, const Part& part) {
     if (symbol.kind() == SymbolKind::channel && padded.find(" " + symbol.name() + " ") == std::string::npos)
       throw InputError("model: " + part.where + ": cannot hold the channel '" + symbol.name() + "' (it may hold " +
                        std::string(part.channels) + ")");
-    if (symbol.kind() == SymbolKind::state &&
-        std::none_of(model.states.begin(), model.states.end(),
-                     [&](const InternalState& z) { return z.symbol == symbol; }))
+    if (symbol.kind() == SymbolKind::state && std::none_of(model.states.begin(), model.states.end(),
+                                                           [&](const InternalState& z) { return z.symbol == symbol; }))
       throw InputError("model: " + part.where + ": the state '" + symbol.name() + "' has no rate");
   }
 }

@@ -59,7 +59,7 @@ class System {
   /// Completes the model first (complete()), with its errors. Changes the model's pool.
   explicit System(const Model& model);
 
-  int states() const { return n_; }        ///< 2 + internal states
+  int states() const { return n_; }  ///< 2 + internal states
   int parameters() const { return p_; }
   const Model& model() const { return *model_; }
 

@@ -41,15 +41,20 @@ bool solve_small(double* a, double* b, int k) noexcept {
 }  // namespace
 
 ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta, double dt)
-    : d_(dynamics), width_time_(surface_width * dt), surfaces_(dynamics.surfaces.size()),
+    : d_(dynamics),
+      width_time_(surface_width * dt),
+      surfaces_(dynamics.surfaces.size()),
       bounds_(dynamics.bounds.size()),
-      rate_mode_(dynamics.rate.switches(), 1), derivative_mode_(dynamics.derivatives.switches(), 0),
+      rate_mode_(dynamics.rate.switches(), 1),
+      derivative_mode_(dynamics.derivatives.switches(), 0),
       gradient_mode_(dynamics.gradients.switches(), 0),
       free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
       rate_r_(std::max(dynamics.rate.registers(), dynamics.inputs()) + 1),
       derivative_r_(std::max(dynamics.derivatives.registers(), dynamics.inputs()) + 1),
-      scratch_(dynamics.gradients.registers() + 1), gradient_(std::max(1, dynamics.gradients.outputs())),
-      g_(rate_r_.data() + dynamics.rate.switch_place()), out_(dynamics.rate.outputs()),
+      scratch_(dynamics.gradients.registers() + 1),
+      gradient_(std::max(1, dynamics.gradients.outputs())),
+      g_(rate_r_.data() + dynamics.rate.switch_place()),
+      out_(dynamics.rate.outputs()),
       full_(dynamics.derivatives.outputs()) {
   plus_.resize(d_.n);
   std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
@@ -228,9 +233,7 @@ void ModeMachine::observe(const Drive& drive, const double* x, Observation& o) n
     const double gap_rate = out_[d_.n + bounds_.size() + j];
     if (std::abs(gap_rate) > bounds_[j].scale) bounds_[j].scale = std::abs(gap_rate);
     const bool free = !bounds_[j].held && !held_by_opposite(static_cast<int>(j));
-    o.event[e] = free                ? out_[d_.n + j] + width_time_ * bounds_[j].scale + least_width
-                 : bounds_[j].held ? -gap_rate
-                                   : 1;
+    o.event[e] = free ? out_[d_.n + j] + width_time_ * bounds_[j].scale + least_width : bounds_[j].held ? -gap_rate : 1;
     o.slope[e] = free ? gap_rate : std::numeric_limits<double>::quiet_NaN();
   }
 }

@@ -137,12 +137,12 @@ class ModeMachine {
   std::vector<int> sliding_;
   std::vector<std::int8_t> rate_mode_, derivative_mode_, gradient_mode_, free_mode_;  ///< per switch of a tape; free: 0
   bool drifting_ = false;
-  std::vector<double> rate_r_, derivative_r_;   ///< registers of the tapes, run in place: inputs first
+  std::vector<double> rate_r_, derivative_r_;  ///< registers of the tapes, run in place: inputs first
   std::vector<double> scratch_, gradient_;
-  const double* g_ = nullptr;                   ///< within rate_r_
-  std::vector<double> plus_;                    ///< rates on the plus side of a surface under decision
-  std::vector<double> out_, side_;              ///< rate outputs; of each side slid upon: difference plus - minus
-  std::vector<double> full_, full_side_;        ///< the same of the derivatives
+  const double* g_ = nullptr;                    ///< within rate_r_
+  std::vector<double> plus_;                     ///< rates on the plus side of a surface under decision
+  std::vector<double> out_, side_;               ///< rate outputs; of each side slid upon: difference plus - minus
+  std::vector<double> full_, full_side_;         ///< the same of the derivatives
   std::vector<double> matrix_, weight_, delta_;  ///< of the sliding condition
 };
 

@@ -20,9 +20,7 @@ constexpr double default_tolerance = 1e-5;
 
 struct Clock {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  }
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
 };
 
 struct FreeSink : RowSink {
@@ -91,15 +89,15 @@ bool refuse_mass(const System& system, std::span<const double> theta, const Vect
 
 /// BDF where explicit steps are too many, or where they exploded, which may have been the method and not the model: the
 /// implicit run then replaces `run` if it completes.
-void try_implicit(const System& system, std::span<const double> theta, const Excitation& excitation,
-                  const VectorXd& x0, SimulateOptions options, bool exploded, Run& run) {
+void try_implicit(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+                  SimulateOptions options, bool exploded, Run& run) {
   options.solver = Solver::bdf;
   Run implicit = run_sundials(system, theta, excitation, x0, options);
   if (exploded && !implicit.summary.completed) return;
   run = std::move(implicit);
-  run.summary.solver += exploded ? " (auto: explicit steps explode)"
-                                 : " (auto: explicit steps would need more than " + std::to_string(explicit_limit) +
-                                       " per sample)";
+  run.summary.solver +=
+      exploded ? " (auto: explicit steps explode)"
+               : " (auto: explicit steps would need more than " + std::to_string(explicit_limit) + " per sample)";
 }
 
 }  // namespace
@@ -141,9 +139,8 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   return run;
 }
 
-SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
-                                      const Excitation& excitation, const VectorXd& x0,
-                                      const SimulateOptions& options) {
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitation& excitation,
+                                      const VectorXd& x0, const SimulateOptions& options) {
   check_run("simulate_sensitivities", system, theta, excitation, x0, options);
   if (options.solver != Solver::automatic && options.solver != Solver::fixed)
     throw InputError("simulate_sensitivities: solver: only 'fixed' carries sensitivities, got '" +

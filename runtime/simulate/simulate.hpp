@@ -76,22 +76,22 @@ std::string fixed_solver_name(int substeps);
 
 /// What a run did.
 struct RunSummary {
-  std::string solver;      ///< "fixed DP5, 2 substeps" | "CVODE BDF" | ...
-  bool completed = true;   ///< false: stopped early (exploded, too many events, solver failure)
-  double stopped_at = 0;   ///< [s], when not completed
-  std::string cause;       ///< in words, when not completed
+  std::string solver;     ///< "fixed DP5, 2 substeps" | "CVODE BDF" | ...
+  bool completed = true;  ///< false: stopped early (exploded, too many events, solver failure)
+  double stopped_at = 0;  ///< [s], when not completed
+  std::string cause;      ///< in words, when not completed
   long steps = 0, evaluations = 0, events = 0;
-  long grazing = 0;        ///< switches met so flatly that the sensitivities after them are not to be trusted
-  double stuck = 0;        ///< [s] spent sticking (sliding on a switch)
-  double error = 0;        ///< largest difference to the run with half the step, over std(y); fixed path, when checked
+  long grazing = 0;  ///< switches met so flatly that the sensitivities after them are not to be trusted
+  double stuck = 0;  ///< [s] spent sticking (sliding on a switch)
+  double error = 0;  ///< largest difference to the run with half the step, over std(y); fixed path, when checked
   double seconds = 0;
 };
 
 /// A run on the samples of its excitation. Rows after stopped_at are NaN.
 struct Run {
   double t0 = 0, dt = 1;
-  Eigen::MatrixXd x;      ///< rows x states: y v z...
-  Eigen::VectorXd a;      ///< acceleration [m/s^2]
+  Eigen::MatrixXd x;  ///< rows x states: y v z...
+  Eigen::VectorXd a;  ///< acceleration [m/s^2]
   RunSummary summary;
 };
 
@@ -106,9 +106,8 @@ struct SensitivityRun {
   Eigen::MatrixXd dy;  ///< rows x (p + n): dy/dtheta, dy/dx0
   Eigen::MatrixXd dv;  ///< the same for v
 };
-SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
-                                      const Excitation& excitation, const Eigen::VectorXd& x0,
-                                      const SimulateOptions& options = {});
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitation& excitation,
+                                      const Eigen::VectorXd& x0, const SimulateOptions& options = {});
 
 /// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows), internal states included;
 /// with exact derivatives to theta (rows x p) when `dforce` is given.

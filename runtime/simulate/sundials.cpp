@@ -29,9 +29,12 @@ class ModalOde : public Ode {
  public:
   ModalOde(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
            const SimulateOptions& options)
-      : modes(system.dynamics(), theta, excitation.dt()), excitation_(excitation), options_(options),
+      : modes(system.dynamics(), theta, excitation.dt()),
+        excitation_(excitation),
+        options_(options),
         n_(system.states()),
-        observation_(modes.observation()), scale_(n_, 0.0) {
+        observation_(modes.observation()),
+        scale_(n_, 0.0) {
     first_scales(x0);
   }
 
@@ -63,8 +66,7 @@ class ModalOde : public Ode {
     modes.observe(drive(t), x, observation_);
     std::copy(observation_.event.begin(), observation_.event.end(), g);
     for (int i = 0; i < events(); ++i)
-      g[events() + i] =
-          std::isfinite(observation_.slope[i]) ? observation_.slope[i] + rest_speed * modes.speed(i) : 1;
+      g[events() + i] = std::isfinite(observation_.slope[i]) ? observation_.slope[i] + rest_speed * modes.speed(i) : 1;
   }
 
   /// 1 / (rtol |x| + atol), atol being rtol times the largest |x| so far where none is given.
@@ -76,7 +78,7 @@ class ModalOde : public Ode {
   }
 
   ModeMachine modes;
-  double bound = 0;  ///< on |y|; 0: none
+  double bound = 0;                                             ///< on |y|; 0: none
   double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
 
  private:
@@ -115,9 +117,15 @@ class SundialsRun {
  public:
   SundialsRun(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
               const SimulateOptions& options)
-      : system_(system), theta_(theta), excitation_(excitation), options_(options),
-        ode_(system, theta, excitation, x0, options), x_(x0), now_(ode_.modes.observation()),
-        run_(empty_run(system, excitation)), t_(excitation.t0()) {
+      : system_(system),
+        theta_(theta),
+        excitation_(excitation),
+        options_(options),
+        ode_(system, theta, excitation, x0, options),
+        x_(x0),
+        now_(ode_.modes.observation()),
+        run_(empty_run(system, excitation)),
+        t_(excitation.t0()) {
     ode_.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
     run_.summary.solver = options.solver == Solver::bdf     ? "CVODE BDF"
                           : options.solver == Solver::adams ? "CVODE Adams"
@@ -127,9 +135,8 @@ class SundialsRun {
   Run go() {
     begin_interval(0);
     ode_.modes.start(ode_.drive(t_), x_.data());
-    integrator_ = options_.solver == Solver::explicit_rk
-                      ? make_arkode(ode_, t_, x_, excitation_.dt())
-                      : make_cvode(options_.solver, ode_, t_, x_, excitation_.dt());
+    integrator_ = options_.solver == Solver::explicit_rk ? make_arkode(ode_, t_, x_, excitation_.dt())
+                                                         : make_cvode(options_.solver, ode_, t_, x_, excitation_.dt());
     put_row(0);
     for (Index row = 1; row < excitation_.rows(); ++row) {
       begin_interval(row - 1);
@@ -242,8 +249,8 @@ class SundialsRun {
 
 }  // namespace
 
-Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation,
-                 const VectorXd& x0, const SimulateOptions& options) {
+Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+                 const SimulateOptions& options) {
   return SundialsRun(system, theta, excitation, x0, options).go();
 }
 

@@ -44,8 +44,7 @@ class SundialsBase : public Integrator {
   static int rate(double t, N_Vector x, N_Vector f, void* self) noexcept;
   static int events(double t, N_Vector x, double* g, void* self) noexcept;
   static int weights(N_Vector x, N_Vector w, void* self) noexcept;
-  static int jacobian(double t, N_Vector x, N_Vector f, SUNMatrix j, void* self, N_Vector, N_Vector,
-                      N_Vector) noexcept;
+  static int jacobian(double t, N_Vector x, N_Vector f, SUNMatrix j, void* self, N_Vector, N_Vector, N_Vector) noexcept;
   static void silent(int, const char*, const char*, char*, void*) noexcept {}
 
   Ode& ode_;

@@ -12,14 +12,12 @@ namespace {
 
 constexpr Eigen::Index fewest_rows = 40, fewest_blocks = 20;
 
-std::span<const double> span_of(const Eigen::VectorXd& x) {
-  return {x.data(), static_cast<std::size_t>(x.size())};
-}
+std::span<const double> span_of(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 /// Draws enough for a p-value of 1e-4, fewer where the blocks are many (and the normal limit is near anyway).
 std::uint64_t number_of_draws(Eigen::Index blocks) {
-  return std::clamp<std::uint64_t>(
-      static_cast<std::uint64_t>(100'000'000 / std::max<Eigen::Index>(blocks, 1)), 1999, 9999);
+  return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(100'000'000 / std::max<Eigen::Index>(blocks, 1)), 1999,
+                                   9999);
 }
 
 /// Sums of a series over all blocks of a length, on the ring of its first rows (a whole number of blocks).
@@ -77,8 +75,7 @@ BlockBootstrap::BlockBootstrap(Eigen::Index rows, Eigen::Index block_length, std
 std::vector<Eigen::Index> BlockBootstrap::starts(std::uint64_t draw) const {
   Philox random(seed_, draw);
   std::vector<Eigen::Index> result(static_cast<std::size_t>(blocks_));
-  for (Eigen::Index& start : result)
-    start = static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows_)));
+  for (Eigen::Index& start : result) start = static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows_)));
   return result;
 }
 
@@ -120,8 +117,8 @@ Eigen::Index choose_block_length(std::span<const double> x) {
   return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::ceil(length)), 1, most);
 }
 
-double p_value_of_lower_error(std::span<const double> before, std::span<const double> after,
-                              Eigen::Index block_length, std::uint64_t seed) {
+double p_value_of_lower_error(std::span<const double> before, std::span<const double> after, Eigen::Index block_length,
+                              std::uint64_t seed) {
   if (before.size() != after.size())
     throw InputError("p_value_of_lower_error: " + std::to_string(before.size()) + " errors before, " +
                      std::to_string(after.size()) + " after");

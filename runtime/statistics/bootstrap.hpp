@@ -56,7 +56,7 @@ Eigen::Index choose_block_length(std::span<const double> x);
 /// one-sided, never below 1e-4. `block_length` is a least length, 0 for none: longer blocks are taken where
 /// the differences are correlated for longer, up to a twentieth of the rows. 1 with fewer than 40 rows. An
 /// error that is not finite is one without bound.
-double p_value_of_lower_error(std::span<const double> before, std::span<const double> after,
-                              Eigen::Index block_length, std::uint64_t seed);
+double p_value_of_lower_error(std::span<const double> before, std::span<const double> after, Eigen::Index block_length,
+                              std::uint64_t seed);
 
 }  // namespace lunid

@@ -54,8 +54,7 @@ TestResult runs_test(std::span<const double> x) {
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half), sorted.end());
   double median = sorted[half];
   if (sorted.size() % 2 == 0)
-    median = 0.5 *
-             (median + *std::max_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half)));
+    median = 0.5 * (median + *std::max_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half)));
   double above = 0, below = 0, runs = 0;
   int last = 0;
   for (double value : x) {
@@ -82,16 +81,14 @@ TestResult f_test(double squares_smaller, double squares_larger, double added, d
 double long_run_variance(std::span<const double> x) {
   const auto n = static_cast<Eigen::Index>(x.size());
   if (n < 4) return 0;
-  const AutoregressiveFit fit =
-      fit_autoregression(x, static_cast<int>(std::clamp<Eigen::Index>(n / 20, 0, 20)));
+  const AutoregressiveFit fit = fit_autoregression(x, static_cast<int>(std::clamp<Eigen::Index>(n / 20, 0, 20)));
   Eigen::VectorXd e = innovations(centred(x), fit);
   e.array() -= e.mean();
   const double variance = autocovariance(e, 0);
   if (!(variance > 0)) return 0;
   const double rho = std::clamp(autocovariance(e, 1) / variance, -0.97, 0.97);
   const double m = static_cast<double>(e.size());
-  const auto lags =
-      static_cast<Eigen::Index>(1.1447 * std::cbrt(4 * rho * rho / std::pow(1 - rho * rho, 2) * m));
+  const auto lags = static_cast<Eigen::Index>(1.1447 * std::cbrt(4 * rho * rho / std::pow(1 - rho * rho, 2) * m));
   double sum = variance;
   for (Eigen::Index k = 1; k <= std::min(lags, e.size() - 1); ++k)
     sum += 2 * (1 - static_cast<double>(k) / static_cast<double>(lags + 1)) * autocovariance(e, k);

@@ -18,8 +18,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, double least) {
   if (columns.cols() == 0) return columns;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   Eigen::Index rank = 0;
-  while (rank < std::min(columns.rows(), columns.cols()) && std::abs(qr.matrixR()(rank, rank)) > least)
-    ++rank;
+  while (rank < std::min(columns.rows(), columns.cols()) && std::abs(qr.matrixR()(rank, rank)) > least) ++rank;
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), rank);
 }
 
@@ -41,8 +40,7 @@ Eigen::MatrixXd legendre(const Eigen::ArrayXd& s, int degree) {
 }
 
 Dependence dependence(const Eigen::VectorXd& residual, const Eigen::VectorXd& noise,
-                      const std::vector<Projection>& projections, Eigen::Index block_length,
-                      std::uint64_t seed) {
+                      const std::vector<Projection>& projections, Eigen::Index block_length, std::uint64_t seed) {
   Dependence result;
   const Eigen::Index n = residual.size();
   if (n < 40 || projections.empty()) return result;

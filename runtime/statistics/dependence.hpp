@@ -28,7 +28,6 @@ struct Dependence {
 /// `block_length` is a least length; longer blocks are taken where the noise is correlated for longer, up to
 /// a twentieth of the rows.
 Dependence dependence(const Eigen::VectorXd& residual, const Eigen::VectorXd& noise,
-                      const std::vector<Projection>& projections, Eigen::Index block_length,
-                      std::uint64_t seed);
+                      const std::vector<Projection>& projections, Eigen::Index block_length, std::uint64_t seed);
 
 }  // namespace lunid

@@ -12,8 +12,7 @@ namespace lunid {
 namespace {
 
 constexpr double precision = 1e-15;
-constexpr int most_terms =
-    1000000;  // the square root of the largest parameter is enough; a bound against NaN
+constexpr int most_terms = 1000000;  // the square root of the largest parameter is enough; a bound against NaN
 constexpr double tiny = 1e-300;
 
 double log_gamma(double x) {
@@ -73,8 +72,7 @@ double beta_fraction(double x, double a, double b) {
 double beta_regularised(double x, double y, double a, double b) {
   if (!(x > 0)) return x == 0 ? 0 : std::numeric_limits<double>::quiet_NaN();
   if (!(y > 0)) return y == 0 ? 1 : std::numeric_limits<double>::quiet_NaN();
-  const double front =
-      std::exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * std::log(x) + b * std::log(y));
+  const double front = std::exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * std::log(x) + b * std::log(y));
   if (x < (a + 1) / (a + b + 2)) return front * beta_fraction(x, a, b) / a;
   return 1 - front * beta_fraction(y, b, a) / b;
 }
@@ -96,13 +94,11 @@ double beta_lower(double x, double a, double b) { return beta_regularised(x, 1 -
 double normal_tail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
 double normal_quantile(double p) {
-  if (!(p > 0 && p < 1))
-    return p == 0 ? -INFINITY : p == 1 ? INFINITY : std::numeric_limits<double>::quiet_NaN();
+  if (!(p > 0 && p < 1)) return p == 0 ? -INFINITY : p == 1 ? INFINITY : std::numeric_limits<double>::quiet_NaN();
   const double tail = std::min(p, 1 - p);
   const double t = std::sqrt(-2 * std::log(tail));
   // Abramowitz & Stegun 26.2.23 (error 4.5e-4), then Halley's steps on the tail.
-  double z =
-      t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+  double z = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
   for (int step = 0; step < 3; ++step) {
     const double density = std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi);
     const double u = (normal_tail(z) - tail) / density;
@@ -122,8 +118,7 @@ double f_tail(double f, double freedom1, double freedom2) {
 
 double t_tail(double t, double freedom) {
   const double square = t * t, sum = freedom + square;
-  const double tail =
-      std::isinf(t) ? 0 : 0.5 * beta_regularised(freedom / sum, square / sum, freedom / 2, 0.5);
+  const double tail = std::isinf(t) ? 0 : 0.5 * beta_regularised(freedom / sum, square / sum, freedom / 2, 0.5);
   return t >= 0 ? tail : 1 - tail;
 }
 

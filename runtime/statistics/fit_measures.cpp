@@ -11,8 +11,8 @@ namespace {
 
 void check_lengths(std::span<const double> measured, std::span<const double> model) {
   if (measured.size() != model.size())
-    throw InputError("statistics: the measurement has " + std::to_string(measured.size()) +
-                     " rows, the model " + std::to_string(model.size()));
+    throw InputError("statistics: the measurement has " + std::to_string(measured.size()) + " rows, the model " +
+                     std::to_string(model.size()));
 }
 
 }  // namespace
@@ -20,8 +20,7 @@ void check_lengths(std::span<const double> measured, std::span<const double> mod
 double rmse(std::span<const double> measured, std::span<const double> model) {
   check_lengths(measured, model);
   double sum = 0;
-  for (std::size_t i = 0; i < measured.size(); ++i)
-    sum += (measured[i] - model[i]) * (measured[i] - model[i]);
+  for (std::size_t i = 0; i < measured.size(); ++i) sum += (measured[i] - model[i]) * (measured[i] - model[i]);
   return measured.empty() ? 0 : std::sqrt(sum / static_cast<double>(measured.size()));
 }
 

@@ -58,8 +58,7 @@ std::vector<std::vector<Eigen::Index>> fill_cells(std::span<const double> y, std
   const std::vector<int> along_y = cells_along(y, per_side), along_v = cells_along(v, per_side);
   std::vector<std::vector<Eigen::Index>> cells(static_cast<std::size_t>(4 * per_side * per_side));
   for (std::size_t i = 0; i < y.size(); ++i)
-    cells[static_cast<std::size_t>(2 * per_side * along_y[i] + along_v[i])].push_back(
-        static_cast<Eigen::Index>(i));
+    cells[static_cast<std::size_t>(2 * per_side * along_y[i] + along_v[i])].push_back(static_cast<Eigen::Index>(i));
   std::erase_if(cells, [](const auto& cell) { return cell.size() < fewest_in_cell; });
   return cells;
 }
@@ -67,13 +66,10 @@ std::vector<std::vector<Eigen::Index>> fill_cells(std::span<const double> y, std
 /// The residual less a smooth function of y and v (and steps at 0): noise and memory, with their colour,
 /// which the planes of the cells would spoil. Where the function is too smooth, what it leaves makes the test
 /// more careful.
-Eigen::VectorXd noise_of(const Eigen::VectorXd& residual, std::span<const double> y,
-                         std::span<const double> v) {
+Eigen::VectorXd noise_of(const Eigen::VectorXd& residual, std::span<const double> y, std::span<const double> v) {
   constexpr int degree = 3;
-  const Eigen::Map<const Eigen::ArrayXd> displacement(y.data(), residual.size()),
-      velocity(v.data(), residual.size());
-  const Eigen::MatrixXd in_y =
-      legendre(displacement / std::max(displacement.abs().maxCoeff(), 1e-300), degree);
+  const Eigen::Map<const Eigen::ArrayXd> displacement(y.data(), residual.size()), velocity(v.data(), residual.size());
+  const Eigen::MatrixXd in_y = legendre(displacement / std::max(displacement.abs().maxCoeff(), 1e-300), degree);
   const Eigen::MatrixXd in_v = legendre(velocity / std::max(velocity.abs().maxCoeff(), 1e-300), degree);
   Eigen::MatrixXd columns(residual.size(), (degree + 1) * (degree + 2) / 2 + 2);
   Eigen::Index column = 0;
@@ -115,8 +111,8 @@ Within within_cells(const Eigen::VectorXd& residual, const Eigen::MatrixXd& past
 
 }  // namespace
 
-Memory memory(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
-              double period, Eigen::Index block_length, std::uint64_t seed) {
+Memory memory(std::span<const double> residual, std::span<const double> y, std::span<const double> v, double period,
+              Eigen::Index block_length, std::uint64_t seed) {
   if (residual.size() != y.size() || residual.size() != v.size())
     throw InputError("memory: residual, y and v have " + std::to_string(residual.size()) + ", " +
                      std::to_string(y.size()) + " and " + std::to_string(v.size()) + " rows");

@@ -19,13 +19,13 @@ Eigen::Map<const Eigen::VectorXd> map_of(std::span<const double> x) {
 
 void check_lengths(std::span<const double> a, std::span<const double> b) {
   if (a.size() != b.size())
-    throw InputError("statistics: series of " + std::to_string(a.size()) + " and of " +
-                     std::to_string(b.size()) + " rows");
+    throw InputError("statistics: series of " + std::to_string(a.size()) + " and of " + std::to_string(b.size()) +
+                     " rows");
 }
 
 /// Does the residual follow `columns` beyond what `nuisance` explains?
-Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& columns,
-                  const Eigen::MatrixXd& nuisance, Eigen::Index block_length, std::uint64_t seed) {
+Dependence beside(const Eigen::VectorXd& residual, const Eigen::MatrixXd& columns, const Eigen::MatrixXd& nuisance,
+                  Eigen::Index block_length, std::uint64_t seed) {
   std::vector<Eigen::Index> rows(static_cast<std::size_t>(residual.size()));
   std::iota(rows.begin(), rows.end(), Eigen::Index{0});
   const Eigen::VectorXd left = residual - nuisance * nuisance.colPivHouseholderQr().solve(residual);
@@ -61,16 +61,13 @@ Correlation correlation(std::span<const double> a, std::span<const double> b, Ei
   check_lengths(a, b);
   const double scale = moments::standard_deviation(a) * moments::standard_deviation(b);
   if (!(scale > 0)) return {};
-  const Eigen::VectorXd first = map_of(a).array() - moments::mean(a),
-                        second = map_of(b).array() - moments::mean(b);
+  const Eigen::VectorXd first = map_of(a).array() - moments::mean(a), second = map_of(b).array() - moments::mean(b);
   const double coefficient = first.dot(second) / static_cast<double>(a.size()) / scale;
-  return {coefficient,
-          beside(first, second, Eigen::MatrixXd::Ones(second.size(), 1), block_length, seed).p_value};
+  return {coefficient, beside(first, second, Eigen::MatrixXd::Ones(second.size(), 1), block_length, seed).p_value};
 }
 
-ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y,
-                             std::span<const double> v, double period, Eigen::Index block_length,
-                             std::uint64_t seed) {
+ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
+                             double period, Eigen::Index block_length, std::uint64_t seed) {
   ResidualTests result;
   result.in_y = parity(residual, y, block_length, seed);
   result.in_v = parity(residual, v, block_length, seed);

@@ -32,18 +32,16 @@ Correlation correlation(std::span<const double> a, std::span<const double> b, Ei
 /// over a period) are rid of their plane in y and v; what is left of the residual is tested for dependence on
 /// what is left of the past, in each cell for itself.
 struct Memory {
-  double within =
-      0;  ///< share of the residual's variance that is left within cells: noise, and memory if any
-  double explained =
-      0;  ///< share of the residual's variance that the past explains, less what chance explains
+  double within = 0;     ///< share of the residual's variance that is left within cells: noise, and memory if any
+  double explained = 0;  ///< share of the residual's variance that the past explains, less what chance explains
   double p_value = 1;
   /// How far the past differs at equal (y, v): standard deviation over that of y. Near 0 in one steady cycle,
   /// where memory cannot be told from a dependence on y and v.
   double contrast = 0;
 };
 /// `period`: of the motion, in rows.
-Memory memory(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
-              double period, Eigen::Index block_length, std::uint64_t seed);
+Memory memory(std::span<const double> residual, std::span<const double> y, std::span<const double> v, double period,
+              Eigen::Index block_length, std::uint64_t seed);
 
 /// The residual force of a record in one look.
 struct ResidualTests {
@@ -52,8 +50,7 @@ struct ResidualTests {
   Correlation size_with_abs_y;  ///< |residual| and |y|
   Memory past;
 };
-ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y,
-                             std::span<const double> v, double period, Eigen::Index block_length,
-                             std::uint64_t seed);
+ResidualTests residual_tests(std::span<const double> residual, std::span<const double> y, std::span<const double> v,
+                             double period, Eigen::Index block_length, std::uint64_t seed);
 
 }  // namespace lunid

@@ -109,8 +109,10 @@ double PolynomialSurface::value(double y, double v) const {
 }
 
 MatrixXd PolynomialSurface::monomials() const {
-  const MatrixXd in_y = chebyshev_powers(Scale(cells().y_min(), cells().y_max()), static_cast<int>(chebyshev_.rows()) - 1);
-  const MatrixXd in_v = chebyshev_powers(Scale(cells().v_min(), cells().v_max()), static_cast<int>(chebyshev_.cols()) - 1);
+  const MatrixXd in_y =
+      chebyshev_powers(Scale(cells().y_min(), cells().y_max()), static_cast<int>(chebyshev_.rows()) - 1);
+  const MatrixXd in_v =
+      chebyshev_powers(Scale(cells().v_min(), cells().v_max()), static_cast<int>(chebyshev_.cols()) - 1);
   return in_y * chebyshev_ * in_v.transpose();
 }
 

@@ -70,7 +70,7 @@ class ForceSurface {
 
 // ---- polynomial.cpp ----
 struct PolynomialOptions {
-  int order_y = 4, order_v = 4;  ///< 0..20 each; all products up to them: (order_y + 1) * (order_v + 1) coefficients
+  int order_y = 4, order_v = 4;    ///< 0..20 each; all products up to them: (order_y + 1) * (order_v + 1) coefficients
   int cells_y = 25, cells_v = 25;  ///< 1..1000, to mark where there is no data
 };
 void validate(const PolynomialOptions& options);
@@ -88,7 +88,7 @@ class PolynomialSurface : public ForceSurface {
   /// The same as an expression in the channels y and v, to be simulated.
   Expr expression(Pool& pool) const;
 
-  double condition = 0;  ///< of the regression's columns, each scaled to length 1
+  double condition = 0;     ///< of the regression's columns, each scaled to length 1
   double rmse = 0, r2 = 0;  ///< on the points of the fit [N]
 
  private:
@@ -104,7 +104,7 @@ PolynomialSurface fit_polynomial(const SurfacePoints& points, const PolynomialOp
 struct GridOptions {
   int cells_y = 20, cells_v = 20;  ///< 1..300
   int least_count = 3;             ///< >= 1: cells with fewer points have no data
-  double smoothness = 1e-3;        ///< > 0: weight of squared second differences, over the mean number of points in a cell
+  double smoothness = 1e-3;  ///< > 0: weight of squared second differences, over the mean number of points in a cell
 };
 void validate(const GridOptions& options);
 

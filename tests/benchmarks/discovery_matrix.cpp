@@ -52,16 +52,15 @@ json discover(const std::string& lunid, const Setting& setting, const std::strin
   std::filesystem::create_directories(dir);
   truth::RecordOptions options;
   options.noise_db = setting.noise_db;
-  options.seed =
-      static_cast<std::uint64_t>(setting.noise_db) + 100 * (setting.scale - truth::scales().data());
+  options.seed = static_cast<std::uint64_t>(setting.noise_db) + 100 * (setting.scale - truth::scales().data());
   const truth::Records records = truth::make_records(*setting.which, *setting.scale, options);
   truth::write_csv(records.train, dir + "/train.csv");
   truth::write_csv(records.test, dir + "/test.csv");
   char mass[40];
   std::snprintf(mass, sizeof mass, "%.9g", setting.scale->mass);
-  const std::string command = "'" + lunid + "' discover '" + dir + "/train.csv' --test '" + dir +
-                              "/test.csv' --mass " + mass + " --restoring '" + setting.which->baseline +
-                              "' --out '" + dir + "/out' > '" + dir + "/log' 2>&1";
+  const std::string command = "'" + lunid + "' discover '" + dir + "/train.csv' --test '" + dir + "/test.csv' --mass " +
+                              mass + " --restoring '" + setting.which->baseline + "' --out '" + dir + "/out' > '" +
+                              dir + "/log' 2>&1";
   const auto start = std::chrono::steady_clock::now();
   const int status = std::system(command.c_str());
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -102,12 +101,8 @@ Outcome judge(const Setting& setting, const json& result) {
   }
   const std::multiset<std::string> wanted(setting.which->effects.begin(), setting.which->effects.end());
   switch (setting.which->kind) {
-    case truth::Kind::null:
-      outcome.right = outcome.verdict == "nothing-missing";
-      break;
-    case truth::Kind::outside:
-      outcome.right = outcome.verdict == "unknown-effect";
-      break;
+    case truth::Kind::null: outcome.right = outcome.verdict == "nothing-missing"; break;
+    case truth::Kind::outside: outcome.right = outcome.verdict == "unknown-effect"; break;
     default:
       outcome.right = names == wanted;
       outcome.tie = !outcome.right && effects.size() == wanted.size() &&
@@ -121,19 +116,17 @@ Outcome judge(const Setting& setting, const json& result) {
 }
 
 void print_head() {
-  std::printf("%-20s %-6s %5s  %-16s %-5s %-34s %12s  %8s %8s %8s  %6s\n", "effect", "scale", "noise",
-              "verdict", "right", "named", "parameters", "before", "after", "floor", "time");
+  std::printf("%-20s %-6s %5s  %-16s %-5s %-34s %12s  %8s %8s %8s  %6s\n", "effect", "scale", "noise", "verdict",
+              "right", "named", "parameters", "before", "after", "floor", "time");
 }
 
 void print_row(const Setting& setting, const Outcome& outcome) {
   char parameters[40] = "-";
   if (outcome.parameters > 0) {
-    std::snprintf(parameters, sizeof parameters, "%d/%d %+.1f sd", outcome.inside, outcome.parameters,
-                  outcome.worst);
+    std::snprintf(parameters, sizeof parameters, "%d/%d %+.1f sd", outcome.inside, outcome.parameters, outcome.worst);
   }
-  std::printf("%-20s %-6s %2.0f dB  %-16s %-5s %-34s %12s  %8.4f %8.4f %8.4f  %4.1f s\n",
-              setting.which->name.c_str(), setting.scale->name.c_str(), setting.noise_db,
-              outcome.verdict.c_str(),
+  std::printf("%-20s %-6s %2.0f dB  %-16s %-5s %-34s %12s  %8.4f %8.4f %8.4f  %4.1f s\n", setting.which->name.c_str(),
+              setting.scale->name.c_str(), setting.noise_db, outcome.verdict.c_str(),
               outcome.right ? "yes"
               : outcome.tie ? "tie"
                             : "NO",
@@ -204,10 +197,9 @@ struct Tally {
         "where named right: parameters within their 95 %% interval %d/%d, test gap within 1.3 floors %d/%d; "
         "longest run %.1f s\n",
         inside, parameters, closed, closable, longest);
-    std::printf("named %d/%d nulls-false %d/%d pairs %d/%d outside %d/%d sensors 0/0\n",
-                right[at(Kind::effect)], all[at(Kind::effect)], all[at(Kind::null)] - right[at(Kind::null)],
-                all[at(Kind::null)], right[at(Kind::pair)], all[at(Kind::pair)], right[at(Kind::outside)],
-                all[at(Kind::outside)]);
+    std::printf("named %d/%d nulls-false %d/%d pairs %d/%d outside %d/%d sensors 0/0\n", right[at(Kind::effect)],
+                all[at(Kind::effect)], all[at(Kind::null)] - right[at(Kind::null)], all[at(Kind::null)],
+                right[at(Kind::pair)], all[at(Kind::pair)], right[at(Kind::outside)], all[at(Kind::outside)]);
   }
 };
 
@@ -215,8 +207,7 @@ struct Tally {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr,
-                 "usage: lunid_discovery_matrix LUNID OUT_DIR [--full | --short] [--check] [--only WORD]\n");
+    std::fprintf(stderr, "usage: lunid_discovery_matrix LUNID OUT_DIR [--full | --short] [--check] [--only WORD]\n");
     return 2;
   }
   bool full = false, brief = false, check = false;
@@ -239,8 +230,8 @@ int main(int argc, char** argv) {
   Tally tally;
   print_head();
   for (const Setting& setting : settings(full, brief, only)) {
-    const std::string dir = std::string(argv[2]) + "/" + setting.which->name + "-" + setting.scale->name +
-                            "-" + std::to_string(static_cast<int>(setting.noise_db));
+    const std::string dir = std::string(argv[2]) + "/" + setting.which->name + "-" + setting.scale->name + "-" +
+                            std::to_string(static_cast<int>(setting.noise_db));
     double seconds = 0;
     const json result = discover(argv[1], setting, dir, seconds);
     Outcome outcome = judge(setting, result);

@@ -23,14 +23,12 @@ void compare(const char* name, const Eigen::MatrixXd& ours, const std::vector<do
     size = std::max(size, std::abs(hand[i]));
   }
   if (difference <= 1e-3 * size) return;
-  std::fprintf(stderr, "%s: ours and the hand-written run differ by %g of the motion\n", name,
-               difference / size);
+  std::fprintf(stderr, "%s: ours and the hand-written run differ by %g of the motion\n", name, difference / size);
   std::exit(1);
 }
 
 template <class Hand>
-Work free_run(const std::string& name, const std::string& restoring, std::vector<double> theta,
-              double amplitude) {
+Work free_run(const std::string& name, const std::string& restoring, std::vector<double> theta, double amplitude) {
   auto pool = std::make_shared<lunid::Pool>();
   lunid::Model model;
   model.pool = pool;
@@ -48,13 +46,11 @@ Work free_run(const std::string& name, const std::string& restoring, std::vector
 
   dormand_prince(Hand{}, *force, dt, *hand);
   compare(name.c_str(), lunid::simulate(*system, theta, excitation, x0, options).x, *hand);
-  return {
-      name, 3,
-      [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
-      [=] {
-        dormand_prince(Hand{}, *force, dt, *hand);
-        benchmark::DoNotOptimize(hand->data());
-      }};
+  return {name, 3, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
+          [=] {
+            dormand_prince(Hand{}, *force, dt, *hand);
+            benchmark::DoNotOptimize(hand->data());
+          }};
 }
 
 }  // namespace

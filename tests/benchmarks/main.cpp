@@ -78,9 +78,8 @@ int main(int argc, char** argv) {
     const double ours = fastest.seconds(work.name + " ours");
     const double hand = work.hand ? fastest.seconds(work.name + " hand") : 0;
     const double ratio = work.allowance > 0 ? (ours - hand) / work.allowance : ours / hand;
-    std::printf("%s ratio %.2f limit %g   (ours %.4g ms, hand %.4g ms%s)\n", work.name.c_str(), ratio,
-                work.limit, 1e3 * ours, 1e3 * hand,
-                work.allowance > 0 ? ", difference over what is allowed" : "");
+    std::printf("%s ratio %.2f limit %g   (ours %.4g ms, hand %.4g ms%s)\n", work.name.c_str(), ratio, work.limit,
+                1e3 * ours, 1e3 * hand, work.allowance > 0 ? ", difference over what is allowed" : "");
     within = within && ratio <= work.limit;
   }
   return within ? 0 : 1;

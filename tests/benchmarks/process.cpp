@@ -36,8 +36,7 @@ void spawn(const std::vector<std::string>& command) {
 }  // namespace
 
 std::vector<Work> process_works(const std::string& lunid) {
-  const std::string dir =
-      std::filesystem::temp_directory_path() / ("lunid-bench-" + std::to_string(getpid()));
+  const std::string dir = std::filesystem::temp_directory_path() / ("lunid-bench-" + std::to_string(getpid()));
   std::filesystem::create_directories(dir);
   std::ofstream(dir + "/study.lua") << "local lunid = require \"lunid\"\n"
                                        "local y, v = lunid.displacement, lunid.velocity\n"
@@ -59,8 +58,8 @@ std::vector<Work> process_works(const std::string& lunid) {
       {"discovery-8s-800Hz",
        1,
        [=] {
-         spawn({lunid, "discover", data + "/spring_multisine.csv", "--test", data + "/spring_sweep.csv",
-                "--mass", "49", "--restoring", "k*y + c*v", "--out", dir + "/discovery"});
+         spawn({lunid, "discover", data + "/spring_multisine.csv", "--test", data + "/spring_sweep.csv", "--mass", "49",
+                "--restoring", "k*y + c*v", "--out", dir + "/discovery"});
        },
        {},
        20,

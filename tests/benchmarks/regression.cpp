@@ -90,15 +90,15 @@ std::vector<Work> regression_works() {
   const auto data = std::make_shared<Data>();
   const auto library = std::make_shared<Library>();
   const auto hand = [=] { benchmark::DoNotOptimize(by_hand(*data)); };
-  return {{"regress-stlsq", 2,
-           [=] { benchmark::DoNotOptimize(lunid::stlsq(library->reduce(*data, 1)[0]).rmse); }, hand},
-          {"regress-lasso-100", 2,
-           [=] {
-             const std::vector<lunid::Statistic> parts = library->reduce(*data, 1);
-             std::vector<lunid::PathPoint> path;
-             benchmark::DoNotOptimize(lunid::lasso(parts, {.lambda = 1e-3}, {}, &path).rmse);
-           },
-           hand}};
+  return {
+      {"regress-stlsq", 2, [=] { benchmark::DoNotOptimize(lunid::stlsq(library->reduce(*data, 1)[0]).rmse); }, hand},
+      {"regress-lasso-100", 2,
+       [=] {
+         const std::vector<lunid::Statistic> parts = library->reduce(*data, 1);
+         std::vector<lunid::PathPoint> path;
+         benchmark::DoNotOptimize(lunid::lasso(parts, {.lambda = 1e-3}, {}, &path).rmse);
+       },
+       hand}};
 }
 
 }  // namespace bench

@@ -48,8 +48,8 @@ Lane moved(const Lane& s, const Lane& d, double h) {
 }
 
 /// Cost, normal matrix and right side in one pass: RK4 with `substeps` per sample on the extended state.
-double pass(const Unknowns& p, const std::vector<double>& force, const std::vector<double>& measured,
-            int substeps, Eigen::Matrix<double, unknowns, unknowns>& normal, Unknowns& right) {
+double pass(const Unknowns& p, const std::vector<double>& force, const std::vector<double>& measured, int substeps,
+            Eigen::Matrix<double, unknowns, unknowns>& normal, Unknowns& right) {
   Lane s{p[3], p[4], {0, 0, 0, 1, 0}, {0, 0, 0, 0, 1}};
   normal.setZero();
   right.setZero();
@@ -72,8 +72,7 @@ double pass(const Unknowns& p, const std::vector<double>& force, const std::vect
 }
 
 /// Gauss-Newton until the cost falls by less than 1e-7 of itself (the fit's own tolerance).
-Unknowns hand_fit(Unknowns p, const std::vector<double>& force, const std::vector<double>& measured,
-                  int substeps) {
+Unknowns hand_fit(Unknowns p, const std::vector<double>& force, const std::vector<double>& measured, int substeps) {
   Eigen::Matrix<double, unknowns, unknowns> normal;
   Unknowns right;
   double cost = pass(p, force, measured, substeps, normal, right);
@@ -112,15 +111,14 @@ std::vector<Work> trajectory_fit_works() {
   drive.name = "F", drive.unit = "N", drive.values = F;
   lunid::Record record("bench", 0, dt, {drive, motion});
   record = lunid::derive_motion(record);
-  const std::vector<lunid::FitData> data{
-      {record, lunid::Excitation(0, dt, *force, lunid::Interpolation::linear), {}}};
+  const std::vector<lunid::FitData> data{{record, lunid::Excitation(0, dt, *force, lunid::Interpolation::linear), {}}};
   const Eigen::VectorXd start = Eigen::Vector3d(2.2e4, 9, 0.9e6);
   const lunid::FitResult once = lunid::fit_trajectory(*system, start, data);
   const Unknowns begin{2.2e4, 9, 0.9e6, record["y"][0], record["v"][0]};
   const Unknowns hand = hand_fit(begin, *force, *measured, once.substeps);
   if (std::abs(once.theta[2] / hand[2] - 1) > 1e-3) {
-    std::fprintf(stderr, "trajectory-fit: ours k3 = %g (%s), by hand %g\n", once.theta[2],
-                 once.stopped.c_str(), hand[2]);
+    std::fprintf(stderr, "trajectory-fit: ours k3 = %g (%s), by hand %g\n", once.theta[2], once.stopped.c_str(),
+                 hand[2]);
     std::exit(1);
   }
   return {{"trajectory-fit", 3,

@@ -43,7 +43,8 @@ inline Record record_of(const truth::Columns& columns, const std::string& name) 
     c.noise = noise_level(values);
     return c;
   };
-  return Record(name, columns.t.front(), (columns.t.back() - columns.t.front()) / static_cast<double>(columns.t.size() - 1),
+  return Record(name, columns.t.front(),
+                (columns.t.back() - columns.t.front()) / static_cast<double>(columns.t.size() - 1),
                 {channel("F", "N", columns.F), channel("y", "m", columns.y)});
 }
 

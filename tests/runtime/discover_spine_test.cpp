@@ -50,7 +50,8 @@ void expect_named(const Found& found, const std::string& name) {
 }
 
 TEST(Discovery, NamesCubicStiffnessAtThreeScales) {
-  for (const char* scale : {"micro", "milli", "metre"}) expect_named(find("cubic_hardening", scale, 30), "cubic_stiffness");
+  for (const char* scale : {"micro", "milli", "metre"})
+    expect_named(find("cubic_hardening", scale, 30), "cubic_stiffness");
 }
 
 TEST(Discovery, NamesCoulombFriction) { expect_named(find("coulomb_friction", "milli", 40), "coulomb_friction"); }
@@ -66,8 +67,8 @@ TEST(Discovery, NamesNothingWhereNothingIsMissing) {
   }
 }
 
-/// m*a + c*v + k*y + k3*y^3 = F with m = 1, k = 1, c = 0.06 from rest by RK4 at a 24th of a sample; F(t, row) is the force
-/// within the interval after a row. Noise of 1 % is added to y.
+/// m*a + c*v + k*y + k3*y^3 = F with m = 1, k = 1, c = 0.06 from rest by RK4 at a 24th of a sample; F(t, row) is the
+/// force within the interval after a row. Noise of 1 % is added to y.
 Record oscillator(double k3, const std::function<double(double, int)>& force, std::uint64_t seed) {
   constexpr int rows = 2000, steps = 24;
   const double dt = 2 * M_PI / 25, h = dt / steps;
@@ -128,8 +129,7 @@ TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
     return std::vector<Guess>{{{"one_sided_stop_g", s.y_min}}, {{"one_sided_stop_g", 0.5 * s.y_max}}};
   };
   stop.range = [](const RecordScales& s, int) { return Ranges{{"one_sided_stop_g", {s.y_min, s.y_max}}}; };
-  const Discovery d =
-      discover(model, {stop}, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  const Discovery d = discover(model, {stop}, {record_of(records.train, "train")}, {record_of(records.test, "test")});
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
   EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
 }
@@ -141,7 +141,8 @@ TEST(Discovery, JsonKeepsItsContract) {
   EXPECT_TRUE(j.at("baseline").at("parameters").at("k").contains("std"));
   EXPECT_TRUE(j.at("baseline").at("gap_test").is_number());
   const auto& effect = j.at("effects").at(0);
-  for (const char* key : {"name", "family", "formula", "parameters", "indistinguishable", "where", "gap_train", "gap_test"})
+  for (const char* key :
+       {"name", "family", "formula", "parameters", "indistinguishable", "where", "gap_train", "gap_test"})
     EXPECT_TRUE(effect.contains(key)) << key;
   EXPECT_TRUE(effect.at("parameters").contains("k3"));
   EXPECT_TRUE(j.at("final").contains("equation"));
@@ -202,16 +203,16 @@ TEST(DiscoveryRefuses, AParameterThatTheDataDoNotExcite) {
     y.push_back(std::sin(0.1 * i) + 0.3 * std::sin(0.23 * i));
     f.push_back(std::cos(0.1 * i));
   }
-  EXPECT_EQ(refusal(baseline("k*y + q*max(y - 100, 0)", 1), made(y, f)),
-            "discover: the data do not excite parameter 'q': its term is zero on every row of the training records; fix "
-            "it, leave it out, or use a record that reaches it");
+  EXPECT_EQ(
+      refusal(baseline("k*y + q*max(y - 100, 0)", 1), made(y, f)),
+      "discover: the data do not excite parameter 'q': its term is zero on every row of the training records; fix "
+      "it, leave it out, or use a record that reaches it");
 }
 
 TEST(DiscoveryRefuses, OptionsOutOfRange) {
   DiscoverOptions options;
   options.alpha = 0.7;
-  EXPECT_EQ(refusal(baseline("k*y", 1), Record(), options),
-            "discover: alpha: expected 0 < alpha < 0.5, got 0.700000");
+  EXPECT_EQ(refusal(baseline("k*y", 1), Record(), options), "discover: alpha: expected 0 < alpha < 0.5, got 0.700000");
 }
 
 TEST(DiscoveryRefuses, ToGoOnWhenCancelled) {

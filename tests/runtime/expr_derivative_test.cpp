@@ -81,13 +81,42 @@ TEST(Derivative, is_by_a_symbol) {
 /// Central differences of every operation at points off its switches. h^2 f''' / 6 with h = 1e-5 and rounding
 /// 1e-16 / h both stay below 1e-9 for functions of order one; 1e-7 relative leaves room for the steeper ones.
 TEST(Derivative, agrees_with_central_differences_for_every_operation) {
-  const char* table[] = {"y + v*y",      "v - y*3",     "y*v*y",      "y/v + v/y",   "y^3 - y^-2",   "y^v",
-                         "(y + 2)^2.5",  "-y*v",        "sin(y*v)",   "cos(y + v)",  "tan(y)",       "asin(y/2)",
-                         "acos(y/2)",    "atan(y*v)",   "sinh(y)",    "cosh(y*v)",   "tanh(y - v)",  "exp(y*v)",
-                         "log(y + v)",   "sqrt(y*v)",   "abs(y - v)", "abs(v - y)*y", "y*sign(y - v)", "min(y, v)*y",
-                         "max(y, v)*v",  "min(v, y)",   "max(v, y*y)", "where(y > v, y*v, y^2)",
-                         "where(y < v, y*v, y^2)", "where(y >= v, y^3, v)", "where(y <= v, y^3, v)",
-                         "where(y - v, y^2, sin(y))", "abs(y - v)^v", "y^17", "2^y", "0.5^(y*v)"};
+  const char* table[] = {"y + v*y",
+                         "v - y*3",
+                         "y*v*y",
+                         "y/v + v/y",
+                         "y^3 - y^-2",
+                         "y^v",
+                         "(y + 2)^2.5",
+                         "-y*v",
+                         "sin(y*v)",
+                         "cos(y + v)",
+                         "tan(y)",
+                         "asin(y/2)",
+                         "acos(y/2)",
+                         "atan(y*v)",
+                         "sinh(y)",
+                         "cosh(y*v)",
+                         "tanh(y - v)",
+                         "exp(y*v)",
+                         "log(y + v)",
+                         "sqrt(y*v)",
+                         "abs(y - v)",
+                         "abs(v - y)*y",
+                         "y*sign(y - v)",
+                         "min(y, v)*y",
+                         "max(y, v)*v",
+                         "min(v, y)",
+                         "max(v, y*y)",
+                         "where(y > v, y*v, y^2)",
+                         "where(y < v, y*v, y^2)",
+                         "where(y >= v, y^3, v)",
+                         "where(y <= v, y^3, v)",
+                         "where(y - v, y^2, sin(y))",
+                         "abs(y - v)^v",
+                         "y^17",
+                         "2^y",
+                         "0.5^(y*v)"};
   for (const char* text : table) {
     Pool pool;
     const std::vector<Expr> symbols{pool.channel("y"), pool.channel("v")};
@@ -97,7 +126,8 @@ TEST(Derivative, agrees_with_central_differences_for_every_operation) {
         constexpr double h = 1e-5;
         std::vector<double> low = point, high = point;
         low[i] -= h, high[i] += h;
-        const double difference = (testing::direct_value(f, symbols, high) - testing::direct_value(f, symbols, low)) / (2 * h);
+        const double difference =
+            (testing::direct_value(f, symbols, high) - testing::direct_value(f, symbols, low)) / (2 * h);
         const double exact = testing::direct_value(derivative(f, symbols[i]), symbols, point);
         EXPECT_NEAR(exact, difference, 1e-7 * (1 + std::fabs(exact))) << text << " by " << symbols[i].name();
       }

@@ -131,8 +131,8 @@ TEST(Parse, nested_up_to_the_limit_is_read) {
 
 /// Any sequence of words is either read, and then reads back to the same node, or refused by an InputError within it.
 TEST(Parse, random_words_are_read_or_refused) {
-  const char* words[] = {"y", "v", "k", "sin", "where", "max", "(", "(", ")", ")", "+", "-", "*", "/", "^", ",",
-                         ">", "<=", "1", "2.5", "1e3", " ", "**", "=", ".", "\xC2\xB2", "\xFF", "pi"};
+  const char* words[] = {"y", "v", "k", "sin", "where", "max", "(",   "(", ")",  ")", "+", "-",        "*",    "/",
+                         "^", ",", ">", "<=",  "1",     "2.5", "1e3", " ", "**", "=", ".", "\xC2\xB2", "\xFF", "pi"};
   std::mt19937 random(11);
   std::uniform_int_distribution<std::size_t> word(0, std::size(words) - 1), length(1, 9);
   int read = 0;

@@ -61,27 +61,53 @@ TEST_F(PoolTest, accessors_of_the_wrong_kind_of_node_throw) {
 
 TEST_F(PoolTest, simplifies_what_is_safe) {
   const std::pair<const char*, const char*> table[] = {
-      {"y + 0", "y"},           {"0 + y", "y"},         {"y - 0", "y"},          {"y*1", "y"},
-      {"1*y", "y"},             {"y/1", "y"},           {"y^1", "y"},            {"y^0", "1"},
-      {"--y", "y"},             {"-1*y", "-y"},         {"y*(-1)", "-y"},        {"y/(-1)", "-y"},
-      {"2 + 3*4", "14"},        {"2^-2", "0.25"},       {"-(k*y)", "-k*y"},      {"-(2*y)", "-2*y"},
-      {"-(-k*y/3)", "k*y/3"},   {"y + -k*v", "y - k*v"}, {"y - -k*v", "y + k*v"}, {"y + -3", "y - 3"},
-      {"y - (-3)", "y + 3"},    {"abs(-y)", "abs(y)"},  {"abs(abs(y))", "abs(y)"}, {"max(y, y)", "y"},
-      {"min(y, y)", "y"},       {"where(2 > 1, y, v)", "y"}, {"where(-1, y, v)", "v"}, {"sin(0)", "0"},
-      {"0 - y", "0 - y"},       {"-y^2", "-y^2"},
+      {"y + 0", "y"},
+      {"0 + y", "y"},
+      {"y - 0", "y"},
+      {"y*1", "y"},
+      {"1*y", "y"},
+      {"y/1", "y"},
+      {"y^1", "y"},
+      {"y^0", "1"},
+      {"--y", "y"},
+      {"-1*y", "-y"},
+      {"y*(-1)", "-y"},
+      {"y/(-1)", "-y"},
+      {"2 + 3*4", "14"},
+      {"2^-2", "0.25"},
+      {"-(k*y)", "-k*y"},
+      {"-(2*y)", "-2*y"},
+      {"-(-k*y/3)", "k*y/3"},
+      {"y + -k*v", "y - k*v"},
+      {"y - -k*v", "y + k*v"},
+      {"y + -3", "y - 3"},
+      {"y - (-3)", "y + 3"},
+      {"abs(-y)", "abs(y)"},
+      {"abs(abs(y))", "abs(y)"},
+      {"max(y, y)", "y"},
+      {"min(y, y)", "y"},
+      {"where(2 > 1, y, v)", "y"},
+      {"where(-1, y, v)", "v"},
+      {"sin(0)", "0"},
+      {"0 - y", "0 - y"},
+      {"-y^2", "-y^2"},
   };
   for (const auto& [typed, simple] : table) EXPECT_EQ(simplified(typed), simple) << typed;
 }
 
 TEST_F(PoolTest, keeps_what_is_not_safe_for_nan_and_infinity) {
-  for (const char* text : {"y/y", "0*y", "y*0", "y - y", "0/y", "where(y > 0, v, v)", "(y^2)^0.5", "0^y", "1^y", "y*k/k"})
+  for (const char* text :
+       {"y/y", "0*y", "y*0", "y - y", "0/y", "where(y > 0, v, v)", "(y^2)^0.5", "0^y", "1^y", "y*k/k"})
     EXPECT_EQ(simplified(text), text);
 }
 
 TEST_F(PoolTest, a_comparison_stands_only_in_where) {
   const Expr holds = pool.apply(Op::greater, {y, v});
-  EXPECT_EQ(message([&] { holds + y; }), "+: a comparison may stand only in the first argument of where(condition, a, b)");
-  EXPECT_EQ(message([&] { pool.apply(Op::where, {y, holds, v}); }),
+  EXPECT_EQ(message([&] { holds + y; }),
+            "+: a comparison may stand only in the first argument of where(condition, a, b)");
+  EXPECT_EQ(message([&] {
+              pool.apply(Op::where, {y, holds, v});
+            }),
             "where: a comparison may stand only in the first argument of where(condition, a, b)");
   EXPECT_TRUE(pool.apply(Op::where, {holds, y, v}).valid());
 }
@@ -95,12 +121,10 @@ TEST_F(PoolTest, wrong_numbers_of_arguments) {
 TEST_F(PoolTest, names) {
   EXPECT_EQ(message([&] { pool.parameter("y"); }), "name 'y': is a channel already, not a parameter");
   EXPECT_EQ(message([&] { pool.state("k"); }), "name 'k': is a parameter already, not a state");
-  EXPECT_EQ(message([&] { pool.parameter("F2"); }),
-            "name 'F2': is a channel, not a parameter; choose another name");
+  EXPECT_EQ(message([&] { pool.parameter("F2"); }), "name 'F2': is a channel, not a parameter; choose another name");
   EXPECT_EQ(message([&] { pool.parameter("sin"); }), "name 'sin': is a word of the language, choose another");
   EXPECT_EQ(message([&] { pool.parameter("pi"); }), "name 'pi': is a word of the language, choose another");
-  EXPECT_EQ(message([&] { pool.parameter("k 1"); }),
-            "name 'k 1': expected a letter or _, then letters, digits or _");
+  EXPECT_EQ(message([&] { pool.parameter("k 1"); }), "name 'k 1': expected a letter or _, then letters, digits or _");
   EXPECT_EQ(message([&] { pool.parameter(""); }), "name '': expected a letter or _, then letters, digits or _");
   EXPECT_EQ(pool.parameter("F0").kind(), SymbolKind::parameter) << "degrees of freedom count from 1";
 }
@@ -136,7 +160,8 @@ TEST_F(PoolTest, function_names_are_those_that_parse_knows) {
   Op op;
   int arity = 0;
   for (const std::string& name : function_names()) EXPECT_TRUE(find_function(name, op, arity)) << name;
-  EXPECT_EQ(function_names().size(), 17u) << "sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs sign min max where";
+  EXPECT_EQ(function_names().size(), 17u)
+      << "sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs sign min max where";
   EXPECT_TRUE(find_function("where", op, arity));
   EXPECT_EQ(op, Op::where);
   EXPECT_EQ(arity, 3);

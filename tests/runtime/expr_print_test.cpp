@@ -17,8 +17,7 @@ struct Row {
 
 TEST(Print, four_formats) {
   const Row table[] = {
-      {"k*y + c*v + k3*y^3", "k \\, y + c \\, v + k_{3} \\, y^{3}", "k*y + c*v + k3*pow(y, 3.0)",
-       "k*y + c*v + k3*y^3"},
+      {"k*y + c*v + k3*y^3", "k \\, y + c \\, v + k_{3} \\, y^{3}", "k*y + c*v + k3*pow(y, 3.0)", "k*y + c*v + k3*y^3"},
       {"(y + v)*(y - v)", "\\left(y + v\\right) \\, \\left(y - v\\right)", "(y + v)*(y - v)", "(y + v)*(y - v)"},
       {"y - (v - k)", "y - \\left(v - k\\right)", "y - (v - k)", "y - (v - k)"},
       {"y/(v/k)", "\\frac{y}{\\frac{v}{k}}", "y/(v/k)", "y/(v/k)"},
@@ -43,8 +42,7 @@ TEST(Print, four_formats) {
       {"where(y <= v, 1, 2)*k",
        "\\left(\\begin{cases} 1 & \\text{if } y \\le v \\\\ 2 & \\text{otherwise} \\end{cases}\\right) \\, k",
        "(y <= v ? 1.0 : 2.0)*k", "lunid.where(lunid.less_equal(y, v), 1, 2)*k"},
-      {"where(y + v, 1, 2)",
-       "\\begin{cases} 1 & \\text{if } y + v > 0 \\\\ 2 & \\text{otherwise} \\end{cases}",
+      {"where(y + v, 1, 2)", "\\begin{cases} 1 & \\text{if } y + v > 0 \\\\ 2 & \\text{otherwise} \\end{cases}",
        "(y + v > 0 ? 1.0 : 2.0)", "lunid.where(y + v, 1, 2)"},
       {"alpha_s*clearance_k*c_12*Fc", "\\alpha_{s} \\, \\mathrm{clearance}_{k} \\, c_{12} \\, \\mathrm{Fc}",
        "alpha_s*clearance_k*c_12*Fc", "alpha_s*clearance_k*c_12*Fc"},
@@ -63,11 +61,21 @@ TEST(Print, four_formats) {
 
 TEST(Print, numbers_in_the_fewest_digits_that_read_back) {
   Pool pool;
-  const std::pair<double, const char*> table[] = {
-      {1, "1"},         {-2, "-2"},     {0.1, "0.1"},     {1e-5, "1e-5"}, {1e22, "1e22"}, {1.0 / 3, "0.3333333333333333"},
-      {1e100, "1e100"}, {100, "100"},   {5e-324, "5e-324"}, {-1.5e-10, "-1.5e-10"}, {-0.0, "-0"}, {0, "0"},
-      {std::numeric_limits<double>::infinity(), "1/0"}, {-std::numeric_limits<double>::infinity(), "-1/0"},
-      {std::nan(""), "0/0"}};
+  const std::pair<double, const char*> table[] = {{1, "1"},
+                                                  {-2, "-2"},
+                                                  {0.1, "0.1"},
+                                                  {1e-5, "1e-5"},
+                                                  {1e22, "1e22"},
+                                                  {1.0 / 3, "0.3333333333333333"},
+                                                  {1e100, "1e100"},
+                                                  {100, "100"},
+                                                  {5e-324, "5e-324"},
+                                                  {-1.5e-10, "-1.5e-10"},
+                                                  {-0.0, "-0"},
+                                                  {0, "0"},
+                                                  {std::numeric_limits<double>::infinity(), "1/0"},
+                                                  {-std::numeric_limits<double>::infinity(), "-1/0"},
+                                                  {std::nan(""), "0/0"}};
   for (const auto& [value, text] : table) {
     const Expr number = pool.constant(value);
     EXPECT_EQ(to_text(number), text);

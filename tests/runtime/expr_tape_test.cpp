@@ -21,7 +21,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 }
 
 std::vector<double> run(const Tape& tape, const std::vector<double>& in) {
-  std::vector<double> out(static_cast<std::size_t>(tape.outputs())), scratch(static_cast<std::size_t>(tape.registers()));
+  std::vector<double> out(static_cast<std::size_t>(tape.outputs())),
+      scratch(static_cast<std::size_t>(tape.registers()));
   tape.run_point(in.data(), out.data(), scratch.data());
   return out;
 }
@@ -59,9 +60,14 @@ class TapeTest : public ::testing::Test {
   std::vector<Expr> inputs{pool.channel("y"), pool.channel("v"), pool.parameter("k"), pool.parameter("c")};
 };
 
-const std::vector<std::vector<double>> points = {
-    {0.7, -0.3, 2, 0.5}, {-1.5, 2.5, 0.25, 3}, {0, 0, 0, 0}, {1, 1, 1, 1}, {-0.0, 1e-310, 1e200, -1e200},
-    {infinity, 1, -infinity, 0}, {std::nan(""), 1, 2, 3}, {1, std::nan(""), -2, 0.5}};
+const std::vector<std::vector<double>> points = {{0.7, -0.3, 2, 0.5},
+                                                 {-1.5, 2.5, 0.25, 3},
+                                                 {0, 0, 0, 0},
+                                                 {1, 1, 1, 1},
+                                                 {-0.0, 1e-310, 1e200, -1e200},
+                                                 {infinity, 1, -infinity, 0},
+                                                 {std::nan(""), 1, 2, 3},
+                                                 {1, std::nan(""), -2, 0.5}};
 
 TEST_F(TapeTest, agrees_with_the_direct_walk_to_the_last_bit) {
   testing::RandomExpressions random(pool, 1);

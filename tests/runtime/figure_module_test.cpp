@@ -84,8 +84,7 @@ TEST_F(FigureModuleTest, the_same_figure_gives_the_same_bytes) {
 }
 
 /// Points of the first polyline with this stroke and this number of points.
-std::vector<std::pair<double, double>> polyline(const std::string& svg, const std::string& stroke,
-                                                std::size_t count) {
+std::vector<std::pair<double, double>> polyline(const std::string& svg, const std::string& stroke, std::size_t count) {
   const std::regex element("<polyline stroke=\"" + stroke + "\"[^>]*points=\"([^\"]*)\"");
   for (std::sregex_iterator it(svg.begin(), svg.end(), element), end; it != end; ++it) {
     std::istringstream text((*it)[1].str());
@@ -133,15 +132,13 @@ TEST_F(FigureModuleTest, empty_and_constant_data_give_axes) {
 
 TEST_F(FigureModuleTest, a_failure_names_the_path_and_leaves_the_earlier_file) {
   const std::string nowhere = folder / "none/at/all.png";
-  EXPECT_EQ(message([&] { module.render(forces(), nowhere); }),
-            nowhere + ": cannot write: No such file or directory");
+  EXPECT_EQ(message([&] { module.render(forces(), nowhere); }), nowhere + ": cannot write: No such file or directory");
   std::ofstream(folder / "kept.png") << "earlier";
   Figure small = histories();
   small.size = {5.0, 3.0, 250};
-  EXPECT_EQ(
-      message([&] { module.render(small, folder / "kept.png"); }),
-      (folder / "kept.png") +
-          ": cannot draw: the figure is too small for its panels: raise size.width_cm or size.height_cm");
+  EXPECT_EQ(message([&] { module.render(small, folder / "kept.png"); }),
+            (folder / "kept.png") +
+                ": cannot draw: the figure is too small for its panels: raise size.width_cm or size.height_cm");
   EXPECT_EQ(content(folder / "kept.png"), "earlier");
   Figure large = histories();
   large.size = {100.0, 0.0, 600};
@@ -154,8 +151,7 @@ TEST_F(FigureModuleTest, a_failure_names_the_path_and_leaves_the_earlier_file) {
 TEST_F(FigureModuleTest, a_full_disk_is_an_error) {
   const std::string path = folder / "full.png";
   std::filesystem::create_symlink("/dev/full", path);
-  EXPECT_EQ(message([&] { module.render(forces(), path); }),
-            path + ": cannot write: No space left on device");
+  EXPECT_EQ(message([&] { module.render(forces(), path); }), path + ": cannot write: No space left on device");
   std::filesystem::remove(path);
 }
 
@@ -176,13 +172,11 @@ TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
   figure.panels[1].series[0].x.pop_back();
   EXPECT_EQ(message([&] { module.render(figure, "a.png"); }),
             "figure: panel 2: curve 'measured': x and y: expected the same length, got 1000 and 1001");
-  EXPECT_EQ(message([&] { module.render(Figure{}, "a.png"); }),
-            "figure: panels: expected at least one, got none");
+  EXPECT_EQ(message([&] { module.render(Figure{}, "a.png"); }), "figure: panels: expected at least one, got none");
   figure = maps();
   figure.panels[0].map->x[3] = 0.0;
-  EXPECT_EQ(
-      message([&] { module.render(figure, "a.png"); }),
-      "figure: panel 1: map: x: expected finite values that increase, got something else at position 5");
+  EXPECT_EQ(message([&] { module.render(figure, "a.png"); }),
+            "figure: panel 1: map: x: expected finite values that increase, got something else at position 5");
   SurfaceFigure bad = surface();
   bad.surface.conservativeResize(40, 41);
   EXPECT_EQ(message([&] { module.render(bad, "a.png"); }),
@@ -190,8 +184,7 @@ TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
 }
 
 TEST_F(FigureModuleTest, exported_numbers_read_back_bit_for_bit) {
-  const std::vector<double> x{0.1, 1.0 / 3.0, 5e-324, 1.7976931348623157e308},
-      y{-0.0, 2e-3, missing, 6.02214076e23};
+  const std::vector<double> x{0.1, 1.0 / 3.0, 5e-324, 1.7976931348623157e308}, y{-0.0, 2e-3, missing, 6.02214076e23};
   Figure figure = line(x, y);
   figure.panels[0].series[0].label = "a, \"b\"";
   export_data(figure, folder / "data.csv");

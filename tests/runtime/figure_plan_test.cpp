@@ -30,9 +30,7 @@ class Recorder : public Canvas {
   void polyline(std::span<const Point> points, Colour, double) override {
     lines.emplace_back(points.begin(), points.end());
   }
-  void polygon(std::span<const Point> corners, Colour) override {
-    areas.emplace_back(corners.begin(), corners.end());
-  }
+  void polygon(std::span<const Point> corners, Colour) override { areas.emplace_back(corners.begin(), corners.end()); }
   void discs(std::span<const Point> centres, double, Colour) override {
     dots.insert(dots.end(), centres.begin(), centres.end());
   }
@@ -40,8 +38,7 @@ class Recorder : public Canvas {
     if (text.empty()) return;
     double w = Typewriter().width(text, style.size, style.bold), h = 0.8 * style.size;
     if (style.vertical) std::swap(w, h);
-    const double left = anchor.x - 0.5 * (style.across + 1) * w,
-                 bottom = anchor.y - 0.5 * (style.upward + 1) * h;
+    const double left = anchor.x - 0.5 * (style.across + 1) * w, bottom = anchor.y - 0.5 * (style.upward + 1) * h;
     texts.push_back({text, {left, bottom, left + w, bottom + h}});
   }
   std::vector<Stroke> lines, areas;
@@ -61,8 +58,8 @@ void expect_legible(const std::vector<Written>& texts, Point extent, const std::
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const Box& a = texts[i].box;
     EXPECT_TRUE(a.left >= -0.5 && a.bottom >= -0.5 && a.right <= extent.x + 0.5 && a.top <= extent.y + 0.5)
-        << name << ": '" << texts[i].text << "' leaves the page: " << a.left << " " << a.bottom << " "
-        << a.right << " " << a.top;
+        << name << ": '" << texts[i].text << "' leaves the page: " << a.left << " " << a.bottom << " " << a.right << " "
+        << a.top;
     for (std::size_t j = 0; j < i; ++j) {
       const Box& b = texts[j].box;
       const bool overlap = a.left < b.right && b.left < a.right && a.bottom < b.top && b.bottom < a.top;
@@ -81,7 +78,7 @@ std::vector<std::pair<std::string, Figure>> all_samples() {
   narrow.panels[0].title = "A panel title that is rather long";
   narrow.panels[0].note = "gap 0.31 → 0.05";
   return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()},
-          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow}, {"wordy", wordy}};
+          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow},   {"wordy", wordy}};
 }
 
 TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {

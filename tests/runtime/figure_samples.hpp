@@ -45,8 +45,7 @@ inline std::string content(const std::string& path) {
 inline std::string module_file() {
   std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   for (; folder != folder.root_path(); folder = folder.parent_path())
-    if (std::filesystem::exists(folder / "liblunid_figure.so"))
-      return (folder / "liblunid_figure.so").string();
+    if (std::filesystem::exists(folder / "liblunid_figure.so")) return (folder / "liblunid_figure.so").string();
   return "";
 }
 
@@ -56,8 +55,7 @@ inline Series motion(const std::string& label, Role role, Style style, double er
   for (double t = 0.0; t <= length; t += 1.0 / 800.0) {
     s.x.push_back(t);
     const double envelope = std::exp(-0.25 * t);
-    s.y.push_back(3.1e-3 * envelope * std::sin(31.0 * t * (1.0 + error * envelope)) +
-                  1e-4 * std::sin(7.0 * t));
+    s.y.push_back(3.1e-3 * envelope * std::sin(31.0 * t * (1.0 + error * envelope)) + 1e-4 * std::sin(7.0 * t));
   }
   return s;
 }
@@ -98,8 +96,7 @@ inline HeatMap residual_map(double scale) {
   map.z.resize(ny, nx);
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const double y = map.x[static_cast<std::size_t>(i)] / 3.2e-3,
-                   v = map.y[static_cast<std::size_t>(j)] / 0.11;
+      const double y = map.x[static_cast<std::size_t>(i)] / 3.2e-3, v = map.y[static_cast<std::size_t>(j)] / 0.11;
       const double r = std::hypot(y, v);
       const bool visited = r < 0.97 && r > 0.22 && !(y > 0.3 && v > 0.45 && v < 0.6);
       map.z(j, i) = visited ? scale * (31.0 * y * y * y + 2.0 * std::sin(40.0 * y + 25.0 * v)) : missing;
@@ -154,8 +151,8 @@ inline Figure forces() {
   loops.title = "Loops";
   loops.x = {"displacement y", "m"};
   loops.y = {"restoring force", "N"};
-  for (const auto& [label, role, style, reach] : {std::tuple{"measured", Role::measured, Style::line, 1.0},
-                                                  {"final", Role::final, Style::dashed, 0.93}}) {
+  for (const auto& [label, role, style, reach] :
+       {std::tuple{"measured", Role::measured, Style::line, 1.0}, {"final", Role::final, Style::dashed, 0.93}}) {
     Series s{label, {}, {}, style, role, 1.0};
     for (int i = 0; i <= 1000; ++i) {
       const double phase = 0.0062832 * 2.0 * i, y = 3e-3 * (0.8 + 0.0002 * i) * std::sin(phase);
@@ -177,14 +174,9 @@ inline Figure rivals() {
   Bars bars;
   bars.name = {"cubic_stiffness", "sinusoidal_stiffness", "clearance",
                "one_sided_stop",  "coulomb_friction",     "quadratic_drag"};
-  bars.set = {{"train",
-               {0.051, 0.078, 0.19, 0.22, 0.31, 0.305},
-               {0.002, 0.004, 0.02, 0.01, 0.012, 0.01},
-               Role::final},
-              {"test",
-               {0.062, 0.088, 0.24, missing, 0.42, 0.41},
-               {0.003, 0.005, 0.02, missing, 0.02, 0.01},
-               Role::baseline}};
+  bars.set = {
+      {"train", {0.051, 0.078, 0.19, 0.22, 0.31, 0.305}, {0.002, 0.004, 0.02, 0.01, 0.012, 0.01}, Role::final},
+      {"test", {0.062, 0.088, 0.24, missing, 0.42, 0.41}, {0.003, 0.005, 0.02, missing, 0.02, 0.01}, Role::baseline}};
   p.bars = bars;
   p.lines = {{"noise alone", 0.05, true, Style::dashed, Role::measured}};
   figure.panels = {p};
@@ -238,15 +230,13 @@ inline SurfaceFigure surface() {
   figure.surface.resize(n, n);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      const double y = figure.grid_x[static_cast<std::size_t>(i)],
-                   v = figure.grid_y[static_cast<std::size_t>(j)];
+      const double y = figure.grid_x[static_cast<std::size_t>(i)], v = figure.grid_y[static_cast<std::size_t>(j)];
       const double r = std::hypot(y / 3e-3, v / 0.1);
       figure.surface(j, i) = r > 1.12 ? missing : force(y, v);
     }
   Cloud cloud{"samples", {}, {}, {}, Role::measured};
   for (int i = 0; i < 700; ++i) {
-    const double a = 1.0 - 0.0009 * i, y = 2.9e-3 * a * std::sin(0.31 * i),
-                 v = 0.095 * a * std::cos(0.31 * i);
+    const double a = 1.0 - 0.0009 * i, y = 2.9e-3 * a * std::sin(0.31 * i), v = 0.095 * a * std::cos(0.31 * i);
     cloud.x.push_back(y);
     cloud.y.push_back(v);
     cloud.z.push_back(force(y, v) + 3.0 * std::sin(12.9898 * i) * std::cos(78.233 * i));

@@ -11,9 +11,7 @@
 namespace lunid {
 namespace {
 
-std::span<const double> span_of(const Eigen::VectorXd& x) {
-  return {x.data(), static_cast<std::size_t>(x.size())};
-}
+std::span<const double> span_of(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 double rms(const Eigen::VectorXd& x) { return std::sqrt(x.squaredNorm() / static_cast<double>(x.size())); }
 
@@ -26,8 +24,7 @@ TEST(SavitzkyGolay, HasThePublishedWeights) {
     EXPECT_NEAR(smooth[i], five[i], 1e-12);
     EXPECT_NEAR(slope[i], line[i], 1e-12);
   }
-  const Eigen::VectorXd seven =
-      252 * savitzky_golay_weights(1, {3, 4});  // cubic, 7 points: 22 -67 -58 0 58 67 -22
+  const Eigen::VectorXd seven = 252 * savitzky_golay_weights(1, {3, 4});  // cubic, 7 points: 22 -67 -58 0 58 67 -22
   const double cubic[] = {22, -67, -58, 0, 58, 67, -22};
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(seven[i], cubic[i], 1e-11);
 }
@@ -42,13 +39,11 @@ TEST(SavitzkyGolay, IsExactForPolynomialsUpToTheEnds) {
     d1[i] = (-1 + s + 9 * s * s) / 30;
     d2[i] = (1 + 18 * s) / 900;
   }
-  for (const SavitzkyGolay& options :
-       {SavitzkyGolay{3, 3}, {20, 3}, {20, 5}, {150, 5}}) {  // the last by transforms
+  for (const SavitzkyGolay& options : {SavitzkyGolay{3, 3}, {20, 3}, {20, 5}, {150, 5}}) {  // the last by transforms
     const double scale = d0.cwiseAbs().maxCoeff();
     EXPECT_LT((savitzky_golay(span_of(x), dt, 0, options) - d0).cwiseAbs().maxCoeff(), 1e-12 * scale);
     EXPECT_LT((savitzky_golay(span_of(x), dt, 1, options) - d1).cwiseAbs().maxCoeff(), 1e-12 * scale / dt);
-    EXPECT_LT((savitzky_golay(span_of(x), dt, 2, options) - d2).cwiseAbs().maxCoeff(),
-              1e-11 * scale / dt / dt);
+    EXPECT_LT((savitzky_golay(span_of(x), dt, 2, options) - d2).cwiseAbs().maxCoeff(), 1e-11 * scale / dt / dt);
   }
 }
 
@@ -58,8 +53,7 @@ TEST(SavitzkyGolay, WideWindowsAreTheSameBySumAndByTransform) {
   Eigen::VectorXd x(10000);
   for (double& value : x) value = 1e6 + normal(random);
   const SavitzkyGolay options{300, 3};
-  const Eigen::VectorXd weights = savitzky_golay_weights(1, options),
-                        d = savitzky_golay(span_of(x), 1, 1, options);
+  const Eigen::VectorXd weights = savitzky_golay_weights(1, options), d = savitzky_golay(span_of(x), 1, 1, options);
   for (int i = 300; i < 9700; ++i) ASSERT_NEAR(d[i], weights.dot(x.segment(i - 300, 601)), 1e-9);
 }
 
@@ -139,8 +133,7 @@ TEST(ChooseSavitzkyGolay, ServesTheShortestRecords) {
     Eigen::VectorXd x(n);
     for (int i = 0; i < n; ++i) x[i] = std::sin(0.3 * i);
     for (int derivative : {0, 1, 2})
-      EXPECT_NO_THROW(
-          savitzky_golay(span_of(x), 1, derivative, choose_savitzky_golay(span_of(x), 0.01, derivative)));
+      EXPECT_NO_THROW(savitzky_golay(span_of(x), 1, derivative, choose_savitzky_golay(span_of(x), 0.01, derivative)));
   }
 }
 

@@ -23,12 +23,9 @@ TEST(Fault, MissingAndEmptyFiles) {
   const TextFile file("");
   EXPECT_EQ(message_of(file, [&] { read_csv(file.folder() / "none.csv"); }), "none.csv: no such file");
   EXPECT_EQ(message_of(file, [&] { read_csv(file.path()); }), "run3.csv: the file is empty");
-  EXPECT_NE(message_of(file, [&] { read_csv(file.folder()); }).find("cannot read: Is a directory"),
-            std::string::npos);
-  EXPECT_EQ(complaint("# only\n\n"),
-            "run3.csv: no header: the file holds no more than comments and blank lines");
-  EXPECT_EQ(complaint(std::string("t\0,\0", 4)),
-            "run3.csv: expected UTF-8 text, got UTF-16 or a binary file");
+  EXPECT_NE(message_of(file, [&] { read_csv(file.folder()); }).find("cannot read: Is a directory"), std::string::npos);
+  EXPECT_EQ(complaint("# only\n\n"), "run3.csv: no header: the file holds no more than comments and blank lines");
+  EXPECT_EQ(complaint(std::string("t\0,\0", 4)), "run3.csv: expected UTF-8 text, got UTF-16 or a binary file");
 }
 
 TEST(Fault, NoHeader) {
@@ -60,10 +57,9 @@ TEST(Fault, DecimalCommas) {
             "run3.csv:3: column 't': decimal comma in '0,01': expected a decimal point; export the file with "
             "points, "
             "or replace the commas");
-  EXPECT_EQ(
-      complaint("t,F,y\n0,00,1,5,2,5\n"),
-      "run3.csv:2: expected 3 cells, got 6; the numbers seem to have decimal commas: export the file with "
-      "decimal points");
+  EXPECT_EQ(complaint("t,F,y\n0,00,1,5,2,5\n"),
+            "run3.csv:2: expected 3 cells, got 6; the numbers seem to have decimal commas: export the file with "
+            "decimal points");
   EXPECT_EQ(complaint("t,F,y\n\"0,01\",\"1,5\",\"2,5\"\n"),
             "run3.csv:2: decimal comma in '0,01': expected a decimal point");
 }
@@ -74,8 +70,7 @@ TEST(Fault, RowsOfAnotherLength) {
 }
 
 TEST(Fault, Columns) {
-  EXPECT_EQ(complaint("t,F,F\n" + rows(8)),
-            "run3.csv:1: two columns of one name: columns 2 and 3 are both 'F'");
+  EXPECT_EQ(complaint("t,F,F\n" + rows(8)), "run3.csv:1: two columns of one name: columns 2 and 3 are both 'F'");
   EXPECT_EQ(complaint("t,y [mm],y [V]\n" + rows(8)),
             "run3.csv:1: two columns of one name: columns 2 and 3 are both 'y'");
   EXPECT_EQ(complaint("t,force,Load [N]\n" + rows(8)),
@@ -91,9 +86,8 @@ TEST(Fault, Columns) {
             "run3.csv:1: expected columns separated by , ; or tab, got one column 't y F'");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=dips"), false}),
             "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'F', 'y'");
-  EXPECT_EQ(
-      complaint("t,load,disp\n" + rows(8), {parse_columns("y=dips"), false}),
-      "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'load', 'disp'; did you mean 'disp'?");
+  EXPECT_EQ(complaint("t,load,disp\n" + rows(8), {parse_columns("y=dips"), false}),
+            "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'load', 'disp'; did you mean 'disp'?");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=F,F=F"), false}),
             "run3.csv:1: column 'F' is asked for twice, as 'y' and 'F'");
 }
@@ -112,8 +106,7 @@ TEST(Fault, Rows) {
 }
 
 TEST(Fault, TimeThatRunsBackwardsOrStands) {
-  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")),
-            "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s");
+  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")), "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s");
   EXPECT_EQ(complaint(spoiled(9, "0.06,1,1")), "run3.csv:9: time is repeated: t = 0.06 s after t = 0.06 s");
   EXPECT_EQ(complaint("t,F,y\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n"),
             "run3.csv:3: time is repeated: t = 1 s after t = 1 s");

@@ -61,8 +61,7 @@ inline std::string rows(int count, double dt = 0.01, int decimals = 4, double st
   std::string text;
   for (int i = 0; i < count; ++i) {
     char line[96];
-    std::snprintf(line, sizeof line, "%.*f,%d,%.6f\n", decimals, start + dt * i, i % 3,
-                  0.001 * ((i * 7) % 5));
+    std::snprintf(line, sizeof line, "%.*f,%d,%.6f\n", decimals, start + dt * i, i % 3, 0.001 * ((i * 7) % 5));
     text += line;
   }
   return text;

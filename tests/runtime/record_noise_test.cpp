@@ -16,8 +16,7 @@ std::vector<double> noisy(const Signal& signal, int rows, double noise, unsigned
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, noise);
   std::vector<double> x(static_cast<std::size_t>(rows));
-  for (int i = 0; i < rows; ++i)
-    x[static_cast<std::size_t>(i)] = signal(i) + (noise > 0 ? normal(random) : 0.0);
+  for (int i = 0; i < rows; ++i) x[static_cast<std::size_t>(i)] = signal(i) + (noise > 0 ? normal(random) : 0.0);
   return x;
 }
 
@@ -49,8 +48,7 @@ TEST(NoiseLevel, UnderThreeTones) {
 }
 
 TEST(NoiseLevel, UnderADecay) {
-  expect_level([](double i) { return 3 * std::exp(-i / 900) * std::cos(2 * M_PI * i / 40); }, 6400, 0.10,
-               "decay");
+  expect_level([](double i) { return 3 * std::exp(-i / 900) * std::cos(2 * M_PI * i / 40); }, 6400, 0.10, "decay");
 }
 
 TEST(NoiseLevel, UnderAnOffsetAndADrift) {
@@ -88,8 +86,7 @@ TEST(NoiseLevel, OfAConstantOrASwitchedSignalIsSmall) {
   EXPECT_EQ(noise_level(std::vector<double>{}), 0);
   EXPECT_EQ(noise_level(std::vector<double>{1}), 0);
   // On and off every 50 rows: no more than what the edges leave at the highest frequencies.
-  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)),
-            0.05);
+  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)), 0.05);
 }
 
 TEST(NoiseLevel, OfSmoothDataIsNextToNothing) {
@@ -102,8 +99,8 @@ TEST(DominantFrequency, OfTonesAndDecays) {
     const auto sine = noisy([=](double i) { return 7 + std::sin(2 * M_PI * i / ratio); }, 5000, 0.05, 1);
     EXPECT_NEAR(dominant_frequency(sine, dt), w, 0.002 * w + 0.02 * 2 * M_PI / (5000 * dt))
         << ratio;  // a fiftieth of a bin
-    const auto decay = noisy(
-        [=](double i) { return std::exp(-i / (4 * ratio)) * std::cos(2 * M_PI * i / ratio); }, 5000, 0.01, 1);
+    const auto decay =
+        noisy([=](double i) { return std::exp(-i / (4 * ratio)) * std::cos(2 * M_PI * i / ratio); }, 5000, 0.01, 1);
     EXPECT_NEAR(dominant_frequency(decay, dt), w, 0.05 * w) << ratio;
   }
 }

@@ -79,8 +79,7 @@ TEST(WriteCsv, ReadsBackToTheSameDoubles) {
     const Record back = read_csv(file.path());
     ASSERT_EQ(back.rows(), record.rows());
     for (const Channel& c : channels)
-      for (std::size_t i = 0; i < 300; ++i)
-        ASSERT_EQ(back[c.name][i], record[c.name][i]) << c.name << ' ' << i;
+      for (std::size_t i = 0; i < 300; ++i) ASSERT_EQ(back[c.name][i], record[c.name][i]) << c.name << ' ' << i;
     EXPECT_EQ(back.channel("F").unit, "N");
     EXPECT_NEAR(back.dt(), dt, 1e-11 * dt);
     EXPECT_NEAR(back.start(), 0.7, 1e-15);

@@ -71,13 +71,10 @@ TEST(Time, AMissingRowIsAGapWithItsLine) {
   for (const auto& [dt, format] : {std::pair{0.001, "%.3f"}, {0.00125, "%.5f"}, {0.0033, "%.17g"}}) {
     std::vector<double> t = even(400, dt);
     t.erase(t.begin() + 200);
-    EXPECT_EQ(complaint(with_stamps(t, format)).substr(0, 41), "run3.csv:202: gap: 1 row is missing befor")
-        << format;
+    EXPECT_EQ(complaint(with_stamps(t, format)).substr(0, 41), "run3.csv:202: gap: 1 row is missing befor") << format;
     t.erase(t.begin() + 300, t.begin() + 303);
     const std::string text = complaint(with_stamps(t, format));
-    EXPECT_NE(text.find("gaps before lines 202, 302; cut the record there, or set resample = true"),
-              text.npos)
-        << text;
+    EXPECT_NE(text.find("gaps before lines 202, 302; cut the record there, or set resample = true"), text.npos) << text;
   }
 }
 

@@ -22,17 +22,17 @@ namespace {
 const std::filesystem::path kFolder = std::filesystem::path(LUNID_SHARED_DATA) / "nist/linear";
 
 /// Relative errors allowed: the Householder class, condition * 1e-16 and, for coefficients, condition^2 * 1e-16 *
-/// |residual| / |fit|. Wampler's scaled columns have condition 2e3 (and Wampler 5 a residual 50 times the fit), Longley's
-/// 4e4, Filip's 5e9: rounding its powers to double alone moves its coefficients by 2.5e-8.
+/// |residual| / |fit|. Wampler's scaled columns have condition 2e3 (and Wampler 5 a residual 50 times the fit),
+/// Longley's 4e4, Filip's 5e9: rounding its powers to double alone moves its coefficients by 2.5e-8.
 struct Limit {
   const char* name;
   double coefficients, deviations;
   friend std::ostream& operator<<(std::ostream& out, const Limit& limit) { return out << limit.name; }
 };
-const Limit kLimits[] = {{"norris", 1e-13, 1e-13},   {"pontius", 1e-12, 1e-12},  {"noint1", 1e-14, 1e-14},
-                         {"noint2", 1e-14, 1e-14},   {"filip", 1e-7, 1e-7},      {"longley", 1e-10, 1e-10},
-                         {"wampler1", 1e-9, 1e-9},   {"wampler2", 1e-9, 1e-9},   {"wampler3", 1e-9, 1e-9},
-                         {"wampler4", 1e-9, 1e-9},   {"wampler5", 1e-9, 1e-9}};
+const Limit kLimits[] = {{"norris", 1e-13, 1e-13}, {"pontius", 1e-12, 1e-12}, {"noint1", 1e-14, 1e-14},
+                         {"noint2", 1e-14, 1e-14}, {"filip", 1e-7, 1e-7},     {"longley", 1e-10, 1e-10},
+                         {"wampler1", 1e-9, 1e-9}, {"wampler2", 1e-9, 1e-9},  {"wampler3", 1e-9, 1e-9},
+                         {"wampler4", 1e-9, 1e-9}, {"wampler5", 1e-9, 1e-9}};
 
 MatrixXd read_table(const std::string& name) {
   std::ifstream in(kFolder / (name + ".csv"));
@@ -46,7 +46,8 @@ MatrixXd read_table(const std::string& name) {
   }
   MatrixXd table(static_cast<Index>(rows.size()), static_cast<Index>(rows.front().size()));
   for (Index i = 0; i < table.rows(); ++i)
-    for (Index j = 0; j < table.cols(); ++j) table(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    for (Index j = 0; j < table.cols(); ++j)
+      table(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
   return table;
 }
 
@@ -66,9 +67,12 @@ Problem read_problem(const std::string& name, const nlohmann::json& certified) {
   for (Index j = 0; j < n; ++j) {
     p.names.push_back("x" + std::to_string(j));
     const Index degree = constant ? j : j + 1;
-    if (degree == 0) p.x.col(j).setOnes();
-    else if (powers) p.x.col(j) = table.col(1).array().pow(static_cast<double>(degree));
-    else p.x.col(j) = table.col(degree);
+    if (degree == 0)
+      p.x.col(j).setOnes();
+    else if (powers)
+      p.x.col(j) = table.col(1).array().pow(static_cast<double>(degree));
+    else
+      p.x.col(j) = table.col(degree);
   }
   return p;
 }

@@ -17,15 +17,18 @@ using Eigen::VectorXd;
 namespace {
 
 /// The least objective over all active sets whose stationary point is feasible; infinite when there is none.
-double least_by_enumeration(const MatrixXd& r, const VectorXd& z, const MatrixXd& c, const VectorXd& d, int equalities) {
+double least_by_enumeration(const MatrixXd& r, const VectorXd& z, const MatrixXd& c, const VectorXd& d,
+                            int equalities) {
   const Index n = r.cols(), m = c.rows();
   double best = std::numeric_limits<double>::infinity();
   for (int set = 0; set < (1 << m); ++set) {
     bool all_equalities = true;
     std::vector<Index> rows;
     for (Index i = 0; i < m; ++i) {
-      if (set >> i & 1) rows.push_back(i);
-      else if (i < equalities) all_equalities = false;
+      if (set >> i & 1)
+        rows.push_back(i);
+      else if (i < equalities)
+        all_equalities = false;
     }
     const Index q = static_cast<Index>(rows.size());
     if (!all_equalities || q > n) continue;
@@ -167,8 +170,9 @@ TEST(RegressConstraints, every_solver_honours_them) {
   const VectorXd z = x * (VectorXd(4) << 2, -1, 1, 0.5).finished() + 0.1 * random_matrix(random, 90, 1);
   const std::vector<Constraint> constraints = {at_least(1, -0.4), ordered(0, 2)};
   const Statistic data = data_of(x, z);
-  for (const Fit& fit : {least_squares(data, constraints), ridge(data, {0.01}, constraints),
-                         stlsq(data, {0.05, 0, 20}, constraints), lasso(std::span(&data, 1), {.lambda = 0.05}, constraints)}) {
+  for (const Fit& fit :
+       {least_squares(data, constraints), ridge(data, {0.01}, constraints), stlsq(data, {0.05, 0, 20}, constraints),
+        lasso(std::span(&data, 1), {.lambda = 0.05}, constraints)}) {
     EXPECT_GE(fit.coefficients[1], -0.4 - 1e-12) << fit.summary.solver;
     EXPECT_LE(fit.coefficients[0], fit.coefficients[2] + 1e-12) << fit.summary.solver;
     EXPECT_EQ(fit.active.size(), 2u) << fit.summary.solver;

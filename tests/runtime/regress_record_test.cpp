@@ -37,7 +37,8 @@ Record make_record(Index rows, double dt, double mass, Force f, double noise = 0
 }
 
 Record duffing(double noise = 0, Index rows = 8000) {
-  return make_record(rows, 1e-3, 1, [](double y, double v) { return 2e4 * y + 10 * v + 1e9 * y * y * y; }, noise);
+  return make_record(
+      rows, 1e-3, 1, [](double y, double v) { return 2e4 * y + 10 * v + 1e9 * y * y * y; }, noise);
 }
 
 struct Symbols {
@@ -156,7 +157,8 @@ TEST(RegressRecord, constraints_name_features) {
   RegressOptions options;
   options.features = {s.y, s.v, pow(s.y, 3), pow(s.y, 5)};
   options.mass = s.pool.constant(1);
-  options.constraints = {at_least(s.y, 0), fixed(s.v, 11), between(pow(s.y, 3), 0, 9e8), at_most(pow(s.y, 5), pow(s.y, 3))};
+  options.constraints = {at_least(s.y, 0), fixed(s.v, 11), between(pow(s.y, 3), 0, 9e8),
+                         at_most(pow(s.y, 5), pow(s.y, 3))};
   const Regression r = run(duffing(0.02), options);
   EXPECT_EQ(r.terms[1].coefficient, 11);
   EXPECT_EQ(r.terms[1].std, 0);
@@ -169,10 +171,10 @@ TEST(RegressRecord, constraints_name_features) {
 TEST(RegressRecord, time_and_piecewise_features_are_features) {
   Symbols s;
   RegressOptions options;
-  options.features = {parse(s.pool, "sign(v)"), parse(s.pool, "where(y > 0, y, 0)"), parse(s.pool, "cos(t)"), parse(s.pool, "1")};
-  const Record record = make_record(4000, 1e-3, 0, [](double y, double v) {
-    return 3 * (v > 0 ? 1.0 : -1.0) + 500 * std::max(y, 0.0) + 0.25;
-  });
+  options.features = {parse(s.pool, "sign(v)"), parse(s.pool, "where(y > 0, y, 0)"), parse(s.pool, "cos(t)"),
+                      parse(s.pool, "1")};
+  const Record record = make_record(
+      4000, 1e-3, 0, [](double y, double v) { return 3 * (v > 0 ? 1.0 : -1.0) + 500 * std::max(y, 0.0) + 0.25; });
   const Regression r = run(record, options);
   EXPECT_NEAR(r.terms[0].coefficient, 3, 1e-12);
   EXPECT_NEAR(r.terms[1].coefficient, 500, 1e-9);
@@ -189,8 +191,9 @@ TEST(RegressRecord, one_frequency_is_said_to_hide_mass_behind_stiffness) {
       make_record(4000, 1e-3, 1, [](double y, double v) { return 2e4 * y + 10 * v; }, 0.01, 2e-3, {33.1});
   const Regression r = run(record, options);
   ASSERT_EQ(r.warnings.size(), 1u);
-  EXPECT_EQ(r.warnings[0], "on these data a = -4.325e+04*y (R2 1): one frequency, so that an error of the mass appears in "
-                           "the coefficient of y");
+  EXPECT_EQ(r.warnings[0],
+            "on these data a = -4.325e+04*y (R2 1): one frequency, so that an error of the mass appears in "
+            "the coefficient of y");
   options.features = {s.pool.channel("a"), s.y, s.v};
   options.mass = Expr();
   const Regression both = run(record, options);
@@ -239,8 +242,9 @@ TEST(RegressErrors, full_texts) {
             "of a feature (for a mass: mass 0 and the feature a)");
   options.mass = s.pool.constant(1);
   options.features = {s.y, parse(s.pool, "tanh(p*y)")};
-  EXPECT_EQ(text(), "regress: parameter 'p' in feature 'tanh(p*y)' has no value: fix it, or give it min and max to have "
-                    "it searched for");
+  EXPECT_EQ(text(),
+            "regress: parameter 'p' in feature 'tanh(p*y)' has no value: fix it, or give it min and max to have "
+            "it searched for");
   options.implicit = {{"p", 5, 10, 1}};
   EXPECT_EQ(text(), "regress: implicit parameter 'p': expected finite bounds min < max, got 10 and 1");
   options.implicit = {{"p", 5, 10, 20}};

@@ -82,9 +82,12 @@ double lasso_violation(const Sample& s, const VectorXd& b, double lambda, bool c
     const bool intercept = constant && j == 0;
     const double size = intercept ? 1 : size_of(s.x.col(j));
     const double slope = s.x.col(j).dot(residual) / (rows * size * target);
-    if (intercept) worst = std::max(worst, std::abs(slope) / lambda);
-    else if (b[j] == 0) worst = std::max(worst, std::abs(slope) / lambda - 1);
-    else worst = std::max(worst, std::abs(slope / lambda - (b[j] > 0 ? 1 : -1)));
+    if (intercept)
+      worst = std::max(worst, std::abs(slope) / lambda);
+    else if (b[j] == 0)
+      worst = std::max(worst, std::abs(slope) / lambda - 1);
+    else
+      worst = std::max(worst, std::abs(slope / lambda - (b[j] > 0 ? 1 : -1)));
   }
   return worst;
 }
@@ -107,7 +110,8 @@ TEST(RegressLeastSquares, coverage_of_the_standard_errors) {
   for (unsigned seed = 1; seed <= 200; ++seed) {
     const Sample s = duffing(300, seed, false);
     const Fit fit = least_squares(s.data());
-    for (Index j = 0; j < s.truth.size(); ++j, ++count) covered += std::abs(fit.coefficients[j] - s.truth[j]) < 1.96 * fit.std[j];
+    for (Index j = 0; j < s.truth.size(); ++j, ++count)
+      covered += std::abs(fit.coefficients[j] - s.truth[j]) < 1.96 * fit.std[j];
   }
   EXPECT_GT(covered, 0.93 * count);
   EXPECT_LT(covered, 0.97 * count);
@@ -180,7 +184,8 @@ TEST(RegressStlsq, recovers_a_sparse_truth_in_every_seed) {
     const Sample s = duffing(4000, seed, true);
     const Fit fit = stlsq(s.data(), {.threshold = 0.05});
     for (Index j = 0; j < s.truth.size(); ++j) {
-      EXPECT_EQ(fit.coefficients[j] == 0, s.truth[j] == 0) << "seed " << seed << " " << s.names[static_cast<std::size_t>(j)];
+      EXPECT_EQ(fit.coefficients[j] == 0, s.truth[j] == 0)
+          << "seed " << seed << " " << s.names[static_cast<std::size_t>(j)];
       // 150 comparisons: none beyond 4.5 deviations (chance of one: 1e-3).
       if (s.truth[j] == 0) continue;
       EXPECT_LT(std::abs(fit.coefficients[j] - s.truth[j]), 4.5 * fit.std[j]);
@@ -309,8 +314,7 @@ TEST(RegressLasso, with_any_constraints_agrees_with_the_split_programme) {
     triangularise(r, wide);
     const MatrixXd factor = r.topLeftCorner(2 * n, 2 * n);
     const VectorXd slope = lambda / size[n] * size.head(n).replicate(2, 1);
-    const VectorXd right =
-        r.col(2 * n).head(2 * n) - factor.transpose().triangularView<Eigen::Lower>().solve(slope);
+    const VectorXd right = r.col(2 * n).head(2 * n) - factor.transpose().triangularView<Eigen::Lower>().solve(slope);
     MatrixXd c = MatrixXd::Zero(2 * n + static_cast<Index>(constraints.size()), 2 * n);
     VectorXd d = VectorXd::Zero(c.rows());
     c.topRows(2 * n).setIdentity();
@@ -337,8 +341,10 @@ TEST(RegressOptions, texts_of_what_is_refused) {
   const Sample s = duffing(100, 1, false);
   const Statistic data = s.data();
   EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {.lambda = -1}); }), "lasso: lambda: expected > 0, got -1");
-  EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {}); }), "lasso: cross-validation needs at least 3 blocks of time, got 1");
-  EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {.lambda = 1, .path = 1}); }), "lasso: path: expected >= 2, got 1");
+  EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {}); }),
+            "lasso: cross-validation needs at least 3 blocks of time, got 1");
+  EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {.lambda = 1, .path = 1}); }),
+            "lasso: path: expected >= 2, got 1");
   EXPECT_EQ(message([&] { lasso(std::span(&data, 1), {.lambda = 1, .path_ratio = 2}); }),
             "lasso: path_ratio: expected > 0 and < 1, got 2");
   EXPECT_EQ(message([&] { ridge(data, {0}); }), "ridge: lambda: expected > 0, got 0");

@@ -64,7 +64,8 @@ TEST(RegressTriangle, extended_precision_agrees) {
   triangularise(exact, x.cast<long double>());
   const VectorXd size = x.colwise().norm();
   for (Index i = 0; i < 7; ++i)
-    for (Index j = i; j < 7; ++j) EXPECT_NEAR(std::abs(r(i, j)), std::abs(static_cast<double>(exact(i, j))), 1e-14 * size[j]);
+    for (Index j = i; j < 7; ++j)
+      EXPECT_NEAR(std::abs(r(i, j)), std::abs(static_cast<double>(exact(i, j))), 1e-14 * size[j]);
 }
 
 TEST(RegressStatistic, knows_mean_deviation_rms_and_residual) {

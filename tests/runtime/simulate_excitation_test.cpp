@@ -108,8 +108,7 @@ TEST(Excitation, FaultsNameTheValue) {
   EXPECT_EQ(fault_of([&] { Excitation(0, 0, good); }), "excitation: dt: expected > 0, got 0");
   EXPECT_EQ(fault_of([&] { Excitation(std::nan(""), 1, good); }), "excitation: t0: expected a finite value, got nan");
   EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).refined(0); }), "excitation: substeps: expected >= 1, got 0");
-  EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).part(1, 3); }),
-            "excitation: rows 2 to 4 are not within its 3 rows");
+  EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).part(1, 3); }), "excitation: rows 2 to 4 are not within its 3 rows");
 }
 
 }  // namespace

@@ -41,17 +41,25 @@ TEST(SimulateFaults, NameTheArgument) {
   EXPECT_EQ(fault({1, 2}, state({0, 0}), options), "simulate: max_events: expected >= 1, got 0");
 
   const std::vector<double> theta{1, 2};
-  EXPECT_EQ(fault_of([&] { simulate(system, theta, Excitation(), state({0, 0})); }),
+  EXPECT_EQ(fault_of([&] {
+              simulate(system, theta, Excitation(), state({0, 0}));
+            }),
             "simulate: the excitation is empty");
-  EXPECT_EQ(fault_of([&] { simulate_sensitivities(system, theta, force, state({0, 0}), with_solver(Solver::bdf)); }),
+  EXPECT_EQ(fault_of([&] {
+              simulate_sensitivities(system, theta, force, state({0, 0}), with_solver(Solver::bdf));
+            }),
             "simulate_sensitivities: solver: only 'fixed' carries sensitivities, got 'bdf'");
-  EXPECT_EQ(fault_of([&] { choose_substeps(system, theta, force, state({0, 0}), 0); }),
+  EXPECT_EQ(fault_of([&] {
+              choose_substeps(system, theta, force, state({0, 0}), 0);
+            }),
             "choose_substeps: tolerance: expected > 0, got 0");
   EXPECT_EQ(fault_of([&] { solver_from("bfd"); }),
             "solver: expected auto, fixed, bdf, adams or explicit, got 'bfd', did you mean 'bdf'?");
   EXPECT_EQ(solver_from("explicit"), Solver::explicit_rk);
   const System imposed(model_of("m", "k*y", {}, true));
-  EXPECT_EQ(fault_of([&] { simulate(imposed, theta, force, state({0, 0})); }),
+  EXPECT_EQ(fault_of([&] {
+              simulate(imposed, theta, force, state({0, 0}));
+            }),
             "simulate: the motion of this model is imposed: there is no free run, only its force");
 }
 
@@ -61,8 +69,7 @@ TEST(Explosion, OfASofteningSpringNamesWhereAndWhichTerm) {
   const auto theta = theta_of(system, {{"k", 100}, {"k2", 1250}});
   const Excitation push = force_of(4, 0.01, [](double t) { return -1.2 * std::sin(9 * t); });
   double stopped = 0;
-  for (const Solver solver :
-       {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+  for (const Solver solver : {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
     const lunid::Run run = simulate(system, theta, push, state({0, 0}), with_solver(solver));
     ASSERT_FALSE(run.summary.completed) << run.summary.solver;
     EXPECT_EQ(run.summary.cause, "the restoring force grows without bound beyond |y| = 0.08 m (term k2*y^2)")
@@ -149,7 +156,9 @@ TEST(Stops, WhenTheForceThrows) {
   });
   for (const Solver solver : {Solver::bdf, Solver::explicit_rk}) {
     calls = 0;
-    EXPECT_EQ(fault_of([&] { simulate(system, {}, force, state({0.1, 0}), with_solver(solver)); }),
+    EXPECT_EQ(fault_of([&] {
+                simulate(system, {}, force, state({0.1, 0}), with_solver(solver));
+              }),
               "force: no value at this time");
   }
 }

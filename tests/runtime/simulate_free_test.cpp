@@ -40,8 +40,8 @@ TEST(FreeRun, OfALinearOscillatorIsItsClosedForm) {
       worst = std::max(worst, std::abs(run.x(i, 0) - linear(2, 1.5, 800, 30, 15, 8, 0.02, -0.3, 0.002 * i)));
     // amplitude 0.1: 1e-10 per step over some thousand steps; the fixed path stops at a change of 1e-5
     EXPECT_LT(worst, solver == Solver::automatic || solver == Solver::fixed ? 1e-6 : 1e-7) << run.summary.solver;
-    const Eigen::VectorXd balance = 2 * run.a + 1.5 * run.x.col(1) + 800 * run.x.col(0) - force.refined(1)(
-        Eigen::seqN(0, run.x.rows(), 2));
+    const Eigen::VectorXd balance =
+        2 * run.a + 1.5 * run.x.col(1) + 800 * run.x.col(0) - force.refined(1)(Eigen::seqN(0, run.x.rows(), 2));
     EXPECT_LT(balance.cwiseAbs().maxCoeff(), 1e-9) << run.summary.solver;  // m a + f = F on every row
   }
 }
@@ -75,7 +75,7 @@ TEST(FreeRun, OfDuffingHasItsExactPeriod) {
     if (solver == Solver::fixed) options.substeps = 8;
     const lunid::Run run = simulate(system, theta, zero_force(10 * period, period / 100), state({A, 0}), options);
     const double tolerance = solver == Solver::automatic ? 1e-5 : 1e-7;
-    EXPECT_NEAR(run.x(1000, 0), A, tolerance) << run.summary.solver;   // after ten periods
+    EXPECT_NEAR(run.x(1000, 0), A, tolerance) << run.summary.solver;       // after ten periods
     EXPECT_NEAR(run.x(1000, 1), 0, 20 * tolerance) << run.summary.solver;  // a phase error shows here first
     const auto y = run.x.col(0).array(), v = run.x.col(1).array();
     const Eigen::ArrayXd energy = 0.5 * v.square() + 0.5 * alpha * y.square() + 0.25 * beta * y.pow(4);
@@ -118,8 +118,8 @@ TEST(FreeRun, AgainstAOneSidedStopBouncesAfterHalfAPeriod) {
 
 // Bouc-Wen by a Runge-Kutta loop written here, with steps so small that its kinks do not matter.
 TEST(FreeRun, OfBoucWenIsThatOfAFineHandWrittenLoop) {
-  const System system(model_of(
-      "1", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}));
+  const System system(
+      model_of("1", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}));
   const double c = 0.4, k = 60, beta = 9, gamma = 4, n = 2;
   const auto theta = theta_of(system, {{"c", c}, {"k", k}, {"beta", beta}, {"gamma", gamma}, {"n", n}});
   const auto force = [](double t) { return 8 * std::sin(4 * t) + 3 * std::sin(11 * t); };

@@ -52,7 +52,7 @@ TEST_P(EverySolver, ABlockAtRestBreaksAwayAtTheFrictionForce) {
   const System system(model_of("2", "Fc*sign(v)"));
   const std::vector<double> theta{5};
   const lunid::Run still = simulate(system, theta, force_of(3, 0.01, [](double t) { return 4.9 * std::sin(5 * t); }),
-                             state({0.3, 0}), options());
+                                    state({0.3, 0}), options());
   EXPECT_EQ((still.x.col(0).array() - 0.3).abs().maxCoeff(), 0);
   EXPECT_EQ(still.x.col(1).cwiseAbs().maxCoeff(), 0);
   EXPECT_NEAR(still.summary.stuck, 3, 1e-9);
@@ -109,7 +109,7 @@ TEST(Friction, SticksUnderAHeldForceAndBreaksAwayWhereItJumps) {
   std::vector<double> force(101, 0.5);
   for (int i = 50; i < 101; ++i) force[i] = 3;
   const lunid::Run run = simulate(system, std::vector<double>{1}, Excitation(0, 0.01, force, Interpolation::hold),
-                           state({0, 0}), with_substeps(2));
+                                  state({0, 0}), with_substeps(2));
   EXPECT_EQ(run.x(50, 1), 0);
   EXPECT_NEAR(run.x(100, 1), 2 * 0.5, 1e-12);  // (3 - 1) / m for half a second, exact for a quadratic motion
   EXPECT_NEAR(run.x(100, 0), 0.25, 1e-12);

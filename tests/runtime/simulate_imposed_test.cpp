@@ -78,10 +78,12 @@ double worst_slope(const System& system, const std::vector<double>& theta, const
 
 TEST(ImposedForce, HasTheDerivativesOfItsDifferences) {
   const Record record = motion(400, 0.01);
-  const System bouc_wen(model_of(
-      "m", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}, true));
-  EXPECT_LT(worst_slope(bouc_wen, theta_of(bouc_wen, {{"m", 1}, {"c", 0.5}, {"k", 40}, {"beta", 2}, {"gamma", 1},
-                                                     {"n", 2}}), record), 1e-5);
+  const System bouc_wen(
+      model_of("m", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}, true));
+  EXPECT_LT(
+      worst_slope(bouc_wen, theta_of(bouc_wen, {{"m", 1}, {"c", 0.5}, {"k", 40}, {"beta", 2}, {"gamma", 1}, {"n", 2}}),
+                  record),
+      1e-5);
   const System slip(model_of("0", "r + J*abs(r)*v", {{"r", "k*v", "-R", "R"}}, true));
   EXPECT_LT(worst_slope(slip, theta_of(slip, {{"J", 0.1}, {"k", 40}, {"R", 12}}), record), 1e-5);
   const System play(model_of("0", "k*(y - z)", {{"z", "0", "y - g", "y + g"}}, true));

@@ -42,8 +42,7 @@ TEST(Model, EquationIsReadable) {
 
 TEST(Model, FaultsNameWhatIsWrong) {
   EXPECT_EQ(fault_in(Model{}), "model: no pool of expressions");
-  EXPECT_EQ(fault_in(model_of("-1", "k*y")),
-            "model: mass: expected > 0, got -1 (a mass of 0 needs imposed motion)");
+  EXPECT_EQ(fault_in(model_of("-1", "k*y")), "model: mass: expected > 0, got -1 (a mass of 0 needs imposed motion)");
   EXPECT_EQ(fault_in(model_of("0", "k*y")), "model: mass: expected > 0, got 0 (a mass of 0 needs imposed motion)");
   EXPECT_EQ(fault_in(model_of("0", "k*y", {}, true)), "");
   EXPECT_EQ(fault_in(model_of("-2", "k*y", {}, true)), "model: mass: expected >= 0, got -2");
@@ -99,7 +98,9 @@ TEST(Model, FaultsOfStatesNameTheState) {
 
 TEST(Model, RatesMayHoldTheForceOnlyWhereTheMotionIsFree) {
   EXPECT_EQ(fault_of([] { System(model_of("1", "z", {{"z", "F - z", "", ""}})); }), "");
-  EXPECT_EQ(fault_of([] { System(model_of("1", "z", {{"z", "F - z", "", ""}}, true)); }),
+  EXPECT_EQ(fault_of([] {
+              System(model_of("1", "z", {{"z", "F - z", "", ""}}, true));
+            }),
             "model: the rate of a state holds F, which is the output where the motion is imposed");
 }
 

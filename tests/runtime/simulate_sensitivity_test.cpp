@@ -52,24 +52,29 @@ double sweep(double t) { return 3 * std::sin(2 * std::numbers::pi * (1 + 0.3 * t
 TEST(Sensitivities, OfSmoothModelsAreThoseOfTheRun) {
   const System duffing(model_of("m", "c*v + k*y + k3*y^3"));
   EXPECT_LT(worst_difference(duffing, theta_of(duffing, {{"m", 1.3}, {"c", 0.4}, {"k", 40}, {"k3", 90}}),
-                             force_of(4, 0.01, sweep), state({0.1, -0.3}), 2), 1e-5);
+                             force_of(4, 0.01, sweep), state({0.1, -0.3}), 2),
+            1e-5);
   const System relaxation(model_of("1", "k*y + s + c*v", {{"s", "e*v - s/tau", "", ""}}));
   EXPECT_LT(worst_difference(relaxation, theta_of(relaxation, {{"k", 30}, {"c", 0.1}, {"e", 50}, {"tau", 0.2}}),
-                             force_of(4, 0.01, sweep), state({0.1, 0, 0.2}), 2), 1e-5);
+                             force_of(4, 0.01, sweep), state({0.1, 0, 0.2}), 2),
+            1e-5);
 }
 
 TEST(Sensitivities, OfContinuousSwitchesAreThoseOfTheRun) {
   const System stop(model_of("1", "c*v + k*y + kc*max(y - g, 0)"));
   EXPECT_LT(worst_difference(stop, theta_of(stop, {{"c", 0.3}, {"k", 30}, {"kc", 400}, {"g", 0.05}}),
-                             force_of(4, 0.01, sweep), state({0.01, 0.3}), 4), 1e-5);
-  const System bouc_wen(model_of(
-      "1", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}));
+                             force_of(4, 0.01, sweep), state({0.01, 0.3}), 4),
+            1e-5);
+  const System bouc_wen(
+      model_of("1", "c*v + k*z", {{"z", "v - beta*abs(v)*abs(z)^(n - 1)*z - gamma*v*abs(z)^n", "", ""}}));
   // abs(z)^(n - 1) z is smooth on either side of z = 0 for n = 2; for n = 1.5 its curvature is infinite there, and both
   // the run and its differences lose a digit
   for (const auto& [n, tolerance] : {std::pair(2.0, 1e-5), std::pair(1.5, 1e-4)})
-    EXPECT_LT(worst_difference(bouc_wen,
-                               theta_of(bouc_wen, {{"c", 0.5}, {"k", 40}, {"beta", 8}, {"gamma", 3}, {"n", n}}),
-                               force_of(4, 0.01, sweep), state({0.01, 0.3, 0.02}), 4), tolerance) << n;
+    EXPECT_LT(
+        worst_difference(bouc_wen, theta_of(bouc_wen, {{"c", 0.5}, {"k", 40}, {"beta", 8}, {"gamma", 3}, {"n", n}}),
+                         force_of(4, 0.01, sweep), state({0.01, 0.3, 0.02}), 4),
+        tolerance)
+        << n;
 }
 
 TEST(Sensitivities, JumpWithDryFriction) {

@@ -35,8 +35,7 @@ TEST(BlockBootstrap, UsesEveryRowEquallyOften) {
   std::vector<double> counts(20);
   const int draws = 5000;
   for (int draw = 0; draw < draws; ++draw)
-    for (Eigen::Index i : bootstrap.indices(static_cast<std::uint64_t>(draw)))
-      ++counts[static_cast<std::size_t>(i)];
+    for (Eigen::Index i : bootstrap.indices(static_cast<std::uint64_t>(draw))) ++counts[static_cast<std::size_t>(i)];
   // Each count has mean 5000 and a standard deviation of about sqrt(5000 * 4): 140.
   for (double count : counts) EXPECT_NEAR(count, draws, 700);
 }
@@ -55,8 +54,7 @@ TEST(BlockLength, GrowsWithTheCorrelation) {
 }
 
 /// Errors of two runs of the same size: common part and two parts of their own.
-std::pair<Eigen::VectorXd, Eigen::VectorXd> two_errors(int rows, double first, double second,
-                                                       std::uint64_t draw) {
+std::pair<Eigen::VectorXd, Eigen::VectorXd> two_errors(int rows, double first, double second, std::uint64_t draw) {
   const Eigen::VectorXd common = autoregressive(rows, {0.7}, draw);
   return {common + first * autoregressive(rows, {0.7}, draw + 5000),
           common + second * autoregressive(rows, {0.7}, draw + 9000)};

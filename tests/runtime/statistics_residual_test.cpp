@@ -136,8 +136,7 @@ TEST(Memory, HoldsItsLevelUnderColouredNoise) {
   for (const std::vector<double>& coefficients : {std::vector<double>{}, {0.8}, {1.5, -0.8}}) {
     const double share = alarms(400, [&](std::uint64_t draw) {
       const Motion m = motion(1000, draw);
-      const Eigen::VectorXd r =
-          autoregressive(1000, coefficients, draw) + force(m, [](double y, double) { return y; });
+      const Eigen::VectorXd r = autoregressive(1000, coefficients, draw) + force(m, [](double y, double) { return y; });
       return memory(span_of(r), span_of(m.y), span_of(m.v), period, 40, draw).p_value;
     });
     EXPECT_GE(share, 0.02) << coefficients.size();
@@ -157,8 +156,7 @@ TEST(Memory, CannotBeSeenInASteadyCycle) {
 
 TEST(ResidualTests, GiveOneLook) {
   const Motion m = motion(4000, 5);
-  const Eigen::VectorXd r =
-      force(m, [](double y, double) { return 0.3 * y * y; }) + autoregressive(4000, {0.5}, 2);
+  const Eigen::VectorXd r = force(m, [](double y, double) { return 0.3 * y * y; }) + autoregressive(4000, {0.5}, 2);
   const ResidualTests tests = residual_tests(span_of(r), span_of(m.y), span_of(m.v), period, 80, 1);
   EXPECT_LT(tests.in_y.even_p_value, 0.01);
   EXPECT_LT(tests.with_abs_y.p_value, 0.01);

@@ -43,8 +43,8 @@ TEST(LjungBox, FollowsItsFormulaAndHoldsItsLevel) {
   EXPECT_NEAR(result.p_value, std::exp(-result.statistic / 2), 1e-12);
   EXPECT_THROW(ljung_box(std::vector<double>{1, 2, 3, 4}, 2, 2), InputError);
   EXPECT_THROW(ljung_box(std::vector<double>{1, 2, 3, 4}, 4), InputError);
-  const double share = alarms(
-      400, [](std::uint64_t draw) { return ljung_box(span_of(autoregressive(300, {}, draw)), 10).p_value; });
+  const double share =
+      alarms(400, [](std::uint64_t draw) { return ljung_box(span_of(autoregressive(300, {}, draw)), 10).p_value; });
   // 400 draws of a 5 % test: 2 to 9 % is within three deviations (1.1 % each) and a little of its own error.
   EXPECT_GE(share, 0.02);
   EXPECT_LE(share, 0.09);
@@ -58,8 +58,8 @@ TEST(RunsTest, CountsRuns) {
   EXPECT_NEAR(runs_test(x).statistic, 9 / std::sqrt(90.0 / 19), 1e-12);
   EXPECT_LT(runs_test(x).p_value, 1e-4);
   EXPECT_EQ(runs_test(std::vector<double>(10, 1.0)).p_value, 1);
-  const double share = alarms(
-      400, [](std::uint64_t draw) { return runs_test(span_of(autoregressive(300, {}, draw))).p_value; });
+  const double share =
+      alarms(400, [](std::uint64_t draw) { return runs_test(span_of(autoregressive(300, {}, draw))).p_value; });
   EXPECT_GE(share, 0.02);
   EXPECT_LE(share, 0.09);
 }

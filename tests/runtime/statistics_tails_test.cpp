@@ -45,8 +45,7 @@ TEST(Tails, ChiSquare) {
   EXPECT_EQ(chi_square_tail(0, 3), 1);
   // A large number of degrees of freedom: Wilson and Hilferty's normal approximation is right to 1e-4 there.
   const double k = 1e6, z = 2;
-  EXPECT_NEAR(chi_square_tail(k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3), k),
-              normal_tail(z), 1e-6);
+  EXPECT_NEAR(chi_square_tail(k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3), k), normal_tail(z), 1e-6);
 }
 
 TEST(Tails, F) {
@@ -87,8 +86,7 @@ TEST(Tails, Beta) {
 
 TEST(Philox, GivesTheKnownAnswers) {
   // Random123, tests/kat_vectors, philox4x32 with 10 rounds.
-  EXPECT_EQ(Philox::block({0, 0, 0, 0}, {0, 0}),
-            (Philox::Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(Philox::block({0, 0, 0, 0}, {0, 0}), (Philox::Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   EXPECT_EQ(Philox::block({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
             (Philox::Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
   EXPECT_EQ(Philox::block({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),

@@ -76,7 +76,8 @@ TEST(SurfacePolynomial, chebyshev_coefficients_are_the_known_ones) {
 }
 
 TEST(SurfacePolynomial, monomials_and_expression_are_the_same_surface) {
-  const SurfacePoints points = scattered(3000, [](double y, double v) { return 50 * std::tanh(900 * y) + 3 * v * std::abs(v); });
+  const SurfacePoints points =
+      scattered(3000, [](double y, double v) { return 50 * std::tanh(900 * y) + 3 * v * std::abs(v); });
   const PolynomialSurface s = fit_polynomial(points, {.order_y = 5, .order_v = 3});
   const MatrixXd m = s.monomials();
   Pool pool;
@@ -104,7 +105,8 @@ TEST(SurfacePolynomial, noise_averages_out) {
   const PolynomialSurface s = fit_polynomial(points);
   EXPECT_NEAR(s.rmse / noise, 1, 0.03);  // deviation of the estimate: 1 / sqrt(2 * 20000) = 0.5 %
   double sum = 0;
-  for (Index i = 0; i < count; ++i) sum += std::pow(s.value(points.y[i], points.v[i]) - duffing(points.y[i], points.v[i]), 2);
+  for (Index i = 0; i < count; ++i)
+    sum += std::pow(s.value(points.y[i], points.v[i]) - duffing(points.y[i], points.v[i]), 2);
   // 25 coefficients carry 25 / 20000 of the noise's variance: chi square of 25, at most 60 in 1e-4 of all cases.
   EXPECT_LT(sum / count, noise * noise * 60 / count);
 }
@@ -151,8 +153,9 @@ TEST(SurfacePoints, are_force_less_inertia) {
   const Index n = 50;
   const VectorXd t = VectorXd::LinSpaced(n, 0, 1), y = t.array().sin(), v = t.array().cos(), a = -y;
   const VectorXd force = 3 * a + 40 * y + 2 * v;
-  const Record record("r.csv", 0, 1.0 / 49,
-                      {{"F", "N", "", "", force}, {"y", "m", "", "", y}, {"v", "m/s", "", "", v}, {"a", "m/s^2", "", "", a}});
+  const Record record(
+      "r.csv", 0, 1.0 / 49,
+      {{"F", "N", "", "", force}, {"y", "m", "", "", y}, {"v", "m/s", "", "", v}, {"a", "m/s^2", "", "", a}});
   Pool pool;
   const std::vector<Record> twice = {record, record.slice(10, 20)};
   const SurfacePoints p = restoring_points(twice, pool.constant(3));

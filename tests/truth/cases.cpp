@@ -117,9 +117,7 @@ std::vector<Case> nulls() {
   return {
       {"null_linear", Kind::null, linear, {}, {}, Physics{}},
       {"null_duffing", Kind::null, "k*y + c*v + k3*y^3", {}, {}, with([](Physics& p) { p.k3 = 0.06; })},
-      {"null_friction", Kind::null, "k*y + c*v + Fc*sign(v)", {}, {}, with([](Physics& p) {
-         p.coulomb = 0.2;
-       })},
+      {"null_friction", Kind::null, "k*y + c*v + Fc*sign(v)", {}, {}, with([](Physics& p) { p.coulomb = 0.2; })},
   };
 }
 
@@ -146,12 +144,7 @@ std::vector<Case> outside_the_catalogue() {
        {},
        {},
        other(0.03, [](double x, double) { return 0.1 * (std::exp(1.2 * x) - 1 - 1.2 * x); })},
-      {"outside_v2y",
-       Kind::outside,
-       linear,
-       {},
-       {},
-       other(0.03, [](double x, double v) { return 0.12 * v * v * x; })},
+      {"outside_v2y", Kind::outside, linear, {}, {}, other(0.03, [](double x, double v) { return 0.12 * v * v * x; })},
   };
 }
 

@@ -30,9 +30,9 @@ void write_case(const std::string& name, const std::string& scale_name, double n
   std::filesystem::create_directories(out);
   truth::write_csv(records.train, out + "/train.csv");
   truth::write_csv(records.test, out + "/test.csv");
-  std::printf("%s: mass %g kg, baseline %s, hidden share %.2f (train) %.2f (test), stuck %.2f\n",
-              name.c_str(), scale.mass, which.baseline.c_str(), records.train.hidden_share,
-              records.test.hidden_share, records.train.stuck_share);
+  std::printf("%s: mass %g kg, baseline %s, hidden share %.2f (train) %.2f (test), stuck %.2f\n", name.c_str(),
+              scale.mass, which.baseline.c_str(), records.train.hidden_share, records.test.hidden_share,
+              records.train.stuck_share);
   for (const truth::TrueParameter& p : which.parameters) {
     std::printf("  %s %s = %.6g\n", p.effect.c_str(), p.name.c_str(), p.in(scale));
   }
@@ -55,9 +55,8 @@ void write_demo(const std::string& out) {
   units.comment = "spring rig, mass 49 kg, sweep 6 to 40 Hz, 800 Hz";
   truth::write_csv(records.test, out + "/spring_sweep.csv", units);
   const double omega = scale.omega();
-  std::printf("k = %.6g N/m, c = %.6g N s/m, k3 = %.6g N/m^3, hidden share %.2f\n",
-              scale.mass * omega * omega, 2 * which.physics.zeta * scale.mass * omega,
-              which.parameters[0].in(scale), records.train.hidden_share);
+  std::printf("k = %.6g N/m, c = %.6g N s/m, k3 = %.6g N/m^3, hidden share %.2f\n", scale.mass * omega * omega,
+              2 * which.physics.zeta * scale.mass * omega, which.parameters[0].in(scale), records.train.hidden_share);
 }
 
 }  // namespace

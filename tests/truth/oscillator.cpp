@@ -77,8 +77,7 @@ class Integrator {
  private:
   /// The hidden effects without Coulomb friction.
   double frictionless(const State& s) const {
-    double f =
-        p_.constant + (p_.k2 + p_.k3 * s.x) * s.x * s.x + (p_.viscous + p_.drag * mode_.sliding * s.v) * s.v;
+    double f = p_.constant + (p_.k2 + p_.k3 * s.x) * s.x * s.x + (p_.viscous + p_.drag * mode_.sliding * s.v) * s.v;
     if (mode_.stop) f += p_.stop_k * (s.x - p_.stop_gap);
     if (mode_.clearance) f += p_.clearance_k * (s.x - mode_.clearance * p_.clearance_gap);
     if (p_.bouc_k != 0) f += p_.bouc_k * s.z;
@@ -86,9 +85,7 @@ class Integrator {
     return f;
   }
   /// What would accelerate the mass if there were no Coulomb friction.
-  double drive(double tau, const State& s) const {
-    return level_ * signal_(tau) - linear(s) - frictionless(s);
-  }
+  double drive(double tau, const State& s) const { return level_ * signal_(tau) - linear(s) - frictionless(s); }
 
   State rate(double tau, const State& s) const {
     if (mode_.sliding == 0) return {0, 0, 0};
@@ -98,14 +95,11 @@ class Integrator {
   }
 
   State step(double tau, const State& s, double h) const {
-    const auto at = [&s](const State& k, double by) {
-      return State{s.x + by * k.x, s.v + by * k.v, s.z + by * k.z};
-    };
-    const State k1 = rate(tau, s), k2 = rate(tau + h / 2, at(k1, h / 2)),
-                k3 = rate(tau + h / 2, at(k2, h / 2)), k4 = rate(tau + h, at(k3, h));
+    const auto at = [&s](const State& k, double by) { return State{s.x + by * k.x, s.v + by * k.v, s.z + by * k.z}; };
+    const State k1 = rate(tau, s), k2 = rate(tau + h / 2, at(k1, h / 2)), k3 = rate(tau + h / 2, at(k2, h / 2)),
+                k4 = rate(tau + h, at(k3, h));
     const auto sum = [h](double a, double b, double c, double d) { return h / 6 * (a + 2 * b + 2 * c + d); };
-    return {s.x + sum(k1.x, k2.x, k3.x, k4.x), s.v + sum(k1.v, k2.v, k3.v, k4.v),
-            s.z + sum(k1.z, k2.z, k3.z, k4.z)};
+    return {s.x + sum(k1.x, k2.x, k3.x, k4.x), s.v + sum(k1.v, k2.v, k3.v, k4.v), s.z + sum(k1.z, k2.z, k3.z, k4.z)};
   }
 
   /// Positive within the mode; a guard that falls below zero ends it. Absent terms have a guard that stays
@@ -142,17 +136,10 @@ class Integrator {
           leave_rest(tau, s);
         }
         break;
-      case 1:
-        mode_.stop = !mode_.stop;
-        break;
-      case 2:
-        mode_.clearance = mode_.clearance > 0 ? 0 : 1;
-        break;
-      case 3:
-        mode_.clearance = mode_.clearance < 0 ? 0 : -1;
-        break;
-      default:
-        mode_.z_sign = -mode_.z_sign;
+      case 1: mode_.stop = !mode_.stop; break;
+      case 2: mode_.clearance = mode_.clearance > 0 ? 0 : 1; break;
+      case 3: mode_.clearance = mode_.clearance < 0 ? 0 : -1; break;
+      default: mode_.z_sign = -mode_.z_sign;
     }
   }
 
@@ -174,8 +161,8 @@ class Integrator {
 
 }  // namespace
 
-Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows,
-                 double spacing, int substeps) {
+Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
+                 int substeps) {
   Integrator run(physics, signal, level);
   run.enter(0, start);
   Motion motion;

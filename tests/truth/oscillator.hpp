@@ -39,7 +39,7 @@ struct Motion {
 
 /// Integrates `level * signal` from `start` at tau = 0: `rows` samples, `spacing` apart, `substeps` RK4 steps
 /// in each.
-Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows,
-                 double spacing, int substeps);
+Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
+                 int substeps);
 
 }  // namespace truth

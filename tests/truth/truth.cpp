@@ -118,8 +118,8 @@ void write_csv(const Columns& columns, const std::string& path, const CsvUnits& 
   if (!units.comment.empty()) std::fprintf(file, "# %s\n", units.comment.c_str());
   std::fprintf(file, "t [s],F [%s],y [%s]\n", units.force.c_str(), units.length.c_str());
   for (std::size_t i = 0; i < columns.t.size(); ++i) {
-    std::fprintf(file, "%.10g,%.*g,%.*g\n", columns.t[i], units.digits, columns.F[i] * units.force_factor,
-                 units.digits, columns.y[i] * units.length_factor);
+    std::fprintf(file, "%.10g,%.*g,%.*g\n", columns.t[i], units.digits, columns.F[i] * units.force_factor, units.digits,
+                 columns.y[i] * units.length_factor);
   }
   if (std::fclose(file) != 0) throw std::runtime_error("cannot write " + path);
 }

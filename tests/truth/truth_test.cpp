@@ -22,8 +22,7 @@ TEST(Oscillator, linear_free_decay_follows_the_closed_form) {
   const double damped = std::sqrt(1 - 0.05 * 0.05);
   for (int i = 0; i < 2000; ++i) {
     const double tau = 0.05 * i;
-    const double exact =
-        std::exp(-0.05 * tau) * (std::cos(damped * tau) + 0.05 / damped * std::sin(damped * tau));
+    const double exact = std::exp(-0.05 * tau) * (std::cos(damped * tau) + 0.05 / damped * std::sin(damped * tau));
     ASSERT_NEAR(motion.x[i], exact, 1e-9) << "tau " << tau;  // RK4 at h = 0.006: h^4 tau / 120 is 1e-9
   }
 }
@@ -65,8 +64,7 @@ TEST(Oscillator, stops_keep_the_energy) {
     return 0.5 * (v * v + x * x + 2 * stop * stop + 3 * gap * gap);
   };
   for (int i = 0; i < 2000; ++i) {
-    ASSERT_NEAR(energy(motion.x[i], motion.v[i]), energy(1, 0), 1e-7)
-        << "row " << i;  // RK4 drift at h = 0.0025
+    ASSERT_NEAR(energy(motion.x[i], motion.v[i]), energy(1, 0), 1e-7) << "row " << i;  // RK4 drift at h = 0.0025
   }
 }
 
@@ -86,8 +84,7 @@ TEST(Cases, halving_the_step_changes_nothing_that_noise_could_hide) {
     if (each.kind == Kind::null) continue;
     const Motion coarse = integrate(each.physics, signal, 0.05, {}, 800, 2 * M_PI / 40, 24);
     const Motion fine = integrate(each.physics, signal, 0.05, {}, 800, 2 * M_PI / 40, 48);
-    EXPECT_LT(largest_difference(coarse.x, fine.x), 1e-6)
-        << each.name;  // 40 dB of noise is 1e-2 of the motion
+    EXPECT_LT(largest_difference(coarse.x, fine.x), 1e-6) << each.name;  // 40 dB of noise is 1e-2 of the motion
   }
 }
 

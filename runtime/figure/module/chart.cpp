@@ -54,13 +54,12 @@ constexpr double vector_units = 4.0;
 std::string with_size(std::string svg, Point extent, int width, int height) {
   const std::size_t from = svg.find("width=\"");
   const std::size_t key = svg.find("height=\"", from);
-  if (from == std::string::npos || key == std::string::npos)
-    throw std::runtime_error("the SVG export has no size");
+  if (from == std::string::npos || key == std::string::npos) throw std::runtime_error("the SVG export has no size");
   const std::size_t to = svg.find('"', key + std::strlen("height=\"")) + 1;
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << "width=\"" << extent.x << "pt\" height=\"" << extent.y << "pt\" viewBox=\"0 0 " << width << " "
-       << height << "\"";
+  text << "width=\"" << extent.x << "pt\" height=\"" << extent.y << "pt\" viewBox=\"0 0 " << width << " " << height
+       << "\"";
   return svg.replace(from, to - from, text.str());
 }
 
@@ -99,8 +98,7 @@ std::string export_pdf(vtkRenderWindow& window, const Figure& figure) {
   exporter->Write();
   std::string pdf = file.content();
   // An empty page of this exporter is under 1 kB.
-  if (!pdf.starts_with("%PDF") || pdf.size() < 2000)
-    throw std::runtime_error("the PDF export came out empty");
+  if (!pdf.starts_with("%PDF") || pdf.size() < 2000) throw std::runtime_error("the PDF export came out empty");
   return pdf;
 }
 
@@ -138,16 +136,14 @@ std::string window_as_png(vtkRenderWindow& window) {
   image->Update();
   const auto* data = static_cast<const unsigned char*>(image->GetOutput()->GetScalarPointer());
   const vtkIdType count = data ? 3 * image->GetOutput()->GetNumberOfPoints() : 0;
-  if (count == 0 || std::equal(data + 3, data + count, data))
-    throw std::runtime_error("the picture came out empty");
+  if (count == 0 || std::equal(data + 3, data + count, data)) throw std::runtime_error("the picture came out empty");
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputConnection(image->GetOutputPort());
   writer->WriteToMemoryOn();
   writer->Write();
   vtkUnsignedCharArray* bytes = writer->GetResult();
   if (!bytes || bytes->GetNumberOfValues() == 0) throw std::runtime_error("the PNG writer gave nothing");
-  return {reinterpret_cast<const char*>(bytes->GetPointer(0)),
-          static_cast<std::size_t>(bytes->GetNumberOfValues())};
+  return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
 std::string draw_chart(Display& display, const Figure& figure, Format format) {

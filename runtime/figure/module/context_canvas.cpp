@@ -44,8 +44,8 @@ void ContextCanvas::discs(std::span<const Point> centres, double radius, Colour 
   context_.GetBrush()->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
   const auto r = static_cast<float>(radius * scale_);
   for (const Point& c : centres)
-    context_.GetDevice()->DrawEllipseWedge(static_cast<float>(c.x * scale_), static_cast<float>(c.y * scale_),
-                                           r, r, 0, 0, 0, 360);
+    context_.GetDevice()->DrawEllipseWedge(static_cast<float>(c.x * scale_), static_cast<float>(c.y * scale_), r, r, 0,
+                                           0, 0, 360);
 }
 
 void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle& style) {

@@ -63,7 +63,6 @@ class VtkRenderer : public Renderer {
 }  // namespace
 }  // namespace lunid::figure
 
-extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(
-    int version) {
+extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(int version) {
   return version == lunid::figure::module_version ? new lunid::figure::VtkRenderer : nullptr;
 }

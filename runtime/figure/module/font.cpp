@@ -16,12 +16,11 @@ struct Face {
 
 /// Where Debian's fonts-dejavu-core (which fontconfig requires) and fonts-liberation put their files, and
 /// Fedora its own.
-constexpr Face faces[] = {{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                           "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf"},
-                          {"/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-                           "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf"},
-                          {"/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
-                           "/usr/share/fonts/truetype/liberation/LiberationSans-Bold.ttf"}};
+constexpr Face faces[] = {
+    {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf"},
+    {"/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf"},
+    {"/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+     "/usr/share/fonts/truetype/liberation/LiberationSans-Bold.ttf"}};
 
 }  // namespace
 
@@ -44,8 +43,7 @@ double FontMeter::width(const std::string& text, double size, bool bold) {
   set_font(*property_, bold);
   property_->SetFontSize(measured_size);
   int box[4];
-  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property_, vtkStdString(printable(text)), box, 72))
-    return 0.0;
+  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property_, vtkStdString(printable(text)), box, 72)) return 0.0;
   return static_cast<double>(box[1] - box[0]) * size / measured_size;
 }
 

@@ -165,8 +165,8 @@ PrivateDisplay::PrivateDisplay() {
   make_pipe(watched, lifeline);
   make_pipe(number_read, number_write);
   const Descriptor log(::memfd_create("xvfb", MFD_CLOEXEC));
-  const Plan plan{program.c_str(), const_cast<char* const*>(arguments), watched.number(),
-                  number_write.number(), log.number()};
+  const Plan plan{program.c_str(), const_cast<char* const*>(arguments), watched.number(), number_write.number(),
+                  log.number()};
   watcher_ = ::fork();
   if (watcher_ == 0) watch(plan);
   if (watcher_ < 0) throw std::runtime_error(std::string("cannot start Xvfb: ") + strerror(errno));

@@ -16,8 +16,7 @@ std::string draw_surface(Display& display, const SurfaceFigure& figure) {
   const Look look(figure.theme);
   FontMeter meter;
   const SurfaceView view = plan_surface(meter, look, figure);
-  const auto window =
-      display.window(pixels(view.extent.x, figure.size.dpi), pixels(view.extent.y, figure.size.dpi));
+  const auto window = display.window(pixels(view.extent.x, figure.size.dpi), pixels(view.extent.y, figure.size.dpi));
   window->SetNumberOfLayers(2);
   vtkNew<vtkRenderer> paper, scene;
   paper->SetLayer(0);
@@ -25,8 +24,8 @@ std::string draw_surface(Display& display, const SurfaceFigure& figure) {
   set_background(*paper, look);
   window->AddRenderer(paper);
   window->AddRenderer(scene);
-  const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_surface_axes(canvas, meter, look, figure, view); },
-                               figure.size.dpi / 72.0);
+  const Drawn drawn =
+      drawn_by([&](Canvas& canvas) { draw_surface_axes(canvas, meter, look, figure, view); }, figure.size.dpi / 72.0);
   paper->AddActor(drawn.actor);
   add_surface(*scene, figure, view);
   window->Render();

@@ -45,8 +45,8 @@ class SceneBuilder {
   vtkIdType id(Eigen::Index row, Eigen::Index column) const { return row * columns_ + column; }
 
   bool shown(Eigen::Index row, Eigen::Index column) const {
-    return view_.holds(figure_.grid_x[static_cast<std::size_t>(column)],
-                       figure_.grid_y[static_cast<std::size_t>(row)], figure_.surface(row, column));
+    return view_.holds(figure_.grid_x[static_cast<std::size_t>(column)], figure_.grid_y[static_cast<std::size_t>(row)],
+                       figure_.surface(row, column));
   }
 
   /// One point for each grid point, also where there is no data: no cell uses those.
