@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/judge.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -107,7 +108,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
     out.own.block(row, state, n, mine) = own[r].rightCols(mine);
     out.extra.middleRows(row, n) = added[r];
     for (Eigen::Index i = 0; i < n; ++i)
-      out.part.push_back(static_cast<int>((i * study.options->blocks * 3 / n) % study.options->blocks));
+      out.part.push_back(part_of(i, n, study.options->blocks));
     row += n;
     state += mine;
   }

@@ -170,7 +170,7 @@ class Spine {
     if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
     const Interpolation before = study_.interpolation;
     Interpolation best = before;
-    const double first = raw_cost(chosen.fit);
+    const double first = squared_error(chosen.fit);
     double cost = first;
     const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
     for (const auto kind :
@@ -188,12 +188,6 @@ class Spine {
     }
     set_interpolation(study_, best);
     return 1 - cost / first;
-  }
-
-  static double raw_cost(const FitResult& fit) {
-    double sum = 0;
-    for (const auto& r : fit.residual) sum += r.squaredNorm();
-    return sum;
   }
 
   // ---- verdict ----
@@ -366,9 +360,8 @@ class Spine {
     out_.where = describe_residual(study_, found.baseline, found.chosen);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
-      out_.rivals.push_back({c.name(), std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)), c.log_likelihood,
+      out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              improvement_p_value(found.baseline, c), found.remarks[i]});
-      out_.rivals.back().gap = raw_gap(c);
     }
     if (!found.left_aside.empty()) {
       std::string list;
@@ -390,15 +383,6 @@ class Spine {
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
     out_.sentence = sentence(found);
-  }
-
-  double raw_gap(const Candidate& c) const {
-    double squares = 0, rows = 0;
-    for (const auto& r : c.fit.residual) {
-      squares += r.squaredNorm();
-      rows += static_cast<double>(r.size());
-    }
-    return std::sqrt(squares / rows) / study_.measured_std();
   }
 
   void check_bounds(const Candidate& c) {

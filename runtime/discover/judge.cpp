@@ -24,16 +24,15 @@ Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts) {
 
 std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-/// Leaves a part out: three pieces all over the record, so that a drift does not fall into one part. The lead-in stays,
-/// since the first state is estimated there.
+/// Leaves a part out. The lead-in stays, since the first state is estimated there.
 std::vector<FitData> without_part(const Study& study, int part, int parts) {
   std::vector<FitData> out = study.train;
   for (auto& data : out) {
     const Eigen::Index lead = lead_in(data.record, study.omega);
-    const Eigen::Index rows = data.record.rows(), pieces = static_cast<Eigen::Index>(parts) * 3;
+    const Eigen::Index rows = data.record.rows();
     data.use.assign(static_cast<std::size_t>(rows), 1);
     for (Eigen::Index i = lead; i < rows; ++i)
-      if ((i * pieces / rows) % parts == part) data.use[static_cast<std::size_t>(i)] = 0;
+      if (part_of(i, rows, parts) == part) data.use[static_cast<std::size_t>(i)] = 0;
   }
   return out;
 }
@@ -42,17 +41,24 @@ std::vector<FitData> without_part(const Study& study, int part, int parts) {
 /// model that lacks something has no noise to whiten: it is shown at its least error.
 constexpr double tolerable_loss = 1.05;
 
-/// Of the plain residual [m] ([N] with imposed motion).
-double rms(const FitResult& fit) {
-  double squares = 0, rows = 0;
-  for (const auto& r : fit.residual) {
-    squares += r.squaredNorm();
-    rows += static_cast<double>(r.size());
-  }
-  return std::sqrt(squares / rows);
+}  // namespace
+
+int part_of(Eigen::Index row, Eigen::Index rows, int parts) {
+  constexpr Eigen::Index pieces = 3;
+  return static_cast<int>((row * parts * pieces / rows) % parts);
 }
 
-}  // namespace
+double squared_error(const FitResult& fit) {
+  double sum = 0;
+  for (const auto& r : fit.residual) sum += r.squaredNorm();
+  return sum;
+}
+
+double rms_error(const FitResult& fit) {
+  double rows = 0;
+  for (const auto& r : fit.residual) rows += static_cast<double>(r.size());
+  return std::sqrt(squared_error(fit) / rows);
+}
 
 Whitening residual_colour(const Study& study, const Candidate& candidate) {
   Whitening whitening;
@@ -95,7 +101,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening)
   const auto n = static_cast<double>(candidate.innovations.size());
   candidate.log_likelihood = -0.5 * n * (std::log(2 * M_PI * candidate.likelihood_cost / n) + 1);
   candidate.whitened = std::move(whitened);
-  if (rms(candidate.whitened) <= tolerable_loss * rms(candidate.fit)) {
+  if (rms_error(candidate.whitened) <= tolerable_loss * rms_error(candidate.fit)) {
     candidate.fit = candidate.whitened;
     return;
   }

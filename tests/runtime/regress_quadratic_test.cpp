@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "message.hpp"
 #include "regress/fit.hpp"
 #include "regress/quadratic.hpp"
 
@@ -63,16 +64,6 @@ Statistic data_of(const MatrixXd& x, const VectorXd& z) {
   Statistic data(names);
   data.add(x, z);
   return data;
-}
-
-template <class F>
-std::string message(F f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "message.hpp"
 #include "regress/regress.hpp"
 
 using namespace lunid;
@@ -52,16 +53,6 @@ struct Symbols {
     return out;
   }
 };
-
-template <class F>
-std::string message(F f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
-}
 
 Regression run(const Record& record, const RegressOptions& options) { return regress(std::span(&record, 1), options); }
 

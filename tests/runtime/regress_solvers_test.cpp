@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "message.hpp"
 #include "regress/fit.hpp"
 #include "regress/quadratic.hpp"
 
@@ -90,16 +91,6 @@ double lasso_violation(const Sample& s, const VectorXd& b, double lambda, bool c
       worst = std::max(worst, std::abs(slope / lambda - (b[j] > 0 ? 1 : -1)));
   }
   return worst;
-}
-
-template <class F>
-std::string message(F f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "message.hpp"
 #include "surface/surface.hpp"
 
 using namespace lunid;
@@ -40,16 +41,6 @@ SurfacePoints spiral(Index count, F f) {
 }
 
 double bilinear(double y, double v) { return 3 + 2e4 * y - 10 * v + 5e3 * y * v; }
-
-template <class F>
-std::string message(F f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "expr/tape.hpp"
+#include "message.hpp"
 #include "surface/surface.hpp"
 
 using namespace lunid;
@@ -30,16 +31,6 @@ SurfacePoints scattered(Index count, F f, double noise = 0, unsigned seed = 1) {
 }
 
 double duffing(double y, double v) { return 2e4 * y + 10 * v + 1e9 * y * y * y - 4e3 * y * v * v; }
-
-template <class F>
-std::string message(F f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
-}
 
 }  // namespace
 
