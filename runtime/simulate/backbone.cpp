@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulate/balance.hpp"
 #include "simulate/continuation.hpp"
+#include "simulate/harmonic_choice.hpp"
 #include "simulate/response_checks.hpp"
 
 namespace lunid {
@@ -19,8 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
 
-constexpr int first_harmonics = 5, max_harmonics = 63;
-constexpr Index least_samples = 128, most_samples = 4096;
+constexpr int max_harmonics = 63;
 
 /// A mode of the linearised system: x = Re(shape exp(root t)).
 struct Mode {
@@ -89,10 +88,8 @@ Mode mode_of(const Dynamics& d, std::span<const double> theta, const VectorXd& s
 class BackboneCurve : public Curve {
  public:
   BackboneCurve(const Dynamics& d, std::span<const double> theta, const BackboneOptions& options, const Mode& mode)
-      : options_(options), balance_(d, theta, {}) {
-    const int count = options.harmonics > 0 ? options.harmonics : first_harmonics;
-    balance_.set_harmonics(count, least_samples);
-    while (balance_.samples() < 8 * (count + 1)) balance_.set_harmonics(count, 2 * balance_.samples());
+      : options_(options), balance_(d, theta, {}), choice_(d, options.harmonics, max_harmonics, options.accuracy) {
+    choice_.begin(balance_);
     const auto& unknowns = balance_.unknowns();
     place_ = std::find(unknowns.begin(), unknowns.end(), mode.state) - unknowns.begin();
     largest_ = VectorXd::Zero(static_cast<Index>(unknowns.size()));
@@ -147,33 +144,24 @@ class BackboneCurve : public Curve {
   }
 
   bool adapt(const VectorXd& x, double, const std::vector<VectorXd*>& vectors) override {
-    const HarmonicBalance::Tail tail = balance_.tail(coefficients(x), omega(x));
-    const int now = balance_.harmonics();
-    if (tail.aliased > 0.1 * options_.accuracy && balance_.samples() < most_samples) {
-      balance_.set_harmonics(now, 2 * balance_.samples());
-      return true;
-    }
-    truncated_ = tail.left_out > options_.accuracy;
-    if (!truncated_ || options_.harmonics > 0 || now >= max_harmonics) return false;
-    const int more = std::min(max_harmonics, now + std::max(2, now / 2));
+    if (!choice_.adapt(balance_, coefficients(x), omega(x))) return false;
     for (VectorXd* vector : vectors) {
-      const VectorXd ends = vector->tail(2), q = balance_.resized(coefficients(*vector), more);
+      const VectorXd ends = vector->tail(2), q = balance_.resized(coefficients(*vector), balance_.harmonics());
       vector->resize(q.size() + 2);
       *vector << q, ends;
     }
-    balance_.set_harmonics(more, std::max<Index>(balance_.samples(), 8 * (more + 1)));
     return true;
   }
 
-  bool truncated() const { return truncated_; }
+  bool truncated() const { return choice_.truncated(); }
 
  private:
   const BackboneOptions& options_;
   HarmonicBalance balance_;
+  HarmonicChoice choice_;
   HarmonicBalance::Slopes slopes_;
   Index place_ = 0;
   VectorXd largest_;
-  bool truncated_ = false;
 };
 
 BackbonePoint point_at(const BackboneCurve& curve, const VectorXd& x) {

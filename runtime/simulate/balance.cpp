@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <unsupported/Eigen/FFT>
 
 namespace lunid {
 namespace {
@@ -168,8 +169,14 @@ HarmonicBalance::Tail HarmonicBalance::tail(const VectorXd& q, double omega) {
   const MatrixXd x = series(q, omega);
   if (!x.allFinite() || !sample(x, omega)) return {INFINITY, INFINITY};
   const Index samples = table_.samples(), highest = samples / 2 - 1;
-  const FourierTable all(static_cast<int>(highest), samples);
-  const MatrixXd f = all.series(columns_.rate());
+  Eigen::FFT<double> transform;
+  Eigen::MatrixXcd f(samples, d_.n);
+  for (int i = 0; i < d_.n; ++i) {
+    const VectorXd rate = columns_.rate().col(i);
+    Eigen::VectorXcd spectrum;
+    transform.fwd(spectrum, rate);
+    f.col(i) = spectrum * (2.0 / static_cast<double>(samples));
+  }
   MatrixXd mean(d_.n, d_.n);
   for (int i = 0; i < d_.n; ++i)
     for (int j = 0; j < d_.n; ++j) mean(i, j) = columns_.slope(i, j).mean();
@@ -178,14 +185,16 @@ HarmonicBalance::Tail HarmonicBalance::tail(const VectorXd& q, double omega) {
   for (const auto& [y, v] : pairs_) largest = std::max(largest, scale[y]);
   for (const auto& [y, v] : pairs_) scale[y] = largest;
   for (Index k = harmonics_ + 1; k <= highest; ++k) {
-    const Eigen::VectorXcd force = f.row(2 * k - 1).transpose().cast<std::complex<double>>() -
-                                   std::complex<double>(0, 1) * f.row(2 * k).transpose();
     Eigen::MatrixXcd a = -mean.cast<std::complex<double>>();
     a.diagonal().array() += std::complex<double>(0, static_cast<double>(k) * omega);
-    const Eigen::VectorXcd answer = a.partialPivLu().solve(force);
-    double& worst = 2 * k <= highest ? tail.left_out : tail.aliased;
+    const Eigen::VectorXcd answer = a.partialPivLu().solve(f.row(k).transpose());
+    double worst = 0;
     for (const int state : unknown_)
       if (scale[state] > 0) worst = std::max(worst, std::abs(answer[state]) / scale[state]);
+    if (2 * k <= highest)
+      tail.left_out += worst;  // they may all peak at one moment
+    else
+      tail.aliased = std::max(tail.aliased, worst);
   }
   return tail;
 }

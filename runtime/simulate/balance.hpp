@@ -34,8 +34,8 @@ class HarmonicBalance {
   /// v' (a negative damping in proportion to the mass). False where f is not finite.
   bool residual(const Eigen::VectorXd& q, double omega, double driving, Eigen::VectorXd& r, Slopes* slopes);
 
-  /// Estimated largest coefficient among the harmonics left out, over the largest of its state: those of the residual
-  /// force through the mean linear system; up to half of the sampled band, and above it.
+  /// Estimated size of the harmonics left out, over that of the series: those of the residual force through the mean
+  /// linear system; their sum up to half of the sampled band, and the largest above it.
   struct Tail {
     double left_out = 0, aliased = 0;
   };

@@ -196,7 +196,8 @@ Motion motion_of_samples(const VectorXd& x, const VectorXd& rate, double dt, int
   const Index rows = x.size() - 1;
   m.min = x.minCoeff();
   m.max = x.maxCoeff();
-  for (Index i = 0; i < rows; ++i) widen_by_cubic(x[i], x[i + 1], rate[i] * dt, rate[i + 1] * dt, m.min, m.max);
+  for (Index i = 0; i < rows && rate.size() > 0; ++i)
+    widen_by_cubic(x[i], x[i + 1], rate[i] * dt, rate[i + 1] * dt, m.min, m.max);
   std::vector<double> c(rows), s(rows);
   for (Index i = 0; i < rows; ++i) {
     c[i] = std::cos(2 * pi * static_cast<double>(i) / static_cast<double>(rows));

@@ -84,8 +84,9 @@ struct Motion {
 Motion motion_of_series(const Eigen::VectorXd& series);
 /// Widens [low, high] by the extremes of the cubic through two samples with their slopes (per interval).
 void widen_by_cubic(double x0, double x1, double d0, double d1, double& low, double& high);
-/// From rows + 1 even samples of one period (the last is the first again) and their time derivatives: extremes on the
-/// cubic between samples, the first `harmonics` harmonics. `periods`: periods of the excitation in it.
+/// From rows + 1 even samples of one period (the last is the first again): extremes on the cubic that the time
+/// derivatives make between samples (of the samples themselves where `rate` is empty), the first `harmonics` harmonics.
+/// `periods`: periods of the excitation in it.
 Motion motion_of_samples(const Eigen::VectorXd& x, const Eigen::VectorXd& rate, double dt, int harmonics,
                          int periods = 1);
 

@@ -32,10 +32,11 @@ struct PeriodSink : RowSink {
       period.x(row, i) = x[i];
       period.rate(row, i) = f[i];
     }
-    if (!s || row + 1 != period.x.rows()) return;
+    if (!s) return;
     const Index columns = parameters + n;
+    Eigen::MatrixXd& slopes = row + 1 == period.x.rows() ? period.monodromy : period.mean_slope;
     for (Index i = 0; i < n; ++i)
-      for (Index j = 0; j < n; ++j) period.monodromy(i, j) = s[i * columns + parameters + j];
+      for (Index j = 0; j < n; ++j) slopes(i, j) += s[i * columns + parameters + j];
   }
   Period& period;
   Index parameters = 0;
@@ -45,15 +46,18 @@ struct PeriodSink : RowSink {
 
 double Period::dt() const { return 2 * std::numbers::pi * periods / omega / static_cast<double>(x.rows() - 1); }
 
-std::vector<Motion> Period::motions(int harmonics) const {
+std::vector<Motion> Period::motions(int harmonics, const std::vector<bool>& kinks) const {
   std::vector<Motion> list;
   for (Index i = 0; i < x.cols(); ++i)
-    list.push_back(motion_of_samples(x.col(i), rate.col(i), dt(), harmonics, periods));
+    list.push_back(
+        motion_of_samples(x.col(i), kinks[i] ? VectorXd() : VectorXd(rate.col(i)), dt(), harmonics, periods));
   return list;
 }
 
 PeriodRun::PeriodRun(const PeriodicProblem& problem) : problem_(problem) {
   for (const HarmonicInput& h : problem.inputs) moving_ |= h.derivative > 0;
+  kinks_.assign(problem.dynamics->n, !problem.dynamics->smooth());
+  for (const auto& [y, v] : displacement_pairs(*problem.dynamics, problem.theta)) kinks_[y] = false;
 }
 
 /// The eigenvalues of df/dx at a state as a number of steps per second.
@@ -118,7 +122,7 @@ Period PeriodRun::run(const VectorXd& x0, double omega, bool sensitivities, int 
   period.periods = periods;
   period.x.setConstant(rows + 1, d.n, std::nan(""));
   period.rate = period.x;
-  if (sensitivities) period.monodromy.setConstant(d.n, d.n, std::nan(""));
+  if (sensitivities) period.monodromy = period.mean_slope = MatrixXd::Zero(d.n, d.n);
   FixedProblem problem;
   problem.dynamics = &d;
   problem.theta = problem_.theta;
@@ -132,6 +136,7 @@ Period PeriodRun::run(const VectorXd& x0, double omega, bool sensitivities, int 
   sink.parameters = d.p;
   const FixedOutcome outcome = run_fixed(problem, x0, sink);
   steps_ += outcome.steps;
+  if (sensitivities) period.mean_slope /= static_cast<double>(rows);
   period.stuck = outcome.stuck;
   period.events = outcome.events;
   if (outcome.stop == Stop::too_many_events) period.fault = chatter_cause(d, outcome.event, most_events);

@@ -24,9 +24,10 @@ struct PeriodicProblem {
 
 /// One period, or several: rows + 1 even samples.
 struct Period {
-  Eigen::MatrixXd x, rate;    ///< (rows + 1) x n
-  Eigen::MatrixXd monodromy;  ///< n x n, where asked for
-  double omega = 0;           ///< of the excitation [rad/s]
+  Eigen::MatrixXd x, rate;     ///< (rows + 1) x n
+  Eigen::MatrixXd monodromy;   ///< d end / d start, n x n, where asked for
+  Eigen::MatrixXd mean_slope;  ///< d (mean over the rows but the last) / d start, with it
+  double omega = 0;            ///< of the excitation [rad/s]
   int periods = 1;
   double stuck = 0;  ///< [s]
   long events = 0;
@@ -34,7 +35,8 @@ struct Period {
 
   double dt() const;
   Eigen::VectorXd end() const { return x.row(x.rows() - 1).transpose(); }
-  std::vector<Motion> motions(int harmonics) const;
+  /// `kinks`: states whose rate may jump; theirs are the extremes of the samples.
+  std::vector<Motion> motions(int harmonics, const std::vector<bool>& kinks) const;
 };
 
 class PeriodRun {
@@ -51,6 +53,7 @@ class PeriodRun {
   /// One period without sensitivities, in `refinement` times as many steps: for its extremes.
   Period run_fine(const Eigen::VectorXd& x0, double omega, int refinement);
   long steps() const { return steps_; }
+  const std::vector<bool>& kinks() const { return kinks_; }
 
  private:
   void make_grid(double omega, Eigen::Index rows);
@@ -61,6 +64,7 @@ class PeriodRun {
   std::vector<Eigen::VectorXd> grid_;
   double grid_omega_ = -1;
   Eigen::Index grid_rows_ = 0;
+  std::vector<bool> kinks_;
   bool moving_ = false;  ///< inputs change with the frequency
   long steps_ = 0;
 };

@@ -19,6 +19,8 @@ using std::numbers::pi;
 constexpr long first_periods = 40, more_periods = 5000;
 /// Part of a step over which the amplitude's slope along the branch is taken.
 constexpr double aside = 1e-4;
+/// An amplitude that is so many times that of the start is a resonance without damping.
+constexpr double unbounded = 1e5;
 /// Halvings by which a change of stability is located within a step.
 constexpr int halvings = 24;
 
@@ -76,6 +78,7 @@ class Tracer {
   Continuation continuation_;
   Signs signs_;
   long added_ = 0;
+  std::size_t first_ = 0;  ///< point of the branch
 };
 
 ResponsePoint Tracer::point_at(const Place& place) {
@@ -128,6 +131,7 @@ bool Tracer::follow(double from, double to, bool simulate_first) {
     const std::string fault = curve_.fault();
     return stop("no periodic answer was found at " + in_hertz(hertz(from)) + (fault.empty() ? "" : ": " + fault));
   }
+  first_ = out_.points.size();
   ResponsePoint first = point_at(continuation_.here());
   signs_ = signs_at(continuation_.here(), first);
   add(std::move(first), "");
@@ -143,6 +147,8 @@ bool Tracer::follow(double from, double to, bool simulate_first) {
     ResponsePoint point = point_at(continuation_.here());
     signs_ = signs_at(continuation_.here(), point);
     out_.truncated |= curve_.truncated();
+    if (point.motion[output_].amplitude() > unbounded * out_.points[first_].motion[output_].amplitude())
+      return stop("the answer grows without bound at " + in_hertz(hertz(lambda)));
     mark_between(before, signs_, low, high);
     if (!outside_range) {
       add(std::move(point), "");

@@ -1,6 +1,7 @@
 // The branch of answers by shooting: the state that comes back to itself after one period of the excitation (Nayfeh &
 // Balachandran 1995, Applied nonlinear dynamics, section 5). Runs and their sensitivities are those of the fixed path,
 // exact through switches, so that models with friction, stops and slip are followed as they are.
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "simulate/periodic.hpp"
@@ -16,6 +17,8 @@ using Eigen::VectorXd;
 constexpr double frequency_step = 1e-6;
 constexpr int reported_harmonics = 15;
 constexpr double least_scale = 1e-3;
+/// A direction along which the state comes back whatever it is, but for this part of the most that others do not.
+constexpr double open_direction = 1e-9;
 /// Extremes of motions with kinks are looked for on a grid that is so many times finer: a reversal under dry friction
 /// is a jump of the acceleration between two samples.
 constexpr int fine_grid = 8;
@@ -39,7 +42,9 @@ class ShootingCurve : public PeriodicCurve {
     const Period aside = run_.run(x, std::exp(lambda + frequency_step), false);
     if (!aside.fault.empty()) return false;
     *dlambda = (aside.end() - period_.end()) / frequency_step;
-    return dx->allFinite();
+    if (!dx->allFinite()) return false;
+    centre(x, lambda, r, *dx);
+    return true;
   }
 
   VectorXd weights(const VectorXd& x, double) override {
@@ -67,7 +72,7 @@ class ShootingCurve : public PeriodicCurve {
   bool motions(const VectorXd& x, double lambda, std::vector<Motion>& motions) override {
     const Period period = fine(x, lambda);
     if (!period.fault.empty()) return false;
-    motions = period.motions(reported_harmonics);
+    motions = period.motions(reported_harmonics, run_.kinks());
     return true;
   }
 
@@ -98,6 +103,21 @@ class ShootingCurve : public PeriodicCurve {
     lambda_ = lambda;
     known_ = true;
     return period_.fault.empty();
+  }
+
+  /// Where a rest may lie anywhere (a slider that does not slip, a mass on no spring) the answer is one of many: that
+  /// whose mean along the open direction is the state of rest.
+  void centre(const VectorXd& x, double lambda, VectorXd& r, MatrixXd& dx) {
+    const VectorXd w = weights(x, lambda);
+    const MatrixXd scaled = w.asDiagonal() * dx * w.cwiseInverse().asDiagonal();
+    const Eigen::JacobiSVD<MatrixXd> svd(scaled, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const VectorXd mean = period_.x.topRows(period_.x.rows() - 1).colwise().mean();
+    for (Index k = 0; k < size(); ++k) {
+      if (svd.singularValues()[k] > open_direction * svd.singularValues()[0]) continue;
+      const VectorXd out = svd.matrixU().col(k).cwiseQuotient(w), along = svd.matrixV().col(k).cwiseProduct(w);
+      r += out * along.dot(mean - problem_.start);
+      dx += out * (along.transpose() * period_.mean_slope);
+    }
   }
 
   Period fine(const VectorXd& x, double lambda) {

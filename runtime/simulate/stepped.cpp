@@ -124,7 +124,7 @@ void run_stepped(const PeriodicProblem& problem, const ResponseOptions& options,
     point.frequency = frequency;
     point.stable = settled.steady;
     point.periods = settled.steady ? settled.period.periods : 0;
-    point.motion = settled.period.motions(reported_harmonics);
+    point.motion = settled.period.motions(reported_harmonics, run.kinks());
     unsettled += settled.steady ? 0 : 1;
     out.points.push_back(std::move(point));
   }

@@ -224,19 +224,5 @@ TEST(Response, OfDryFrictionIsDenHartogsClosedForm) {
   }
 }
 
-TEST(Response, Prints) {
-  const Duffing duffing;
-  for (const double force : {300.0, 1000.0})
-    for (const double to : {150.0, 1400.0}) {
-      const ResponseCurve curve = response(duffing.system, duffing.theta, force, range(0.5, to));
-      std::printf("%g N to %g: %zu points, %ld corrections, %.3f s, %s, %s trunc %d\n", force, to, curve.points.size(),
-                  curve.corrections, curve.seconds, curve.method.c_str(), curve.stopped.front().c_str(),
-                  curve.truncated);
-      for (const auto& s : curve.special)
-        std::printf("   %s %.6f Hz %.6g m H=%d\n", s.kind.c_str(), curve.points[s.point].frequency,
-                    curve.points[s.point].motion[0].amplitude(), curve.points[s.point].harmonics);
-    }
-}
-
 }  // namespace
 }  // namespace lunid
