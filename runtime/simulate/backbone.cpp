@@ -221,7 +221,7 @@ Backbone backbone(const System& system, std::span<const double> theta, const Bac
   const auto begin = std::chrono::steady_clock::now();
   const Dynamics& d = system.dynamics();
   check_balance("backbone", d, "");
-  const auto pairs = displacement_pairs(d, theta);
+  const auto pairs = displacement_pairs(d);
   const Mode mode = mode_of(d, theta, rest_of(system), options.mode, pairs);
   Backbone out;
   out.states = d.names;

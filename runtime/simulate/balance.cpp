@@ -55,7 +55,7 @@ HarmonicBalance::HarmonicBalance(const Dynamics& dynamics, std::span<const doubl
     : d_(dynamics),
       inputs_(std::move(inputs)),
       columns_(dynamics, theta),
-      pairs_(displacement_pairs(dynamics, theta)),
+      pairs_(displacement_pairs(dynamics)),
       place_(dynamics.n, -1),
       speed_of_(dynamics.n, -1) {
   std::vector<bool> follows(d_.n, false);

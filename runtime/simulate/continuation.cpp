@@ -162,11 +162,15 @@ bool Continuation::advance() {
   return adapt();
 }
 
+/// On the cubic through the last two places along their tangents: near a branch point only a close start stays on the
+/// branch.
 bool Continuation::between(double part, Place& place) {
-  place.x = previous_.x + part * (here_.x - previous_.x);
-  place.lambda = previous_.lambda + part * (here_.lambda - previous_.lambda);
   const VectorXd chord = weights_.cwiseProduct(here_.x - previous_.x);
   const double chord_lambda = here_.lambda - previous_.lambda, length = std::hypot(chord.norm(), chord_lambda);
+  const double rest = 1 - part, a = rest * rest * (1 + 2 * part), b = part * part * (3 - 2 * part);
+  const double c = length * part * rest * rest, d = -length * part * part * rest;
+  place.x = a * previous_.x + b * here_.x + c * previous_.tangent + d * here_.tangent;
+  place.lambda = a * previous_.lambda + b * here_.lambda + c * previous_.tangent_lambda + d * here_.tangent_lambda;
   return newton(place, chord / length, chord_lambda / length, options_.iterations);
 }
 

@@ -121,26 +121,9 @@ bool DerivativeColumns::run(const MatrixXd& u, const MatrixXd& x) {
   return out_.leftCols(n_ + n_ * n_).allFinite();
 }
 
-std::vector<std::pair<int, int>> displacement_pairs(const Dynamics& d, std::span<const double> theta) {
-  std::vector<int> partner(d.n, -1);
-  std::vector<double> in;
-  for (int i = 0; i < d.n; ++i)
-    for (int j = 0; j < d.n && partner[i] < 0; ++j) {
-      bool same = i != j;
-      for (int point = 0; point < probes && same; ++point) {
-        const std::vector<double> rate = probe(d, theta, point, 0.3, in);
-        same = rate[i] == in[1 + d.exogenous + j];
-      }
-      if (same) partner[i] = j;
-    }
+std::vector<std::pair<int, int>> displacement_pairs(const Dynamics& d) {
   std::vector<std::pair<int, int>> pairs;
-  std::vector<bool> taken(d.n, false);
-  for (int i = 0; i < d.n; ++i) {
-    const int j = partner[i];
-    if (j < 0 || taken[i] || taken[j] || partner[j] >= 0) continue;
-    taken[i] = taken[j] = true;
-    pairs.emplace_back(i, j);
-  }
+  for (int i = 0; i < d.degrees; ++i) pairs.emplace_back(2 * i, 2 * i + 1);
   return pairs;
 }
 

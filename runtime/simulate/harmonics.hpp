@@ -67,8 +67,8 @@ class DerivativeColumns {
   Eigen::MatrixXd out_;
 };
 
-/// States y with y' = v, v a state too, as pairs (y, v) of their indices; found on the tape itself.
-std::vector<std::pair<int, int>> displacement_pairs(const Dynamics& dynamics, std::span<const double> theta);
+/// The states (y, v) of each degree of freedom.
+std::vector<std::pair<int, int>> displacement_pairs(const Dynamics& dynamics);
 
 /// True when the right-hand side holds the time itself.
 bool depends_on_time(const Dynamics& dynamics, std::span<const double> theta);

@@ -57,7 +57,7 @@ std::vector<Motion> Period::motions(int harmonics, const std::vector<bool>& kink
 PeriodRun::PeriodRun(const PeriodicProblem& problem) : problem_(problem) {
   for (const HarmonicInput& h : problem.inputs) moving_ |= h.derivative > 0;
   kinks_.assign(problem.dynamics->n, !problem.dynamics->smooth());
-  for (const auto& [y, v] : displacement_pairs(*problem.dynamics, problem.theta)) kinks_[y] = false;
+  for (const auto& [y, v] : displacement_pairs(*problem.dynamics)) kinks_[y] = false;
 }
 
 /// The eigenvalues of df/dx at a state as a number of steps per second.

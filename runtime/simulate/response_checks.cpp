@@ -85,6 +85,9 @@ void check_periodic(const char* caller, const System& system, std::span<const do
     if (!std::isfinite(theta[i]))
       refuse(name + ": parameter '" + system.model().parameters[i].name + "' has no value; give it one");
   const Dynamics& d = system.dynamics();
+  if (!d.dense())
+    refuse(name + ": the model has " + std::to_string(d.n) + " states, expected at most " +
+           std::to_string(Dynamics::dense_limit));
   for (const HarmonicInput& h : inputs) {
     if (h.input < 0 || h.input >= d.exogenous)
       refuse(name + ": inputs: expected an input 0 to " + std::to_string(d.exogenous - 1) + ", got " +

@@ -27,7 +27,7 @@ class ShootingCurve : public PeriodicCurve {
  public:
   explicit ShootingCurve(const PeriodicProblem& problem)
       : problem_(problem),
-        pairs_(displacement_pairs(*problem.dynamics, problem.theta)),
+        pairs_(displacement_pairs(*problem.dynamics)),
         run_(problem),
         scale_(VectorXd::Zero(problem.dynamics->n)),
         largest_(scale_) {}

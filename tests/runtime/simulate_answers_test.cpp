@@ -128,7 +128,7 @@ TEST(Response, OfUedasOscillatorHasTheSameSpecialPointsByBothMethods) {
   for (const char* kind : {"fold", "branch_point", "period_doubling"}) {
     const auto in_a = marked(a, kind), in_b = marked(b, kind);
     ASSERT_EQ(in_a.size(), in_b.size()) << kind;
-    for (std::size_t i = 0; i < in_a.size(); ++i) EXPECT_NEAR(in_a[i].frequency / in_b[i].frequency, 1, 2e-4) << kind;
+    for (std::size_t i = 0; i < in_a.size(); ++i) EXPECT_NEAR(in_a[i].frequency / in_b[i].frequency, 1, 1e-5) << kind;
   }
   EXPECT_FALSE(marked(a, "fold").empty());
   EXPECT_FALSE(marked(a, "branch_point").empty());
