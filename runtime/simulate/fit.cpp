@@ -65,7 +65,7 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
 
 /// A measured channel that the fit looks at.
 struct Output {
-  int state;  ///< the state that it measures
+  int state;      ///< the state that it measures
   std::string channel;
   double weight;  ///< of its residual: the noise of the first over its own
 };
@@ -95,9 +95,7 @@ std::vector<Output> outputs_of(const Model& model, const Record& record, const s
   }
   for (const std::string& channel : channels) {
     const int state = state_of(model, channel);
-    if (state < 0)
-      throw InputError("fit_trajectory: channels: expected displacements or velocities of the model, got '" + channel +
-                       "'");
+    if (state < 0) throw InputError("fit_trajectory: channels: expected displacements or velocities of the model, got '" + channel + "'");
     wanted += (wanted.empty() ? "" : ", ") + channel;
     if (!record.has(channel))
       throw InputError("fit_trajectory: the record " + record.name() + " has no channel '" + channel + "'");
