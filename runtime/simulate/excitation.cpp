@@ -291,6 +291,23 @@ Excitations Excitations::part(Index first, Index count) const {
   return cut;
 }
 
+Excitations excitations_of(const System& system, const Record& record, Interpolation interpolation) {
+  Excitations found;
+  std::string missing;
+  for (const std::string& input : system.inputs()) {
+    const bool alone = input == system.inputs().front() && !record.has(input) && record.has("F");
+    const std::string name = alone ? "F" : input;  // F is the force of the first driven coordinate
+    if (record.has(name))
+      found.add(input, Excitation(record.start(), record.dt(), record[name], interpolation));
+    else if (input[0] != 'F' || system.inputs().size() == 1)
+      missing = input;
+  }
+  if (found.empty() && missing.empty()) missing = system.inputs().front();
+  if (!missing.empty())
+    throw InputError("the record " + record.name() + " has no channel '" + missing + "', which drives the model");
+  return found;
+}
+
 Excitations Excitations::of(const System& system) const {
   const std::vector<std::string>& inputs = system.inputs();
   Excitations ordered;
