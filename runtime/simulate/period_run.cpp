@@ -153,7 +153,8 @@ Period PeriodRun::run_fine(const VectorXd& x0, double omega, int refinement) {
 }
 
 Settled settle(PeriodRun& run, VectorXd x0, double omega, long max_periods, double tolerance) {
-  constexpr int longest = 4;  // periods of a subharmonic
+  constexpr int longest = 4;        // periods of a subharmonic
+  constexpr double distinct = 1e3;  // that differ by so many tolerances: a slow spiral is none
   Settled settled;
   std::vector<VectorXd> ends{x0};
   VectorXd size = VectorXd::Zero(x0.size());
@@ -170,10 +171,11 @@ Settled settle(PeriodRun& run, VectorXd x0, double omega, long max_periods, doub
     if (!settled.period.fault.empty()) return settled;
     ends.push_back(settled.period.end());
     size = settled.period.x.colwise().maxCoeff() - settled.period.x.colwise().minCoeff();
-    for (int m = 1; m <= longest && m < static_cast<int>(ends.size()) && found == 0; ++m) {
-      const VectorXd change = (ends.back() - ends[ends.size() - 1 - m]).cwiseAbs();
-      if ((change.array() <= tolerance * size.array()).all()) found = m;
-    }
+    const auto change = [&](int m) {  // over m periods, in sizes of the motion
+      return ((ends.back() - ends[ends.size() - 1 - m]).cwiseAbs().array() / size.array().max(1e-300)).maxCoeff();
+    };
+    for (int m = 1; m <= longest && m < static_cast<int>(ends.size()) && found == 0; ++m)
+      if (change(m) <= tolerance && (m == 1 || change(1) > distinct * tolerance)) found = m;
     if (ends.size() > longest + 1) ends.erase(ends.begin());
   }
   settled.steady = found > 0;
