@@ -6,6 +6,7 @@
 #include "record/record.hpp"
 #include "simulate/fit.hpp"
 #include "simulate/model.hpp"
+#include "simulate/response.hpp"
 #include "simulate/simulate.hpp"
 #include "support.hpp"
 
@@ -103,6 +104,16 @@ template <>
 struct Bound<FreeRun> {
   static constexpr const char* key = "lunid.run";
   static constexpr const char* words = "a run";
+};
+template <>
+struct Bound<ResponseCurve> {
+  static constexpr const char* key = "lunid.response_curve";
+  static constexpr const char* words = "a response curve";
+};
+template <>
+struct Bound<Backbone> {
+  static constexpr const char* key = "lunid.backbone";
+  static constexpr const char* words = "a backbone";
 };
 
 /// Makes a type's metatable and adds its functions to the module table on top of the stack.

@@ -273,6 +273,18 @@ function lunid.figure.surface(fields) end
 ---@return lunid.figure
 function lunid.figure.residual_map(fields) end
 
+---A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.
+---@class lunid.figure.response.fields
+---@field response lunid.response # what to draw
+---@field quantity? string # a column of the response, such as "amplitude_3" or "phase_1"
+---@field state? string # whose motion; else the first displacement
+---@field series? table # curves to compare with
+---@field log? boolean # logarithmic axis of the quantity
+---@field title? string # above the chart
+---@param fields lunid.figure.response.fields
+---@return lunid.figure
+function lunid.figure.response(fields) end
+
 ---Bilinear interpolation between the corners of equal cells; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
@@ -293,6 +305,54 @@ function lunid.grid(fields) end
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end
+
+---The periodic answers of a model to a harmonic excitation over a range of frequencies: stable and unstable branches by continuation, or what a stepped or swept sine shows.
+---@class lunid.frequency_response.fields
+---@field model lunid.model # what is driven
+---@field amplitude number # of the force amplitude*cos(2*pi*f*t), or of the base's displacement in m; a list gives a curve for each
+---@field input? string # the force that acts, such as 'F2', or 'base'; else the model's first input
+---@field from number # lowest frequency
+---@field to number # highest frequency
+---@field method? "auto"|"harmonic_balance"|"shooting"|"stepped_up"|"stepped_down"|"swept_up"|"swept_down" # 'auto': harmonic balance, and shooting where the model has switches or bounds
+---@field harmonics? integer # of harmonic balance; else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, and of steadiness, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of a branch
+---@field stability? boolean # find the Floquet multipliers of each point
+---@field points? integer # frequencies of a stepped sine
+---@field max_periods? integer # in which a stepped sine must become steady
+---@field rate? number # of a swept sine
+---@param fields lunid.frequency_response.fields
+---@return lunid.response
+function lunid.frequency_response(fields) end
+
+---The free motions that grow out of a mode: frequency and damping ratio over amplitude.
+---@class lunid.backbone.fields
+---@field model lunid.model # its damping is made up for, its forces are 0
+---@field from number # smallest amplitude of the displacement that moves most
+---@field to number # largest amplitude
+---@field mode? integer # counted from the lowest frequency
+---@field harmonics? integer # else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of the curve
+---@param fields lunid.backbone.fields
+---@return lunid.backbone
+function lunid.backbone(fields) end
+
+---The states of a free run once per period of its excitation.
+---@class lunid.poincare.fields
+---@field model lunid.model # what moves
+---@field excitation number|lunid.expression # an expression of lunid.time, or a table of them by channel, as of lunid.simulate
+---@field period number # of the excitation
+---@field from? table # first state { y, v, ... }
+---@field points? integer # periods shown
+---@field transient? integer # periods before them that are left out
+---@field phase? number # part of the period at which to look
+---@field samples? integer # of a period; each is two steps
+---@param fields lunid.poincare.fields
+---@return lunid.section
+function lunid.poincare(fields) end
 
 ---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
 ---@class lunid.discover.fields
