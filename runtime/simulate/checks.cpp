@@ -90,21 +90,25 @@ Run empty_run(const System& system, const Excitation& excitation) {
 
 double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
                      const Eigen::VectorXd& x0) {
+  const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
+  return default_bound(system, theta, {excitation.t0(), time, excitation.at(excitation.t0()), excitation.peak()}, x0);
+}
+
+double default_bound(const System& system, std::span<const double> theta, const ForceRange& force,
+                     const Eigen::VectorXd& x0) {
   const Dynamics& d = system.dynamics();
   std::vector<double> in(d.inputs(), 0.0), out(d.rate.outputs()), scratch(d.rate.registers() + 1);
   std::copy(theta.begin(), theta.end(), in.end() - d.p);
-  const auto acceleration = [&](double force, bool rest) {
-    in[0] = excitation.t0();
-    in[1] = force;
+  const auto acceleration = [&](double value, bool rest) {
+    in[0] = force.t0;
+    in[1] = value;
     for (int i = 0; i < d.n; ++i) in[2 + i] = rest ? 0 : x0[i];
     d.rate.run_point(in.data(), out.data(), scratch.data());
     return out[1];
   };
-  const double largest = excitation.peak();
-  const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
-  double reach = std::abs(acceleration(excitation.at(excitation.t0()), false));
-  reach = std::max(reach, std::abs(acceleration(largest, true) - acceleration(0, true)));
-  const double scale = std::abs(x0[0]) + std::abs(x0[1]) * time + 0.5 * reach * time * time;
+  double reach = std::abs(acceleration(force.first, false));
+  reach = std::max(reach, std::abs(acceleration(force.peak, true) - acceleration(0, true)));
+  const double scale = std::abs(x0[0]) + std::abs(x0[1]) * force.time + 0.5 * reach * force.time * force.time;
   return std::isfinite(scale) && scale > 0 ? 1e6 * scale : 0;
 }
 

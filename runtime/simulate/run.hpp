@@ -15,6 +15,12 @@ void check_run(const char* caller, const System& system, std::span<const double>
 /// A displacement that no sound run passes: 1e6 times what the largest force alone could reach in the time.
 double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
                      const Eigen::VectorXd& x0);
+/// What that needs to know of a force: its start [s], length [s], first value and peak.
+struct ForceRange {
+  double t0, time, first, peak;
+};
+double default_bound(const System& system, std::span<const double> theta, const ForceRange& force,
+                     const Eigen::VectorXd& x0);
 
 /// A run of NaN rows, to be filled.
 Run empty_run(const System& system, const Excitation& excitation);
@@ -28,6 +34,12 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
                             double dt);
 /// What chatters.
 std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
+
+/// A fixed-step run of free motion as run_fixed takes it. Valid as long as its arguments live.
+FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitation& excitation,
+                          const Eigen::VectorXd& x0, int substeps, const SimulateOptions& options);
+/// Why a fixed-step run stopped early, in words.
+std::string stop_cause(const System& system, const FixedProblem& problem, const FixedOutcome& outcome);
 
 /// A fixed-step run of free motion.
 Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation,
