@@ -134,13 +134,17 @@ LUNID_WIDE void start(Stepper s, Index row, int substeps) {
 }
 
 /// True when every lane is finite and within its bound.
-LUNID_WIDE bool all_sound(const double* x, int n, int width, const double* bound) {
+LUNID_WIDE bool all_sound(const double* x, int n, int degrees, int width, const double* bound) {
   auto sound = quad(x) == quad(x);
   sound = ~(sound ^ sound);
   for (int l = 0; l < width; l += 4) {
     kernel::Quad sum{};
     for (int i = 0; i < n; ++i) sum += quad(x + width * i + l) * 0.0;  // NaN for NaN and infinity
-    sound &= (sum == 0.0) & (quad(x + l) <= quad(bound + l)) & (-quad(x + l) <= quad(bound + l));
+    sound &= sum == 0.0;
+    for (int i = 0; i < degrees; ++i) {
+      const auto y = quad(x + 2 * i * width + l);
+      sound &= (y <= quad(bound + l)) & (-y <= quad(bound + l));
+    }
   }
   return (sound[0] & sound[1] & sound[2] & sound[3]) != 0;
 }
@@ -173,6 +177,7 @@ class BundleRun {
   void repeat_lane(int from, int to);
   bool keep_going(Index row, std::span<FixedOutcome> outcomes);
   void stop_lane(Index row, int lane, FixedOutcome& outcome);
+  bool beyond(int lane) const;
   bool passes_bound(int lane);
 
   const BundleProblem& problem_;
@@ -270,7 +275,13 @@ void BundleRun::repeat_lane(int from, int to) {
   source_[static_cast<std::size_t>(to)] = source_[static_cast<std::size_t>(from)];
 }
 
-/// |x[0]| is beyond the bound that the lane was given: beyond its true one as well?
+bool BundleRun::beyond(int lane) const {
+  for (int i = 0; i < d_.degrees; ++i)
+    if (std::abs(s_.x[width_ * 2 * i + lane]) > bound_[lane]) return true;
+  return false;
+}
+
+/// A displacement is beyond the bound that the lane was given: beyond its true one as well?
 bool BundleRun::passes_bound(int lane) {
   char& known = bound_known_[static_cast<std::size_t>(lane)];
   if (problem_.true_bound && !known) {
@@ -278,18 +289,18 @@ bool BundleRun::passes_bound(int lane) {
     bound_[lane] = bound > 0 ? bound : std::numeric_limits<double>::infinity();
     known = true;
   }
-  return std::abs(s_.x[lane]) > bound_[lane];
+  return beyond(lane);
 }
 
 /// Lanes that exploded within the row's interval stop; false when none is left.
 bool BundleRun::keep_going(Index row, std::span<FixedOutcome> outcomes) {
-  if (all_sound(s_.x, n_, width_, bound_)) return true;
+  if (all_sound(s_.x, n_, d_.degrees, width_, bound_)) return true;
   int sound = -1;
   for (int l = 0; l < count_; ++l) {
     if (!alive_[static_cast<std::size_t>(l)]) continue;
     double sum = 0;
     for (int i = 0; i < n_; ++i) sum += s_.x[width_ * i + l] * 0.0;
-    if (sum == 0 && !(std::abs(s_.x[l]) > bound_[l] && passes_bound(l)))
+    if (sum == 0 && !(beyond(l) && passes_bound(l)))
       sound = l;
     else
       stop_lane(row, l, outcomes[static_cast<std::size_t>(l)]);

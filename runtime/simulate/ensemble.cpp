@@ -110,7 +110,7 @@ class Job {
   };
 
   void run_alone(Index member) {
-    const Excitation excitation = ensemble_.force.excitation(member);
+    const Excitations excitation = ensemble_.force.excitation(member).of(system_);
     if (refuse(member, excitation.t0())) return;
     const VectorXd x0 = ensemble_.x0.col(member);
     const FixedProblem problem =
@@ -134,26 +134,26 @@ class Job {
     LaneSummaries summaries;
   };
 
-  double force_at(Index member, Index row, std::vector<double>& in, std::vector<double>& scratch) const {
-    const MemberForce& force = ensemble_.force;
-    in[0] = force.t0() + force.dt(member) * static_cast<double>(row);
-    double value = 0;
-    force.tape().run_point(in.data(), &value, scratch.data());
-    return value;
-  }
-
-  /// The bound of simulate(), of which the peak of the force on its samples is a part; taken on some samples only
+  /// The bound of simulate(), of which the peaks of the inputs on their samples are a part; taken on some samples only
   /// (stride > 1) it is a lower one.
   double bound_of(Index member, Index stride) const {
     if (options_.bound > 0) return options_.bound;
     const MemberForce& force = ensemble_.force;
-    std::vector<double> in(static_cast<std::size_t>(force.tape().inputs())), scratch(force.tape().registers() + 1);
+    const Tape& tape = force.tape();
+    std::vector<double> in(static_cast<std::size_t>(tape.inputs())), scratch(tape.registers() + 1);
+    std::vector<double> out(force.channels().size());
+    std::vector<InputRange> inputs(out.size());
     std::copy_n(force.q(member), in.size() - 1, in.begin() + 1);
-    ForceRange range{force.t0(), force.dt(member) * static_cast<double>(force.rows() - 1), 0, 0};
-    range.first = force_at(member, 0, in, scratch);
-    for (Index row = 0; row < force.rows(); row += stride)
-      range.peak = std::max(range.peak, std::abs(force_at(member, row, in, scratch)));
-    return default_bound(system_, theta(member), range, ensemble_.x0.col(member));
+    for (Index row = 0; row < force.rows(); row += stride) {
+      in[0] = force.t0() + force.dt(member) * static_cast<double>(row);
+      tape.run_point(in.data(), out.data(), scratch.data());
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (row == 0) inputs[i] = {out[i], 0};
+        inputs[i].peak = std::max(inputs[i].peak, std::abs(out[i]));
+      }
+    }
+    const double time = force.dt(member) * static_cast<double>(force.rows() - 1);
+    return default_bound(system_, theta(member), force.t0(), time, inputs, ensemble_.x0.col(member));
   }
 
   /// An expression of time has no stage grid; its bound is a lower one until the motion passes it.
@@ -176,7 +176,7 @@ class Job {
   void run_lanes() {
     const MemberForce& force = ensemble_.force;
     std::vector<Index> members;
-    std::vector<Excitation> excitations;
+    std::vector<Excitations> excitations;
     std::vector<FixedProblem> problems;
     std::vector<const double*> x0, q;
     for (const Index member : members_) {
@@ -185,7 +185,9 @@ class Job {
         problems.push_back(expression_problem(member));
         q.push_back(force.q(member));
       } else {
-        excitations.push_back(force.excitation(member));  // its stage grid lives as long as a copy of it
+        // their stage grids live as long as copies of them
+        excitations.push_back(force.is_shared() && !excitations.empty() ? excitations.front()
+                                                                        : force.excitation(member).of(system_));
         if (refuse(member, excitations.back().t0())) continue;
         problems.push_back(free_problem(system_, theta(member), excitations.back(), ensemble_.x0.col(member),
                                         result_.substeps, simulate_options(options_)));
@@ -238,6 +240,9 @@ void check_sizes(const Ensemble& e) {
   if (e.theta.rows() != e.system->parameters()) refuse("rows of theta", e.system->parameters(), e.theta.rows());
   if (e.x0.rows() != e.system->states()) refuse("rows of x0", e.system->states(), e.x0.rows());
   if (e.x0.cols() != e.members()) refuse("columns of x0", e.members(), e.x0.cols());
+  if (e.force.is_expression() && e.force.channels() != e.system->inputs())
+    refuse("inputs of the force", static_cast<Index>(e.system->inputs().size()),
+           static_cast<Index>(e.force.channels().size()));
   if (e.force.rows() < 2) throw InputError("ensemble: the excitation is empty");
 }
 
@@ -292,7 +297,7 @@ void choose_for_members(const Ensemble& e, const EnsembleOptions& options, Ensem
   parallel_for(static_cast<int>(count), options.threads, [&](int i) {
     const Index member = member_of(i);
     const std::span theta{e.theta.col(member).data(), static_cast<std::size_t>(e.theta.rows())};
-    const Excitation excitation = e.force.excitation(member);
+    const Excitations excitation = e.force.excitation(member).of(*e.system);
     const VectorXd x0 = e.x0.col(member);
     StepChoice& choice = choices[static_cast<std::size_t>(i)];
     choice.reached = true;
@@ -319,20 +324,25 @@ bool is_speed(const std::string& state) {
 
 }  // namespace
 
-MemberForce MemberForce::of(Excitation excitation) {
-  return of(excitation.rows(), [excitation](Index) { return excitation; });
+MemberForce MemberForce::of(Excitations excitation) {
+  const Index rows = excitation.rows();
+  MemberForce force = of(rows, [excitation = std::move(excitation)](Index) { return excitation; });
+  force.shared_ = true;
+  return force;
 }
 
-MemberForce MemberForce::of(Index rows, std::function<Excitation(Index)> make) {
+MemberForce MemberForce::of(Index rows, std::function<Excitations(Index)> make) {
   MemberForce force;
   force.rows_ = rows;
   force.make_ = std::move(make);
   return force;
 }
 
-MemberForce MemberForce::of(Tape tape, Eigen::MatrixXd q, double t0, VectorXd dt, Index rows) {
+MemberForce MemberForce::of(std::vector<std::string> channels, Tape tape, Eigen::MatrixXd q, double t0, VectorXd dt,
+                            Index rows) {
   MemberForce force;
   force.rows_ = rows;
+  force.channels_ = std::move(channels);
   force.tape_ = std::move(tape);
   force.q_ = std::move(q);
   force.t0_ = t0;
@@ -340,18 +350,22 @@ MemberForce MemberForce::of(Tape tape, Eigen::MatrixXd q, double t0, VectorXd dt
   return force;
 }
 
-Excitation MemberForce::excitation(Index member) const {
+Excitations MemberForce::excitation(Index member) const {
   if (make_) return make_(member);
-  std::vector<double> in(static_cast<std::size_t>(tape_.inputs())),
-      scratch(static_cast<std::size_t>(tape_.registers() + 1));
+  std::vector<double> in(static_cast<std::size_t>(tape_.inputs())), out(channels_.size());
+  std::vector<double> scratch(static_cast<std::size_t>(tape_.registers() + 1));
   std::copy_n(q(member), in.size() - 1, in.begin() + 1);
-  // an excitation evaluates its function on one thread at a time
-  return Excitation(t0_, dt_[member], rows_, [tape = tape_, in, scratch](double t) mutable {
-    double value = 0;
-    in[0] = t;
-    tape.run_point(in.data(), &value, scratch.data());
-    return value;
-  });
+  Excitations all;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    // mutable: an excitation evaluates its function on one thread at a time
+    const auto value = [tape = tape_, i, in, out, scratch](double t) mutable {
+      in[0] = t;
+      tape.run_point(in.data(), out.data(), scratch.data());
+      return out[i];
+    };
+    all.add(channels_[i], Excitation(t0_, dt_[member], rows_, value));
+  }
+  return all;
 }
 
 EnsembleOutput output_from(std::string_view name, const System& system) {

@@ -18,17 +18,21 @@ namespace lunid {
 class MemberForce {
  public:
   /// One excitation for all members.
-  static MemberForce of(Excitation excitation);
+  static MemberForce of(Excitations excitation);
   /// An excitation for each; `make` is called by several threads.
-  static MemberForce of(Eigen::Index rows, std::function<Excitation(Eigen::Index member)> make);
-  /// An expression of time and of parameters q, exact between the samples: tape inputs (t, q...), one output [N]; a
-  /// column of q and an entry of dt [s] for each member. Evaluated for many members at once.
-  static MemberForce of(Tape force, Eigen::MatrixXd q, double t0, Eigen::VectorXd dt, Eigen::Index rows);
+  static MemberForce of(Eigen::Index rows, std::function<Excitations(Eigen::Index member)> make);
+  /// Expressions of time and of parameters q, exact between the samples: tape inputs (t, q...), one output for each
+  /// channel, which are the system's inputs in their order; a column of q and an entry of dt [s] for each member.
+  /// Evaluated for many members at once.
+  static MemberForce of(std::vector<std::string> channels, Tape force, Eigen::MatrixXd q, double t0, Eigen::VectorXd dt,
+                        Eigen::Index rows);
 
   Eigen::Index rows() const { return rows_; }
   /// The excitation of one member, as simulate() takes it.
-  Excitation excitation(Eigen::Index member) const;
+  Excitations excitation(Eigen::Index member) const;
+  bool is_shared() const { return shared_; }  ///< one for all
   bool is_expression() const { return !make_; }
+  const std::vector<std::string>& channels() const { return channels_; }
   const Tape& tape() const { return tape_; }
   const double* q(Eigen::Index member) const { return q_.data() + q_.rows() * member; }
   double t0() const { return t0_; }
@@ -36,7 +40,9 @@ class MemberForce {
 
  private:
   Eigen::Index rows_ = 0;
-  std::function<Excitation(Eigen::Index)> make_;
+  bool shared_ = false;
+  std::function<Excitations(Eigen::Index)> make_;
+  std::vector<std::string> channels_;
   Tape tape_;
   Eigen::MatrixXd q_;
   double t0_ = 0;

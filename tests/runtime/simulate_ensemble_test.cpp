@@ -63,7 +63,7 @@ void expect_single_runs(const Ensemble& e, const EnsembleOptions& options, Index
     }
     for (Index row = 0; row < run.x.rows(); ++row) {
       ASSERT_TRUE(same_bits(run.x(row, 0), result.trajectories[0](row, m))) << "member " << m << " row " << row;
-      ASSERT_TRUE(same_bits(run.a[row], result.trajectories[1](row, m))) << "member " << m << " row " << row;
+      ASSERT_TRUE(same_bits(run.a(row, 0), result.trajectories[1](row, m))) << "member " << m << " row " << row;
     }
     EXPECT_EQ(result.values(m, 0), run.x.col(0).maxCoeff());
     EXPECT_NEAR(result.values(m, 1), std::sqrt(run.a.squaredNorm() / static_cast<double>(run.a.size())),
@@ -108,7 +108,7 @@ MemberForce harmonics(Pool& pool, const VectorXd& amplitude, const VectorXd& ome
   MatrixXd q(2, amplitude.size());
   q.row(0) = amplitude;
   q.row(1) = omega;
-  return MemberForce::of(Tape(std::span(&force, 1), inputs), q, 0,
+  return MemberForce::of({"F"}, Tape(std::span(&force, 1), inputs), q, 0,
                          (2 * std::numbers::pi / samples * omega.cwiseInverse()).eval(), rows);
 }
 
@@ -129,6 +129,23 @@ TEST(Ensemble, ModelsWithSwitchesAndBounds) {
                      keeping(friction, {"max_y", "rms_a"}, 2, 2));
   expect_single_runs(spread(slider, {9e3, 700}, 9, MemberForce::of(excitation)),
                      keeping(slider, {"max_y", "rms_a"}, 2, 2));
+}
+
+TEST(Ensemble, SeveralDegreesOfFreedomAndInputs) {
+  const System system(model_of_many({{"1", "k*y1 + c*v1 + h*(y1 - y2)^3"}, {"2", "h*(y2 - y1)^3 + k*y2"}}));
+  const Excitation first(0, 0.002, three_tones(150, 40)), second(0, 0.002, three_tones(150, -7));
+  Excitations both;
+  both.add("F1", first).add("F2", second);
+  for (const MemberForce& force : {MemberForce::of(both), MemberForce::of(first)}) {
+    const Ensemble e = spread(system, {9e3, 4, 1e6}, 21, force);
+    const EnsembleResult result = run_ensemble(e, keeping(system, {"max_y2", "rms_a1"}, 2));
+    for (Index m = 0; m < 21; ++m) {
+      const std::span theta(e.theta.col(m).data(), 3);
+      const lunid::Run run = simulate(system, theta, e.force.excitation(m), e.x0.col(m), with_substeps(2));
+      EXPECT_EQ((run.x.col(2) - result.trajectories[0].col(m)).cwiseAbs().maxCoeff(), 0);
+      EXPECT_EQ((run.a.col(0) - result.trajectories[1].col(m)).cwiseAbs().maxCoeff(), 0);
+    }
+  }
 }
 
 TEST(Ensemble, AMemberThatExplodesIsAResultAndLeavesTheOthersAlone) {
@@ -234,7 +251,7 @@ TEST(Ensemble, TakesNoMemoryWhileItSteps) {
     EnsembleResult result = prepare_ensemble(e, options);
     std::vector<Index> all(100);
     for (Index m = 0; m < 100; ++m) all[m] = m;
-    force.is_expression() ? 0.0 : force.excitation(0).stage_grid(2)[0];  // made once, for all members
+    force.is_expression() ? 0.0 : force.excitation(0)[0].stage_grid(2)[0];  // made once, for all members
     const long before = allocations();
     run_members(e, options, all, result);
     return allocations() - before;
