@@ -17,8 +17,9 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 std::uint64_t seed_field(lua_State* L, int index) {
-  const auto given = number_field(L, index, "seed");
-  return given ? static_cast<std::uint64_t>(static_cast<std::int64_t>(*given)) : runtime(L).seed;
+  std::uint64_t seed = runtime(L).seed;
+  with_field(L, index, "seed", [&] { seed = static_cast<std::uint64_t>(check_integer(L, -1)); });
+  return seed;
 }
 
 Index rows_field(lua_State* L, int index) { return static_cast<Index>(number_field(L, index, "rows").value_or(0)); }
@@ -191,6 +192,12 @@ int measured_motion(lua_State* L) {
   return 1;
 }
 
+/// run_seed() -> the seed of the run (--seed)
+int run_seed(lua_State* L) {
+  lua_pushinteger(L, static_cast<lua_Integer>(runtime(L).seed));
+  return 1;
+}
+
 /// warn(record, text) -> a copy with one more warning
 int warn(lua_State* L) {
   Record record = check<Record>(L, 1);
@@ -203,9 +210,13 @@ int warn(lua_State* L) {
 
 void open_signals(lua_State* L) {
   static constexpr Entry functions[] = {
-      {"make_excitation", guarded<make_excitation>}, {"sum_excitations", guarded<sum_excitations>},
-      {"random_signal", guarded<random_signal>},     {"disturb", guarded<disturb>},
-      {"measured_motion", guarded<measured_motion>}, {"warn_record", guarded<warn>},
+      {"make_excitation", guarded<make_excitation>},
+      {"sum_excitations", guarded<sum_excitations>},
+      {"random_signal", guarded<random_signal>},
+      {"disturb", guarded<disturb>},
+      {"measured_motion", guarded<measured_motion>},
+      {"warn_record", guarded<warn>},
+      {"run_seed", guarded<run_seed>},
   };
   set_functions(L, functions);
 }

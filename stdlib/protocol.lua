@@ -36,11 +36,11 @@ local function measured(given, frequency, number)
   local force = excitation.harmonic(with_time { amplitude = given.amplitude, frequency = frequency })
   if given.force_noise > 0 then
     force = excitation.sum { parts = { force, excitation.white_noise(with_time { distribution = "uniform",
-      rms = given.force_noise * math.abs(given.amplitude) / math.sqrt(3), seed = given.seed and given.seed + number - 1 }) } }
+      rms = given.force_noise * math.abs(given.amplitude) / math.sqrt(3), seed = given.seed + number - 1 }) } }
   end
   local run = true_run("thesis_record", given.system, force, given.from)
   local record = run:record():with_noise { y = given.noise, v = given.noise,
-    seed = given.seed and given.seed + number - 1 }
+    seed = given.seed + number - 1 }
   local name = ("thesis, %g N at %g Hz"):format(given.amplitude, frequency)
   return core.measured_motion(record, { "F", "y", "v" }, name):window(given.trim, given.duration)
 end
@@ -68,6 +68,7 @@ local thesis_record = schema.define({
   if given.trim >= given.duration then
     schema.fail("thesis_record: trim", ("expected < duration, which is %g s, got %g"):format(given.duration, given.trim))
   end
+  given.seed = given.seed or core.run_seed()
   if type(given.frequency) == "number" then return measured(given, given.frequency, 1) end
   local records = {}
   for i, frequency in ipairs(given.frequency) do records[i] = measured(given, frequency, i) end
