@@ -403,7 +403,7 @@ class Spine {
     options.solver = Solver::fixed;
     options.substeps = c.fit.substeps;
     const std::span<const double> theta(c.fit.theta.data(), static_cast<std::size_t>(c.fit.theta.size()));
-    const Excitation part = study_.train.front().excitation.part(0, rows);
+    const Excitations part = study_.train.front().excitation.part(0, rows);
     const Run fast = simulate(*c.system, theta, part, segment.x0, options);
     options.solver = Solver::bdf;
     options.rtol = 1e-7;

@@ -42,7 +42,7 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
   const auto sensitivities = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(theta.size())},
                                                     data.excitation, state.x0, options);
   if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
-    const Eigen::MatrixXd d = sensitivities.dy.rightCols(system.states()).bottomRows(out.rows);
+    const Eigen::MatrixXd d = sensitivities.dy().rightCols(system.states()).bottomRows(out.rows);
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
     const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;

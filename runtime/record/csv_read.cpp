@@ -53,7 +53,7 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   }
   Record record(path, base.t0, base.dt, std::move(channels));
   for (std::string& warning : warnings) record.warn(std::move(warning));
-  return record.has("y") || record.has("v") || record.has("a") ? derive_motion(record) : record;
+  return has_motion(record) ? derive_motion(record) : record;
 }
 
 }  // namespace lunid

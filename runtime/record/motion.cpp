@@ -1,4 +1,5 @@
 // Velocity and acceleration where they were not measured, and displacement where only its derivatives were.
+#include <algorithm>
 #include <cmath>
 
 #include "record/record.hpp"
@@ -55,21 +56,44 @@ Channel integral(const Record& record, const std::string& from, const std::strin
   return channel;
 }
 
+/// What stands behind y, v or a in the names of the channels: "" of one coordinate, "1" "2" ... of several, "b" of a
+/// base; in order of appearance.
+std::vector<std::string> coordinates(const Record& record) {
+  std::vector<std::string> found;
+  for (const Channel& channel : record.channels()) {
+    if (channel.name.find_first_of("yva") != 0) continue;
+    const std::string suffix = channel.name.substr(1);
+    const bool number = suffix.find_first_not_of("0123456789") == std::string::npos && suffix[0] != '0';
+    if ((number || suffix == "b") && std::find(found.begin(), found.end(), suffix) == found.end())
+      found.push_back(suffix);
+  }
+  return found;
+}
+
+Record derive_coordinate(Record result, const std::string& suffix) {
+  const std::string y = "y" + suffix, v = "v" + suffix, a = "a" + suffix;
+  const bool has_y = result.has(y), has_v = result.has(v), has_a = result.has(a);
+  if (!has_v) result = result.with(has_y ? differentiate(result, y, v, 1, 1) : integral(result, a, v, 1, 1));
+  // Twice integrated, an offset of the accelerometer is a parabola.
+  if (!has_y) result = result.with(integral(result, v, y, has_v ? 1 : 2, 0));
+  if (!has_a) result = result.with(has_v ? differentiate(result, v, a, 1, 2) : differentiate(result, y, a, 2, 2));
+  return result;
+}
+
 }  // namespace
 
 Record derive_motion(const Record& record) {
-  const bool y = record.has("y"), v = record.has("v"), a = record.has("a");
-  if (!y && !v && !a)
+  const std::vector<std::string> all = coordinates(record);
+  if (all.empty())
     throw InputError("expected a displacement y, a velocity v or an acceleration a to derive the motion from",
                      {record.name()}, Fault::data);
   if (record.rows() < 6)
     throw InputError("expected at least 6 rows, got " + std::to_string(record.rows()), {record.name()}, Fault::data);
   Record result = record;
-  if (!v) result = result.with(y ? differentiate(result, "y", "v", 1, 1) : integral(result, "a", "v", 1, 1));
-  // Twice integrated, an offset of the accelerometer is a parabola.
-  if (!y) result = result.with(integral(result, "v", "y", v ? 1 : 2, 0));
-  if (!a) result = result.with(v ? differentiate(result, "v", "a", 1, 2) : differentiate(result, "y", "a", 2, 2));
+  for (const std::string& suffix : all) result = derive_coordinate(std::move(result), suffix);
   return result;
 }
+
+bool has_motion(const Record& record) { return !coordinates(record).empty(); }
 
 }  // namespace lunid

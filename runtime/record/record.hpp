@@ -116,8 +116,10 @@ SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int
 /// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad
 /// bands, taken over the whole bandwidth. 0 for a constant signal.
 double noise_level(std::span<const double> x);
-/// This record with smoothed `v` and `a` added where absent (marked derived). Needs `y`, or `v`, or `a`.
+/// This record with smoothed `v` and `a` added where absent (marked derived); the same for each numbered coordinate (y1
+/// v1 a1, y2 ...) and for a base (yb vb ab). Needs one of them: has_motion().
 Record derive_motion(const Record& record);
+bool has_motion(const Record& record);
 /// The dominant angular frequency [rad/s] of a signal: the power-weighted centre of its spectrum's largest
 /// peak.
 double dominant_frequency(std::span<const double> x, double dt);

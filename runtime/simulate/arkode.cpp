@@ -1,5 +1,6 @@
 #include <arkode/arkode_arkstep.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "simulate/sundials_base.hpp"
@@ -14,17 +15,43 @@ struct MemoryDeleter {
   void operator()(void* memory) const noexcept { ARKStepFree(&memory); }
 };
 
-/// The 5(4) pair of Dormand and Prince. Every sample is a stop: no step straddles a kink of the force, and the state
-/// there is that of a step's end, not of an interpolant.
+/// A Butcher table of SUNDIALS and what it is called.
+struct Method {
+  Solver solver;
+  ARKODE_ERKTableID explicit_table;
+  ARKODE_DIRKTableID implicit_table;
+  const char* name;
+};
+constexpr Method methods[] = {
+    {Solver::rk23, ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_DIRK_NONE, "ARKODE ERK Bogacki-Shampine 3(2)"},
+    {Solver::rk45, ARKODE_DORMAND_PRINCE_7_4_5, ARKODE_DIRK_NONE, "ARKODE ERK Dormand-Prince 5(4)"},
+    {Solver::rk78, ARKODE_FEHLBERG_13_7_8, ARKODE_DIRK_NONE, "ARKODE ERK Fehlberg 8(7)"},
+    {Solver::esdirk, ARKODE_ERK_NONE, ARKODE_ESDIRK547L2SA_7_4_5, "ARKODE ESDIRK5(4)7L[2]SA"},
+};
+
+const Method* method_of(Solver solver) {
+  const auto found = std::find_if(std::begin(methods), std::end(methods), [&](const Method& m) { return m.solver == solver; });
+  return found == std::end(methods) ? nullptr : found;
+}
+
+/// Every sample is a stop: no step straddles a kink of the force, and the state there is that of a step's end, not of
+/// an interpolant.
 class Arkode : public SundialsBase {
  public:
-  Arkode(Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) : SundialsBase(ode, x0) {
-    memory_.reset(ARKStepCreate(rate, nullptr, t0, x_.get(), context_.get()));
+  Arkode(Solver solver, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) : SundialsBase(ode, x0) {
+    const Method& method = *method_of(solver);
+    implicit_ = method.implicit_table != ARKODE_DIRK_NONE;
+    memory_.reset(ARKStepCreate(implicit_ ? nullptr : rate, implicit_ ? rate : nullptr, t0, x_.get(), context_.get()));
     check(memory_.get(), "ARKStepCreate");
     void* m = memory_.get();
     check(ARKStepSetErrHandlerFn(m, silent, this), "ARKStepSetErrHandlerFn");
     check(ARKStepSetUserData(m, static_cast<SundialsBase*>(this)), "ARKStepSetUserData");
-    check(ARKStepSetTableNum(m, ARKODE_DIRK_NONE, ARKODE_DORMAND_PRINCE_7_4_5), "ARKStepSetTableNum");
+    check(ARKStepSetTableNum(m, method.implicit_table, method.explicit_table), "ARKStepSetTableNum");
+    if (implicit_) {
+      make_newton();
+      check(ARKStepSetLinearSolver(m, newton_->solver(), newton_->matrix()), "ARKStepSetLinearSolver");
+      check(ARKStepSetJacFn(m, jacobian), "ARKStepSetJacFn");
+    }
     check(ARKStepWFtolerances(m, weights), "ARKStepWFtolerances");
     check(ARKStepSetMaxNumSteps(m, max_steps_per_sample), "ARKStepSetMaxNumSteps");
     check(ARKStepSetMaxStep(m, max_step), "ARKStepSetMaxStep");
@@ -73,18 +100,28 @@ class Arkode : public SundialsBase {
   long evaluations() const override {
     long explicit_rates = 0, implicit_rates = 0;
     check(ARKStepGetNumRhsEvals(memory_.get(), &explicit_rates, &implicit_rates), "ARKStepGetNumRhsEvals");
-    return explicit_rates;
+    long jacobians = 0;
+    if (implicit_) check(ARKStepGetNumJacEvals(memory_.get(), &jacobians), "ARKStepGetNumJacEvals");
+    return explicit_rates + implicit_rates + jacobians;
   }
 
  private:
   std::unique_ptr<void, MemoryDeleter> memory_;
+  bool implicit_ = false;
   int flag_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_arkode(Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) {
-  return std::make_unique<Arkode>(ode, t0, x0, max_step);
+bool is_runge_kutta(Solver method) { return method_of(method) != nullptr; }
+
+std::string sundials_name(Solver method) {
+  if (const Method* found = method_of(method)) return found->name;
+  return method == Solver::adams ? "CVODE Adams" : "CVODE BDF";
+}
+
+std::unique_ptr<Integrator> make_arkode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) {
+  return std::make_unique<Arkode>(method, ode, t0, x0, max_step);
 }
 
 }  // namespace lunid

@@ -9,40 +9,52 @@ namespace {
 /// States beyond this are cut to it, so that powers of them stay finite.
 constexpr double huge = 1e50;
 
-/// The summands of the restoring force at chosen states.
+/// Inputs of System::force() and its kin at a state: no accelerations, no base motion.
+std::vector<double> force_inputs(const System& system, const Tape& tape, std::span<const double> theta, double t,
+                                 const Eigen::VectorXd& x) {
+  std::vector<double> in(tape.inputs(), 0.0);
+  in[0] = t;
+  std::copy(x.begin(), x.end(), in.begin() + 1 + system.degrees());
+  std::copy(theta.begin(), theta.end(), in.end() - static_cast<std::ptrdiff_t>(theta.size()));
+  return in;
+}
+
+/// The summands of the restoring force of one coordinate at chosen states.
 class Terms {
  public:
-  Terms(const System& system, std::span<const double> theta)
-      : expressions(system.terms()),
-        values(expressions.size()),
-        tape_(system.term_values()),
-        in_(tape_.inputs(), 0.0),
-        scratch_(tape_.registers() + 1) {
-    std::copy(theta.begin(), theta.end(), in_.end() - static_cast<std::ptrdiff_t>(theta.size()));
+  Terms(const System& system, std::span<const double> theta, int coordinate)
+      : system_(system), theta_(theta), all_(system.terms().size()), scratch_(system.term_values().registers() + 1) {
+    for (std::size_t i = 0; i < all_.size(); ++i)
+      if (system.terms()[i].coordinate == coordinate) {
+        own_.push_back(i);
+        expressions.push_back(system.terms()[i].expression);
+      }
+    values.resize(own_.size());
   }
 
   double sum(double t, const Eigen::VectorXd& x) {
-    in_[0] = t;
-    for (Eigen::Index i = 0; i < x.size(); ++i) in_[2 + i] = x[i];
-    tape_.run_point(in_.data(), values.data(), scratch_.data());
+    const std::vector<double> in = force_inputs(system_, system_.term_values(), theta_, t, x);
+    system_.term_values().run_point(in.data(), all_.data(), scratch_.data());
     double total = 0;
-    for (const double value : values) total += value;
+    for (std::size_t i = 0; i < own_.size(); ++i) total += values[i] = all_[own_[i]];
     return total;
   }
 
-  const std::vector<Expr>& expressions;
+  std::vector<Expr> expressions;
   std::vector<double> values;
 
  private:
-  const Tape& tape_;
-  std::vector<double> in_, scratch_;
+  const System& system_;
+  std::span<const double> theta_;
+  std::vector<double> all_, scratch_;
+  std::vector<std::size_t> own_;
 };
 
 /// The displacement beyond which, up to `far`, the force drives away from rest; 0 when it does not at `far`.
-double barrier(Terms& terms, double t, Eigen::VectorXd x, double far) {
+double barrier(Terms& terms, double t, Eigen::VectorXd x, int place, double far) {
   const double side = far < 0 ? -1 : 1;
   const auto outward = [&](double y) {
-    x[0] = y;
+    x[place] = y;
     return side * terms.sum(t, x) < 0;
   };
   if (!outward(far)) return 0;
@@ -76,17 +88,23 @@ std::string short_number(double x) {
   return text;
 }
 
+/// "y2 = 0.1 m, v2 = 3 m/s"
+std::string place_words(const Model& model, const Eigen::VectorXd& x, int i) {
+  return model.channel('y', i) + " = " + short_number(x[2 * i]) + " m, " + model.channel('v', i) + " = " +
+         short_number(x[2 * i + 1]) + " m/s";
+}
+
 }  // namespace
 
 std::string mass_fault(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x) {
-  std::vector<double> in{t, 0}, scratch(system.inertia().registers() + 1);
-  in.insert(in.end(), x.begin(), x.end());
-  in.insert(in.end(), theta.begin(), theta.end());
-  double mass = 0;
-  system.inertia().run_point(in.data(), &mass, scratch.data());
-  if (mass > 0) return "";
-  return "the mass is " + short_number(mass) + " kg at y = " + short_number(x[0]) + " m, v = " + short_number(x[1]) +
-         " m/s; it must stay above 0";
+  const std::vector<double> in = force_inputs(system, system.inertia(), theta, t, x);
+  std::vector<double> scratch(system.inertia().registers() + 1), masses(system.degrees());
+  system.inertia().run_point(in.data(), masses.data(), scratch.data());
+  for (int i = 0; i < system.degrees(); ++i)
+    if (!(masses[i] > 0))
+      return "the mass is " + short_number(masses[i]) + " kg at " + place_words(system.model(), x, i) +
+             "; it must stay above 0";
+  return "";
 }
 
 std::string explosion_cause(const System& system, std::span<const double> theta, double t, Eigen::VectorXd x,
@@ -94,30 +112,34 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
   x = x.cwiseMin(huge).cwiseMax(-huge);
   if (const std::string fault = mass_fault(system, theta, t, x); !fault.empty()) return fault;
   const Model& model = system.model();
-  Terms terms(system, theta);
+  int worst = 0;  // the coordinate that went farthest
+  for (int i = 1; i < system.degrees(); ++i)
+    if (std::abs(x[2 * i]) > std::abs(x[2 * worst])) worst = i;
+  const int y = 2 * worst, v = y + 1;
+  Terms terms(system, theta, worst);
   Eigen::VectorXd next = x;
-  next[0] += dt * x[1];
+  for (int i = 0; i < system.degrees(); ++i) next[2 * i] += dt * x[2 * i + 1];
   for (const Eigen::VectorXd& at : {x, next}) {
     terms.sum(t, at);
     for (std::size_t i = 0; i < terms.values.size(); ++i)
       if (!std::isfinite(terms.values[i]))
-        return "the term " + to_text(terms.expressions[i]) + " has no finite value at y = " + short_number(at[0]) +
-               " m, v = " + short_number(at[1]) + " m/s";
+        return "the term " + to_text(terms.expressions[i]) + " has no finite value at " +
+               place_words(model, at, worst);
   }
   Eigen::VectorXd still = x;
-  still[1] = 0;
-  if (const double y = barrier(terms, t, still, x[0]); y > 0) {
-    still[0] = x[0];
+  still[v] = 0;
+  if (const double limit = barrier(terms, t, still, y, x[y]); limit > 0) {
+    still[y] = x[y];
     terms.sum(t, still);
-    return "the restoring force grows without bound beyond |y| = " + short_number(y) + " m (term " +
-           largest(terms, x[0] < 0 ? 1 : -1) + ")";
+    return "the restoring force grows without bound beyond |" + model.channel('y', worst) +
+           "| = " + short_number(limit) + " m (term " + largest(terms, x[y] < 0 ? 1 : -1) + ")";
   }
-  for (Eigen::Index i = 2; i < x.size(); ++i)
-    if (std::abs(x[i]) > 1e12 * (1 + std::abs(model.states[i - 2].initial)))
-      return "the state " + model.states[i - 2].symbol.name() + " grows without bound";
+  for (std::size_t i = 0; i < model.states.size(); ++i)
+    if (std::abs(x[2 * system.degrees() + static_cast<int>(i)]) > 1e12 * (1 + std::abs(model.states[i].initial)))
+      return "the state " + model.states[i].symbol.name() + " grows without bound";
   terms.sum(t, x);
-  return "the motion grows without bound: y = " + short_number(x[0]) + " m, v = " + short_number(x[1]) +
-         " m/s (largest driving term " + largest(terms, x[1] < 0 ? 1 : -1) + ")";
+  return "the motion grows without bound: " + place_words(model, x, worst) + " (largest driving term " +
+         largest(terms, x[v] < 0 ? 1 : -1) + ")";
 }
 
 std::string chatter_cause(const Dynamics& d, int event, long max_events) {

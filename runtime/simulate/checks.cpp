@@ -40,23 +40,34 @@ std::string to_string(Solver solver) {
     case Solver::fixed: return "fixed";
     case Solver::bdf: return "bdf";
     case Solver::adams: return "adams";
-    case Solver::explicit_rk: return "explicit";
+    case Solver::rk23: return "rk23";
+    case Solver::rk45: return "rk45";
+    case Solver::rk78: return "rk78";
+    case Solver::esdirk: return "esdirk";
   }
   return "";
 }
 
+std::span<const Solver> all_solvers() {
+  static constexpr Solver all[] = {Solver::automatic, Solver::fixed, Solver::bdf,  Solver::adams,
+                                   Solver::rk23,      Solver::rk45,  Solver::rk78, Solver::esdirk};
+  return all;
+}
+
 Solver solver_from(std::string_view name) {
   std::vector<std::string> choices;
-  for (const Solver s : {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+  std::string words;
+  for (const Solver s : all_solvers()) {
     if (to_string(s) == name) return s;
     choices.push_back(to_string(s));
+    words += (words.empty() ? "" : s == Solver::esdirk ? " or " : ", ") + choices.back();
   }
   const std::string near = nearest_word(std::string(name), choices);
-  throw InputError("solver: expected auto, fixed, bdf, adams or explicit, got '" + std::string(name) + "'" +
+  throw InputError("solver: expected " + words + ", got '" + std::string(name) + "'" +
                    (near.empty() ? "" : ", did you mean '" + near + "'?"));
 }
 
-void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitation& excitation,
+void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitations& excitation,
                const Eigen::VectorXd& x0, const SimulateOptions& options) {
   const std::string name = caller;
   if (system.model().imposed_motion)
@@ -75,36 +86,41 @@ void check_run(const char* caller, const System& system, std::span<const double>
     if (!std::isfinite(x0[i]))
       throw InputError(name + ": x0: " + system.dynamics().names[i] + ": expected a finite value, got " +
                        number(x0[i]));
-  if (excitation.rows() < 2) throw InputError(name + ": the excitation is empty");
+  if (excitation.empty() || excitation.rows() < 2) throw InputError(name + ": the excitation is empty");
   check_options(name, options);
 }
 
-Run empty_run(const System& system, const Excitation& excitation) {
+Run empty_run(const System& system, const Excitations& excitation) {
   Run run;
   run.t0 = excitation.t0();
   run.dt = excitation.dt();
   run.x.setConstant(excitation.rows(), system.states(), std::numeric_limits<double>::quiet_NaN());
-  run.a.setConstant(excitation.rows(), std::numeric_limits<double>::quiet_NaN());
+  run.a.setConstant(excitation.rows(), system.degrees(), std::numeric_limits<double>::quiet_NaN());
   return run;
 }
 
-double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
+double default_bound(const System& system, std::span<const double> theta, const Excitations& excitation,
                      const Eigen::VectorXd& x0) {
   const Dynamics& d = system.dynamics();
-  std::vector<double> in(d.inputs(), 0.0), out(d.rate.outputs()), scratch(d.rate.registers() + 1);
+  std::vector<double> in(d.inputs(), 0.0), scratch(d.rate.registers() + 1);
+  std::vector<double> here(d.rate.outputs()), rest = here, pushed = here;
   std::copy(theta.begin(), theta.end(), in.end() - d.p);
-  const auto acceleration = [&](double force, bool rest) {
+  const auto rates = [&](bool at_rest, auto input, std::vector<double>& out) {
     in[0] = excitation.t0();
-    in[1] = force;
-    for (int i = 0; i < d.n; ++i) in[2 + i] = rest ? 0 : x0[i];
+    for (int i = 0; i < d.exogenous; ++i) in[1 + i] = input(excitation[i]);
+    for (int i = 0; i < d.n; ++i) in[1 + d.exogenous + i] = at_rest ? 0 : x0[i];
     d.rate.run_point(in.data(), out.data(), scratch.data());
-    return out[1];
   };
-  const double largest = excitation.peak();
+  rates(false, [&](const Excitation& e) { return e.at(excitation.t0()); }, here);
+  rates(true, [](const Excitation&) { return 0.0; }, rest);
+  rates(true, [](const Excitation& e) { return e.peak(); }, pushed);
   const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
-  double reach = std::abs(acceleration(excitation.at(excitation.t0()), false));
-  reach = std::max(reach, std::abs(acceleration(largest, true) - acceleration(0, true)));
-  const double scale = std::abs(x0[0]) + std::abs(x0[1]) * time + 0.5 * reach * time * time;
+  double scale = 0;
+  for (int i = 0; i < d.degrees; ++i) {
+    const int v = 2 * i + 1;
+    const double reach = std::max(std::abs(here[v]), std::abs(pushed[v] - rest[v]));
+    scale = std::max(scale, std::abs(x0[v - 1]) + std::abs(x0[v]) * time + 0.5 * reach * time * time);
+  }
   return std::isfinite(scale) && scale > 0 ? 1e6 * scale : 0;
 }
 

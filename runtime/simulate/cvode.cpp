@@ -1,6 +1,4 @@
 #include <cvode/cvode.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
 
 #include <cstdlib>
 
@@ -28,11 +26,8 @@ class Cvode : public SundialsBase {
     check(CVodeWFtolerances(m, weights), "CVodeWFtolerances");
     check(CVodeSetMaxNumSteps(m, max_steps_per_sample), "CVodeSetMaxNumSteps");
     check(CVodeSetMaxStep(m, max_step), "CVodeSetMaxStep");
-    matrix_.reset(SUNDenseMatrix(x0.size(), x0.size(), context_.get()));
-    check(matrix_.get(), "SUNDenseMatrix");
-    solver_.reset(SUNLinSol_Dense(x_.get(), matrix_.get(), context_.get()));
-    check(solver_.get(), "SUNLinSol_Dense");
-    check(CVodeSetLinearSolver(m, solver_.get(), matrix_.get()), "CVodeSetLinearSolver");
+    make_newton();
+    check(CVodeSetLinearSolver(m, newton_->solver(), newton_->matrix()), "CVodeSetLinearSolver");
     check(CVodeSetJacFn(m, jacobian), "CVodeSetJacFn");
     if (ode.events() == 0) return;
     check(CVodeRootInit(m, 2 * ode.events(), events), "CVodeRootInit");
@@ -85,9 +80,7 @@ class Cvode : public SundialsBase {
   }
 
  private:
-  // the integrator goes first, before the solver, matrix, vector and context that it uses
-  SundialsHandle<SUNMatrix, MatrixDeleter> matrix_;
-  SundialsHandle<SUNLinearSolver, LinearSolverDeleter> solver_;
+  // the integrator goes first, before the solver, matrix, vector and context of the base that it uses
   std::unique_ptr<void, MemoryDeleter> memory_;
   int flag_ = 0;
   long steps_ = 0, evaluations_ = 0;  ///< before the last restart

@@ -29,7 +29,7 @@ void ModeMachine::set_on_surface(int surface, const Drive& drive, double* x) noe
   const bool resting = surfaces_[surface].order == 2;
   if (component >= 0) {
     x[component] = 0;
-    if (resting) x[1] = 0;
+    if (resting) x[component + 1] = 0;
     return;
   }
   load(drive, x);
@@ -37,15 +37,18 @@ void ModeMachine::set_on_surface(int surface, const Drive& drive, double* x) noe
   run(drive);
   const double value = g_[d_.surfaces[surface].switch_index];
   const double* g = row(surface) + 1 + d_.exogenous;
-  if (resting) {
+  const double* jump = jump_of(surface);
+  double slope = 0;
+  if (resting) {  // along the accelerations with which the surface acts, displacements and velocities alike
     const double rate = along(row(surface), drive, out_.data());
-    x[0] -= value / g[0];
-    x[1] -= rate / g[0];
+    for (int i = 0; i < d_.degrees; ++i) slope += g[2 * i] * jump[2 * i + 1];
+    if (!std::isfinite(value / slope)) return;
+    for (int i = 0; i < d_.degrees; ++i) {
+      x[2 * i] -= value / slope * jump[2 * i + 1];
+      x[2 * i + 1] -= rate / slope * jump[2 * i + 1];
+    }
     return;
   }
-  const auto l = std::find(sliding_.begin(), sliding_.end(), surface) - sliding_.begin();
-  const double* jump = side_.data() + l * static_cast<std::ptrdiff_t>(out_.size());
-  double slope = 0;
   for (int i = 0; i < d_.n; ++i) slope += g[i] * jump[i];
   const double step = value / slope;
   if (!std::isfinite(step)) return;

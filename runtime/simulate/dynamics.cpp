@@ -1,7 +1,10 @@
 #include "simulate/dynamics.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace lunid {
 namespace {
@@ -54,12 +57,16 @@ struct SurfaceTable {
   }
 };
 
-/// True when g moves with y and t alone, y' being the state v.
+/// True when g moves with displacements and t alone.
 bool positional(Expr g, const DynamicsSource& s) {
-  if (s.states.size() < 2 || s.rates[0] != s.states[1] || !depends_on(g, s.states[0])) return false;
-  for (const Expr& symbol : symbols(g))
-    if (symbol.kind() != SymbolKind::parameter && symbol != s.states[0] && symbol != s.t) return false;
-  return true;
+  bool moves = false;
+  for (const Expr& symbol : symbols(g)) {
+    if (symbol.kind() == SymbolKind::parameter || symbol == s.t) continue;
+    const auto state = std::find(s.states.begin(), s.states.end(), symbol) - s.states.begin();
+    if (state >= 2 * s.degrees || state % 2 != 0) return false;
+    moves = true;
+  }
+  return moves;
 }
 
 void map_rate_switches(Dynamics& d, SurfaceTable& table, const DynamicsSource& source) {
@@ -116,15 +123,52 @@ std::vector<Expr> all_inputs(const DynamicsSource& s) {
   return inputs;
 }
 
-void append_gradient(std::vector<Expr>& outputs, Expr f, std::span<const Expr> symbols) {
-  for (const Expr& symbol : symbols) outputs.push_back(derivative(f, symbol));
+void append_gradient(std::vector<Expr>& outputs, Expr f, std::span<const Expr> inputs) {
+  std::unordered_set<std::uint32_t> held;
+  for (const Expr& symbol : symbols(f)) held.insert(symbol.id());
+  for (const Expr& input : inputs)
+    outputs.push_back(held.contains(input.id()) ? derivative(f, input) : f.pool().constant(0));
 }
+
+void compile_jacobian(Dynamics& d, const DynamicsSource& s, std::span<const Expr> inputs) {
+  std::unordered_map<std::uint32_t, int> place;
+  for (int i = 0; i < d.n; ++i) place.emplace(s.states[i].id(), i);
+  std::vector<Expr> entries;
+  for (int row = 0; row < d.n; ++row) {
+    std::map<int, Expr> slopes;
+    for (const Expr& symbol : symbols(s.rates[row]))
+      if (const auto at = place.find(symbol.id()); at != place.end())
+        slopes.emplace(at->second, derivative(s.rates[row], symbol));
+    for (const auto& [column, slope] : slopes) {
+      if (slope.is_constant(0)) continue;
+      d.pattern.push_back({row, column});
+      entries.push_back(slope);
+    }
+  }
+  d.jacobian = Tape(entries, inputs);
+}
+
+void compile_derivatives(Dynamics& d, const DynamicsSource& s, std::span<const Expr> gap_rates,
+                         std::span<const Expr> inputs) {
+  std::vector<Expr> outputs = s.rates;
+  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.states);
+  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.parameters);
+  for (const Expr& rate : gap_rates) {
+    append_gradient(outputs, rate, s.states);
+    append_gradient(outputs, rate, s.parameters);
+  }
+  d.derivatives = Tape(outputs, inputs);
+}
+
+/// Gradients are dense: beyond this many entries a model has too many switches for its size.
+constexpr std::size_t gradient_limit = 4000000;
 
 }  // namespace
 
 Dynamics compile(const DynamicsSource& s) {
   Dynamics d;
   d.exogenous = static_cast<int>(s.exogenous.size());
+  d.degrees = s.degrees;
   d.n = static_cast<int>(s.states.size());
   d.p = static_cast<int>(s.parameters.size());
   for (const Expr& x : s.states) d.names.push_back(x.name());
@@ -142,18 +186,15 @@ Dynamics compile(const DynamicsSource& s) {
   outputs.insert(outputs.end(), gap_rates.begin(), gap_rates.end());
   d.rate = Tape(outputs, inputs);
 
-  outputs = s.rates;
-  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.states);
-  for (const Expr& rate : s.rates) append_gradient(outputs, rate, s.parameters);
-  for (const Expr& rate : gap_rates) {
-    append_gradient(outputs, rate, s.states);
-    append_gradient(outputs, rate, s.parameters);
-  }
-  d.derivatives = Tape(outputs, inputs);
+  compile_jacobian(d, s, inputs);
+  if (d.dense()) compile_derivatives(d, s, gap_rates, inputs);
 
   SurfaceTable table;
   map_rate_switches(d, table, s);
-  d.derivative_switches = map_switches(d.derivatives, table);
+  if (d.dense()) d.derivative_switches = map_switches(d.derivatives, table);
+  if ((d.surfaces.size() + gaps.size()) * inputs.size() > gradient_limit)
+    throw InputError("model: " + std::to_string(d.surfaces.size() + gaps.size()) + " switches and bounds over " +
+                     std::to_string(d.n) + " states are more than can be located; replace some by smooth terms");
 
   std::vector<Expr> moving = gaps;
   for (const Surface& surface : d.surfaces) moving.push_back(surface.g);

@@ -54,12 +54,11 @@ class Segment {
  public:
   double t = 0, h = 0;
   int exogenous = 0;
-  double input[3][places];
+  double input[max_inputs][places];
 
   /// At the place of a stage of the whole substep.
   Drive at_node(int node) const noexcept {
-    Drive d;
-    d.t = t + dp::place[node] * h;
+    Drive d(t + dp::place[node] * h, exogenous);
     for (int i = 0; i < exogenous; ++i) d.u[i] = input[i][node];
     return d;
   }
@@ -68,8 +67,7 @@ class Segment {
   Drive drive(double s) noexcept {
     if (s == 0) return at_node(0);
     if (s == 1) return at_node(dp::nodes);
-    Drive d;
-    d.t = t + s * h;
+    Drive d(t + s * h, exogenous);
     for (int i = 0; i < exogenous; ++i) {
       const double* c = polynomial(i);
       for (int k = places - 1; k >= 0; --k) d.u[i] = d.u[i] * s + c[k];
@@ -102,7 +100,7 @@ class Segment {
   }
 
   bool known_ = false;
-  double coefficient_[3][places];
+  double coefficient_[max_inputs][places];
 };
 
 class EventRun {
@@ -264,7 +262,7 @@ bool EventRun::advance(Segment& segment) {
         return failed(segment, at, Stop::too_many_events);
       }
     }
-    if (problem_.bound > 0 && n_ > 0 && std::abs(x_[0]) > problem_.bound) return failed(segment, at, Stop::exploded);
+    if (beyond(problem_, x_.data())) return failed(segment, at, Stop::exploded);
   }
   return true;
 }
@@ -482,17 +480,19 @@ void EventRun::project_row(const double* gradient, int state, int side) {
   }
 }
 
-/// At rest on a surface of the displacement y and v follow it alone.
+/// At rest on a surface of displacements: g and dg/dt stay zero, taken up along the accelerations of the surface.
 void EventRun::rest_sensitivities(int surface, const Drive& drive) {
   const double* place = modes_.gradient(surface, drive, x_.data());
   const double* speed = modes_.rate_gradient(surface);
-  const double slope = place[1 + d_.exogenous];
+  const double* jump = modes_.jump_of(surface);
+  double slope = 0;
+  for (int i = 0; i < d_.degrees; ++i) slope += place[1 + d_.exogenous + 2 * i] * jump[2 * i + 1];
   for (int row = 0; row < 2; ++row) {
     const double* gradient = (row == 0 ? place : speed) + 1 + d_.exogenous;
     for (int c = 0; c < columns_; ++c) {
       double change = c < p_ ? gradient[n_ + c] : 0;
       for (int i = 0; i < n_; ++i) change += gradient[i] * s_[i * columns_ + c];
-      s_[row * columns_ + c] -= change / slope;
+      for (int i = 0; i < d_.degrees; ++i) s_[(2 * i + row) * columns_ + c] -= change / slope * jump[2 * i + 1];
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <optional>
 
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
@@ -325,6 +326,57 @@ Excitation excitation_of(const Record& record, std::optional<Interpolation> inte
   if (interpolation || !channel.formula.valid())
     return Excitation(record.start(), record.dt(), force, interpolation.value_or(channel.between));
   return Excitation(record.start(), record.dt(), force, channel.between, function_of_time(channel.formula));
+}
+
+Excitations& Excitations::add(const std::string& channel, Excitation signal) {
+  const auto refuse = [&](const std::string& what) { throw InputError("excitation: " + channel + ": " + what); };
+  if (std::find(channels_.begin(), channels_.end(), channel) != channels_.end()) refuse("given twice");
+  if (!empty()) {
+    const double apart = std::max(std::abs(signal.t0() - t0()), std::abs(signal.dt() - dt()) * double(rows()));
+    if (signal.rows() != rows() || !(apart <= 1e-6 * dt()))
+      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " + number(t0()) +
+             " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
+             number(signal.t0()) + " s by " + number(signal.dt()) + " s");
+    if ((signal.interpolation() == Interpolation::hold) != (interpolation() == Interpolation::hold))
+      refuse("a held signal cannot be joined with one that is not held");
+  }
+  channels_.push_back(channel);
+  signals_.push_back(std::move(signal));
+  return *this;
+}
+
+Excitations Excitations::part(Index first, Index count) const {
+  Excitations cut = *this;
+  for (Excitation& signal : cut.signals_) signal = signal.part(first, count);
+  return cut;
+}
+
+Excitations Excitations::of(const System& system) const {
+  const std::vector<std::string>& inputs = system.inputs();
+  Excitations ordered;
+  std::vector<int> place(inputs.size(), -1);
+  for (int i = 0; i < count(); ++i) {
+    auto at = std::find(inputs.begin(), inputs.end(), channels_[i]);
+    // F is the force of the first driven coordinate, F1 the one of a single coordinate
+    if (at == inputs.end() && (channels_[i] == "F" || (channels_[i] == "F1" && system.degrees() == 1)))
+      at = inputs.begin();
+    if (at == inputs.end()) {
+      std::string words;
+      for (const std::string& input : inputs) words += (words.empty() ? "" : ", ") + input;
+      throw InputError("excitation: " + channels_[i] + ": drives nothing in this model; its inputs are " + words);
+    }
+    int& entry = place[at - inputs.begin()];
+    if (entry >= 0) throw InputError("excitation: " + channels_[i] + ": given twice");
+    entry = i;
+  }
+  std::optional<Excitation> still;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (place[i] < 0 && !still)
+      still = Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), 0.0), interpolation());
+    ordered.channels_.push_back(inputs[i]);
+    ordered.signals_.push_back(place[i] < 0 ? *still : signals_[place[i]]);
+  }
+  return ordered;
 }
 
 }  // namespace lunid

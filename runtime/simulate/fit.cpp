@@ -63,6 +63,56 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
   return segments;
 }
 
+/// A measured channel that the fit looks at.
+struct Output {
+  int state;      ///< the state that it measures
+  std::string channel;
+  double weight;  ///< of its residual: the noise of the first over its own
+};
+
+double spread_of(std::span<const double> x) {
+  const Eigen::Map<const Eigen::ArrayXd> values(x.data(), static_cast<Eigen::Index>(x.size()));
+  return std::sqrt((values - values.mean()).square().mean());
+}
+
+/// The place in the state of a channel such as y, v2; -1 when it is none.
+int state_of(const Model& model, const std::string& channel) {
+  for (int i = 0; i < model.degrees(); ++i) {
+    if (channel == model.channel('y', i)) return 2 * i;
+    if (channel == model.channel('v', i)) return 2 * i + 1;
+  }
+  return -1;
+}
+
+std::vector<Output> outputs_of(const Model& model, const Record& record, const std::vector<std::string>& channels) {
+  std::vector<Output> outputs;
+  if (model.imposed_motion) return outputs;
+  std::string wanted;
+  for (int i = 0; channels.empty() && i < model.degrees(); ++i) {
+    const std::string y = model.channel('y', i);
+    wanted += (wanted.empty() ? "" : ", ") + y;
+    if (record.has(y)) outputs.push_back({2 * i, y, 1});
+  }
+  for (const std::string& channel : channels) {
+    const int state = state_of(model, channel);
+    if (state < 0) throw InputError("fit_trajectory: channels: expected displacements or velocities of the model, got '" + channel + "'");
+    wanted += (wanted.empty() ? "" : ", ") + channel;
+    if (!record.has(channel))
+      throw InputError("fit_trajectory: the record " + record.name() + " has no channel '" + channel + "'");
+    outputs.push_back({state, channel, 1});
+  }
+  if (outputs.empty())
+    throw InputError("fit_trajectory: the record " + record.name() + " has none of the channels " + wanted);
+  const auto noise = [&](const Output& o) { return record.channel(o.channel).noise; };
+  for (Output& o : outputs) {
+    const bool known = noise(o) > 0 && noise(outputs[0]) > 0;
+    o.weight = known ? noise(outputs[0]) / noise(o)
+                     : spread_of(record[outputs[0].channel]) / std::max(spread_of(record[o.channel]), 1e-300);
+  }
+  outputs[0].weight = 1;
+  return outputs;
+}
+
 class Problem {
  public:
   Problem(const System& system, const std::vector<FitData>& data, const FitOptions& options, int substeps)
@@ -70,6 +120,7 @@ class Problem {
     run_options_.solver = Solver::fixed;
     run_options_.substeps = substeps;
     run_options_.cancelled = options.cancelled;
+    for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
   }
 
   bool imposed() const { return system_.model().imposed_motion; }
@@ -104,8 +155,9 @@ class Problem {
     if (!run(theta, segment, index, data, derivatives, part.residual, part.columns, normal)) return;
     std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
     for (Eigen::Index i = 0; i < segment.count; ++i) keep[static_cast<std::size_t>(i)] = used(data, segment.first + i);
-    normal.rows += std::count(keep.begin(), keep.end(), 1) / options_.whitening.average;
-    whiten(part.residual, keep, options_.whitening, part.error);
+    const Eigen::Index channels = part.residual.size() / segment.count;
+    normal.rows += channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
+    whiten_channels(part.residual, keep, part.error);
     normal.cost += part.error.squaredNorm();
     if (!derivatives) return;
     whiten_columns(keep, part.error.size(), part.columns);
@@ -121,13 +173,27 @@ class Problem {
     normal.parts.push_back(std::move(part));
   }
 
+  /// A column of all channels, one after another, each whitened for itself.
+  void whiten_channels(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& keep,
+                       Eigen::VectorXd& out) const {
+    const auto rows = static_cast<Eigen::Index>(keep.size()), channels = column.size() / rows;
+    if (channels == 1) return whiten(column, keep, options_.whitening, out);
+    const Eigen::Index kept = rows / options_.whitening.average;
+    out.resize(channels * kept);
+    Eigen::VectorXd part;
+    for (Eigen::Index c = 0; c < channels; ++c) {
+      whiten(column.segment(c * rows, rows), keep, options_.whitening, part);
+      out.segment(c * kept, kept) = part;
+    }
+  }
+
   void whiten_columns(const std::vector<std::uint8_t>& keep, Eigen::Index rows, Eigen::MatrixXd& columns) const {
     const bool all = std::find(keep.begin(), keep.end(), 0) == keep.end();
     if (all && options_.whitening.average == 1 && options_.whitening.ar.empty()) return;
     Eigen::MatrixXd out(rows, columns.cols());
     Eigen::VectorXd column;
     for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-      whiten(columns.col(j), keep, options_.whitening, column);
+      whiten_channels(columns.col(j), keep, column);
       out.col(j) = column;
     }
     columns = std::move(out);
@@ -146,21 +212,44 @@ class Problem {
       if (!error.allFinite()) return fail(normal, "the model's force is not finite");
       return true;
     }
-    const auto y =
-        data.record["y"].subspan(static_cast<std::size_t>(segment.first), static_cast<std::size_t>(segment.count));
-    const Eigen::Map<const Eigen::VectorXd> measured(y.data(), segment.count);
+    const std::vector<Output>& outputs = outputs_[static_cast<std::size_t>(segment.record)];
     if (derivatives) {
-      SensitivityRun r = simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_);
+      std::vector<int> wanted;
+      for (const Output& o : outputs) wanted.push_back(o.state);
+      SensitivityRun r =
+          simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_, wanted);
       if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
-      if (!r.dy.allFinite()) return fail(normal, "the sensitivities are not finite");
-      error = measured - r.run.x.col(0);
-      jacobian = std::move(r.dy);
+      error = difference(data.record, segment, outputs, r.run);
+      if (outputs.size() == 1) {
+        jacobian = std::move(r.dx[static_cast<std::size_t>(outputs[0].state)]);
+      } else {
+        jacobian.resize(error.size(), theta.size() + system_.states());
+        Eigen::Index row = 0;
+        for (const Output& o : outputs) {
+          jacobian.middleRows(row, segment.count) = o.weight * r.dx[static_cast<std::size_t>(o.state)];
+          row += segment.count;
+        }
+      }
+      if (!jacobian.allFinite()) return fail(normal, "the sensitivities are not finite");
     } else {
       const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
       if (!r.summary.completed) return fail(normal, r.summary.cause);
-      error = measured - r.x.col(0);
+      error = difference(data.record, segment, outputs, r);
     }
     return true;
+  }
+
+  /// Measured - model, weighted, channel after channel.
+  static Eigen::VectorXd difference(const Record& record, const FitSegment& segment, const std::vector<Output>& outputs,
+                                    const Run& run) {
+    Eigen::VectorXd error(segment.count * static_cast<Eigen::Index>(outputs.size()));
+    Eigen::Index row = 0;
+    for (const Output& o : outputs) {
+      const Eigen::Map<const Eigen::VectorXd> measured(record[o.channel].data() + segment.first, segment.count);
+      error.segment(row, segment.count) = o.weight * (measured - run.x.col(o.state));
+      row += segment.count;
+    }
+    return error;
   }
 
   static bool fail(Normal& normal, std::string cause) {
@@ -173,7 +262,8 @@ class Problem {
   const std::vector<FitData>& data_;
   const FitOptions& options_;
   SimulateOptions run_options_;
-  std::vector<Excitation> excitations_;
+  std::vector<Excitations> excitations_;
+  std::vector<std::vector<Output>> outputs_;  ///< per record
 };
 
 struct Step {
@@ -286,7 +376,7 @@ void finish(const System& system, const std::vector<FitData>& data, const Normal
   for (std::size_t s = 0; s < result.segments.size(); ++s) {
     const FitSegment& segment = result.segments[s];
     result.residual[static_cast<std::size_t>(segment.record)].segment(segment.first, segment.count) =
-        normal.parts[s].residual;
+        normal.parts[s].residual.head(segment.count);
   }
   result.information = schur(normal);
   Eigen::VectorXd full = normal.a.diagonal();
@@ -382,17 +472,17 @@ FitResult minimise(const System& system, const Eigen::VectorXd& start, const std
   return result;
 }
 
-int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data) {
+int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                 const FitOptions& options) {
   if (system.model().imposed_motion) return 4;
   int most = 1;
   for (const auto& d : data) {
     const Eigen::Index rows = std::min<Eigen::Index>(d.record.rows(), 400);
     const Eigen::Index first = (d.record.rows() - rows) / 2;
-    const auto y = d.record["y"];
-    const Eigen::Map<const Eigen::VectorXd> values(y.data(), d.record.rows());
-    const double spread = std::sqrt((values.array() - values.mean()).square().mean());
+    const std::string channel = outputs_of(system.model(), d.record, options.channels)[0].channel;
     // A tenth of what the sensor's noise hides.
-    const double tolerance = std::clamp(0.1 * d.record.channel("y").noise / spread, 1e-5, 1e-3);
+    const double tolerance =
+        std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
     const int chosen =
         choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())}, d.excitation.part(first, rows),
                         measured_state(system, d.record, first), tolerance);
@@ -456,15 +546,19 @@ void validate(const FitOptions& o) {
 
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
-  const Channel& y = record.channel("y");
+  const Model& model = system.model();
   const Eigen::Index width = std::min<Eigen::Index>(record.rows(), 201);
   const Eigen::Index first = std::clamp<Eigen::Index>(row - width / 2, 0, record.rows() - width);
-  const auto part = record["y"].subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
-  const SavitzkyGolay options = choose_savitzky_golay(part, y.noise, 0);
-  x0[0] = savitzky_golay(part, record.dt(), 0, options)[row - first];
-  x0[1] = record["v"][static_cast<std::size_t>(row)];
-  const auto& states = system.model().states;
-  for (std::size_t i = 0; i < states.size(); ++i) x0[static_cast<Eigen::Index>(2 + i)] = states[i].initial;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const std::string y = model.channel('y', i), v = model.channel('v', i);
+    if (model.degrees() > 1 && !record.has(y)) continue;  // a coordinate that no sensor sees starts at rest
+    const auto part = record[y].subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
+    const SavitzkyGolay options = choose_savitzky_golay(part, record.channel(y).noise, 0);
+    x0[2 * i] = savitzky_golay(part, record.dt(), 0, options)[row - first];
+    x0[2 * i + 1] = record[v][static_cast<std::size_t>(row)];
+  }
+  for (std::size_t i = 0; i < model.states.size(); ++i)
+    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = model.states[i].initial;
   return x0;
 }
 
@@ -472,7 +566,7 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
                          const FitOptions& options) {
   validate(options);
   check(system, theta, data);
-  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data);
+  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
   return minimise(system, theta, data, options, cut(system, data, options.segment), substeps);
 }
 
@@ -484,13 +578,14 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   Eigen::Index longest = 0, length = 0;
   for (const auto& d : data) {
     longest = std::max(longest, d.record.rows());
-    const double omega = dominant_frequency(d.record["y"], d.record.dt());
+    const std::string channel = outputs_of(system.model(), d.record, options.channels)[0].channel;
+    const double omega = dominant_frequency(d.record[channel], d.record.dt());
     const double period = omega > 0 ? 2 * M_PI / omega / d.record.dt() : static_cast<double>(d.record.rows());
     length = std::max(length, static_cast<Eigen::Index>(2 * period));
   }
   length = std::clamp<Eigen::Index>(length, 20, longest);
   FitOptions stage = options;
-  stage.substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data);
+  stage.substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
   stage.whitening = {};
   stage.tolerance = std::max(options.tolerance, 1e-3);
   stage.max_iterations = std::min(options.max_iterations, 12);

@@ -12,7 +12,7 @@ namespace lunid {
 /// A record with the force between its samples, and the rows that the fit may see.
 struct FitData {
   Record record;
-  Excitation excitation;
+  Excitations excitation;
   std::vector<std::uint8_t> use;  ///< one entry per row, 0: left out of the fit (still simulated); empty: all used
 };
 
@@ -34,6 +34,8 @@ struct FitOptions {
   double tolerance = 1e-7;   ///< relative drop of the cost at which the fit stops, > 0
   int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
   Whitening whitening;       ///< what is done to the residual before it is squared
+  /// Displacements and velocities that are fitted, each weighted by its noise; empty: the displacements of the record
+  std::vector<std::string> channels;
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.
@@ -49,8 +51,8 @@ struct FitSegment {
 struct FitResult {
   Eigen::VectorXd theta;
   std::vector<FitSegment> segments;
-  std::vector<Eigen::VectorXd>
-      residual;           ///< per record: measured - model [m] (force [N] with imposed motion), rows out of use too
+  /// per record: measured - model [m] of its first fitted channel (force [N] with imposed motion), rows out of use too
+  std::vector<Eigen::VectorXd> residual;
   double cost = 0;        ///< sum of squared (whitened) residuals
   Eigen::Index rows = 0;  ///< rows in the cost
   Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost

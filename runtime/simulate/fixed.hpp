@@ -19,9 +19,9 @@ struct FixedProblem {
   double t0 = 0, dt = 1;
   Eigen::Index rows = 0;
   int substeps = 1;
-  std::array<const double*, 3> drive{};  ///< stage grid of each exogenous input (Excitation::stage_grid)
-  bool hold = false;                     ///< inputs jump at the samples
-  double bound = 0;                      ///< the run stops where |x[0]| passes it; 0: none
+  std::array<const double*, max_inputs> drive{};  ///< stage grid of each exogenous input (Excitation::stage_grid)
+  bool hold = false;                              ///< inputs jump at the samples
+  double bound = 0;                               ///< the run stops where a displacement passes it; 0: none
   long max_events = 1000000;
   const std::atomic<bool>* cancelled = nullptr;
   bool sensitivities = false;
@@ -32,6 +32,14 @@ struct RowSink {
   virtual ~RowSink() = default;
   virtual void row(Eigen::Index row, const double* x, const double* f, const double* s) = 0;
 };
+
+/// True where a displacement has passed the bound of the problem.
+inline bool beyond(const FixedProblem& problem, const double* x) noexcept {
+  if (!(problem.bound > 0)) return false;
+  for (int i = 0; i < problem.dynamics->degrees; ++i)
+    if (std::abs(x[2 * i]) > problem.bound) return true;
+  return false;
+}
 
 enum class Stop { none, exploded, too_many_events };
 

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "expr/walk.hpp"
+#include "simulate/model.hpp"
 
 namespace lunid {
 namespace {
@@ -67,6 +68,53 @@ InertiaSplit split_inertia(Expr restoring, Expr a) {
   }
   const Affine whole = image.at(restoring.id());
   return {whole.slope, whole.rest.valid() ? whole.rest : restoring.pool().constant(0)};
+}
+
+std::vector<InertiaRow> inertia_rows(const Model& model) {
+  Pool& pool = *model.pool;
+  std::vector<InertiaRow> rows;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    InertiaRow row{{{i, mass}}, restoring};
+    for (int j = 0; j < model.degrees(); ++j) {
+      const Expr a = pool.find(model.channel('a', j));
+      if (!a.valid() || !depends_on(row.force, a)) continue;
+      const auto [slope, rest] = split_inertia(row.force, a);
+      row.force = rest;
+      if (slope.valid()) row.mass[j] = row.mass.contains(j) ? row.mass[j] + slope : slope;
+    }
+    for (const auto& [column, entry] : row.mass)  // a1*a2 is affine in each, but not in both
+      for (const Expr& symbol : symbols(entry, SymbolKind::channel))
+        if (symbol.name()[0] == 'a' && symbol.name() != "ab") refuse(entry * pool.channel(model.channel('a', column)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<Expr> solve_accelerations(std::vector<InertiaRow> rows, std::vector<Expr> right) {
+  const int n = static_cast<int>(rows.size());
+  std::vector<std::vector<int>> below(n);  // rows below the diagonal with an entry in this column
+  for (int i = 0; i < n; ++i)
+    for (const auto& [column, entry] : rows[i].mass)
+      if (column < i) below[column].push_back(i);
+  for (int k = 0; k < n; ++k)
+    for (const int i : below[k]) {
+      const Expr factor = rows[i].mass.at(k) / rows[k].mass.at(k);
+      rows[i].mass.erase(k);
+      for (const auto& [column, entry] : rows[k].mass) {
+        if (column <= k) continue;
+        const auto at = rows[i].mass.find(column);
+        if (at == rows[i].mass.end() && column < i) below[column].push_back(i);
+        rows[i].mass[column] = at == rows[i].mass.end() ? -(factor * entry) : at->second - factor * entry;
+      }
+      right[i] = right[i] - factor * right[k];
+    }
+  for (int k = n - 1; k >= 0; --k) {
+    for (const auto& [column, entry] : rows[k].mass)
+      if (column > k) right[k] = right[k] - entry * right[column];
+    right[k] = right[k] / rows[k].mass.at(k);
+  }
+  return right;
 }
 
 std::vector<Expr> summands(Expr f) {

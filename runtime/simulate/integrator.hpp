@@ -1,6 +1,7 @@
 #pragma once
-// SUNDIALS behind one interface: CVODE (BDF, Adams) and ARKODE (explicit Runge-Kutta) with events. No SUNDIALS type
-// and no exception crosses this border: what a callback throws is kept and thrown again after the library returned.
+// SUNDIALS behind one interface: CVODE (BDF, Adams) and ARKODE (Runge-Kutta, explicit and implicit) with events. No
+// SUNDIALS type and no exception crosses this border: what a callback throws is kept and thrown again after the library
+// returned.
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,10 @@ struct Ode {
   virtual int states() const = 0;
   virtual int events() const = 0;
   virtual void rate(double t, const double* x, double* f) = 0;
-  virtual void jacobian(double t, const double* x, double* j) = 0;  ///< row-major
+  /// Where dx'/dx may differ from zero, by rows; null: everywhere.
+  virtual const std::vector<Dynamics::Entry>* pattern() const = 0;
+  /// dx'/dx: the entries of the pattern, or all, row-major.
+  virtual void jacobian(double t, const double* x, double* j) = 0;
   /// The fall of an event function below zero ends a part; the rise of a watch above zero stops the integrator there
   /// without a consequence: each watch is the slope of an event function, so that a short dip below zero is seen.
   virtual void event_functions(double t, const double* x, double* g) = 0;  ///< events() values, then as many watches
@@ -41,6 +45,11 @@ class Integrator {
 /// Largest step: one sample, so that no part of a sampled force is stepped over. Throws std::runtime_error when
 /// SUNDIALS refuses its set-up, naming the call.
 std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step);
-std::unique_ptr<Integrator> make_arkode(Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step);
+std::unique_ptr<Integrator> make_arkode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step);
+
+/// What the method is called in SUNDIALS: "CVODE BDF", "ARKODE ERK Dormand-Prince 5(4)" ...
+std::string sundials_name(Solver method);
+/// True for the Runge-Kutta methods, which are ARKODE's.
+bool is_runge_kutta(Solver method);
 
 }  // namespace lunid

@@ -14,22 +14,90 @@ std::string number(double x) {
   return text;
 }
 
-/// One expression of a model, what it is called in messages, and the channels that it may hold.
+/// One expression of a model, what it is called in messages, and the quantities whose channels it may hold.
 struct Part {
   Expr expression;
   std::string where;
-  std::string_view channels;
+  std::string_view quantities;  ///< of "y v a F" and t; b: the motion of the base
 };
 
 std::vector<Part> parts_of(const Model& model) {
-  std::vector<Part> parts{{model.mass, "mass", "y v t"}, {model.restoring, "restoring", "y v a t"}};
+  std::vector<Part> parts;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    const std::string which = model.degrees() > 1 ? " of y" + std::to_string(i + 1) : "";
+    parts.push_back({mass, "mass" + which, "yvt"});
+    parts.push_back({restoring, "restoring" + which, "yvatb"});
+  }
   for (const InternalState& z : model.states) {
     const std::string name = "state '" + z.symbol.name() + "'";
-    parts.push_back({z.rate, name + ": rate", "y v a F t"});
-    if (z.min.valid()) parts.push_back({z.min, name + ": min", "y v t"});
-    if (z.max.valid()) parts.push_back({z.max, name + ": max", "y v t"});
+    parts.push_back({z.rate, name + ": rate", "yvaFtb"});
+    if (z.min.valid()) parts.push_back({z.min, name + ": min", "yvt"});
+    if (z.max.valid()) parts.push_back({z.max, name + ": max", "yvt"});
   }
   return parts;
+}
+
+/// "y v t" of "yvt"; with two coordinates "y1 y2 v1 v2 t"; with more "y1 ... y9 v1 ... v9 t".
+std::string channel_words(const Model& model, std::string_view quantities) {
+  std::string words;
+  const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
+  for (const char quantity : quantities) {
+    if (quantity == 'b')
+      add("yb vb ab");
+    else if (quantity == 't')
+      add("t");
+    else if (model.degrees() > 2)
+      add(model.channel(quantity, 0) + " ... " + model.channel(quantity, model.degrees() - 1));
+    else
+      for (int i = 0; i < model.degrees(); ++i) add(model.channel(quantity, i));
+  }
+  return words;
+}
+
+bool is_base(const std::string& name) { return name == "yb" || name == "vb" || name == "ab"; }
+
+/// The channels that an expression of this model may hold: those of these quantities.
+bool may_hold(const Model& model, const std::string& name, std::string_view quantities) {
+  if (is_base(name)) return quantities.find('b') != std::string_view::npos && !model.imposed_motion;
+  if (quantities.find(name[0]) == std::string_view::npos) return false;
+  if (name == "t" || model.degrees() == 1) return name.size() == 1;
+  return name.size() > 1 && std::stol(name.substr(1, 9)) <= model.degrees();
+}
+
+/// With one degree of freedom y1 v1 a1 F1 are other words for y v a F.
+void drop_numbers(Model& model) {
+  if (model.degrees() > 1) return;
+  std::vector<std::pair<Expr, Expr>> names;
+  for (const char* quantity : {"y", "v", "a", "F"})
+    names.emplace_back(model.pool->channel(quantity + std::string("1")), model.pool->channel(quantity));
+  const auto rename = [&](Expr& f) {
+    if (f.valid()) f = substitute(f, names);
+  };
+  rename(model.mass);
+  rename(model.restoring);
+  for (InternalState& z : model.states) {
+    rename(z.rate);
+    rename(z.min);
+    rename(z.max);
+  }
+}
+
+void check_driven(Model& model) {
+  const std::string count = std::to_string(model.degrees());
+  if (model.driven.empty())
+    for (int i = 0; i < model.degrees(); ++i) model.driven.push_back(i);
+  std::sort(model.driven.begin(), model.driven.end());
+  for (std::size_t i = 0; i < model.driven.size(); ++i) {
+    if (model.driven[i] < 0 || model.driven[i] >= model.degrees())
+      throw InputError("model: forces: expected coordinates from 1 to " + count + ", got " +
+                       std::to_string(model.driven[i] + 1));
+    if (i > 0 && model.driven[i] == model.driven[i - 1])
+      throw InputError("model: forces: coordinate " + std::to_string(model.driven[i] + 1) + " is given twice");
+  }
+  if (static_cast<int>(model.driven.size()) > max_inputs - 3)
+    throw InputError("model: " + std::to_string(model.driven.size()) + " coordinates with a force each: at most " +
+                     std::to_string(max_inputs - 3) + " can be driven; name them, as in forces = { 1 }");
 }
 
 void check_states(const Model& model) {
@@ -57,11 +125,13 @@ void check_bound(const Model& model, const InternalState& z, Expr bound, const c
 }
 
 void check_symbols(const Model& model, const Part& part) {
-  const std::string padded = " " + std::string(part.channels) + " ";
   for (const Expr& symbol : symbols(part.expression)) {
-    if (symbol.kind() == SymbolKind::channel && padded.find(" " + symbol.name() + " ") == std::string::npos)
+    if (symbol.kind() == SymbolKind::channel && !may_hold(model, symbol.name(), part.quantities)) {
+      std::string_view allowed = part.quantities;
+      if (model.imposed_motion && allowed.ends_with('b')) allowed.remove_suffix(1);
       throw InputError("model: " + part.where + ": cannot hold the channel '" + symbol.name() + "' (it may hold " +
-                       std::string(part.channels) + ")");
+                       channel_words(model, allowed) + ")");
+    }
     if (symbol.kind() == SymbolKind::state && std::none_of(model.states.begin(), model.states.end(),
                                                            [&](const InternalState& z) { return z.symbol == symbol; }))
       throw InputError("model: " + part.where + ": the state '" + symbol.name() + "' has no rate");
@@ -117,10 +187,13 @@ double known_value(const Model& model, Expr f) {
 }
 
 void check_values(const Model& model) {
-  const double mass = known_value(model, model.mass);
-  if (model.imposed_motion ? mass < 0 : mass <= 0)
-    throw InputError("model: mass: expected " + std::string(model.imposed_motion ? ">= 0" : "> 0") + ", got " +
-                     number(mass) + (model.imposed_motion ? "" : " (a mass of 0 needs imposed motion)"));
+  for (int i = 0; i < model.degrees(); ++i) {
+    const double mass = known_value(model, model.coordinate(i).mass);
+    if (!(model.imposed_motion ? mass < 0 : mass <= 0)) continue;
+    throw InputError("model: mass" + (model.degrees() > 1 ? " of y" + std::to_string(i + 1) : std::string()) +
+                     ": expected " + (model.imposed_motion ? ">= 0" : "> 0") + ", got " + number(mass) +
+                     (model.imposed_motion || model.degrees() > 1 ? "" : " (a mass of 0 needs imposed motion)"));
+  }
   for (const InternalState& z : model.states) {
     check_bound(model, z, z.min, "min");
     check_bound(model, z, z.max, "max");
@@ -177,24 +250,43 @@ void Model::set_values(const std::vector<double>& theta) {
   for (std::size_t i = 0; i < theta.size(); ++i) parameters[i].value = theta[i];
 }
 
+std::string Model::channel(char quantity, int i) const {
+  return degrees() == 1 ? std::string(1, quantity) : quantity + std::to_string(i + 1);
+}
+
 std::string Model::equation(Format format) const {
-  const Expr a = pool->channel("a");
-  Expr left = mass.is_constant(0) ? restoring : mass * a;
-  if (!mass.is_constant(0))  // one sum, without a pair of parentheses round the restoring force
-    for (const Expr& term : summands(restoring)) left = plus(left, term);
-  std::string text = to_text(left, format) + " = " + to_text(pool->channel("F"), format);
+  std::string text;
+  for (int i = 0; i < degrees(); ++i) {
+    const auto [mass, restoring] = coordinate(i);
+    Expr left = restoring;
+    if (!mass.is_constant(0)) {  // one sum, without a pair of parentheses round the restoring force
+      left = mass * pool->channel(channel('a', i));
+      if (!restoring.is_constant(0))
+        for (const Expr& term : summands(restoring)) left = plus(left, term);
+    }
+    const bool forced = driven.empty() || std::find(driven.begin(), driven.end(), i) != driven.end();
+    text += (i > 0 ? "\n" : "") + to_text(left, format) + " = " +
+            (forced ? to_text(pool->channel(channel('F', i)), format) : "0");
+  }
   for (const InternalState& z : states) text += "\n" + state_line(z, format);
   return text;
 }
 
 Model complete(Model model) {
   if (!model.pool) throw InputError("model: no pool of expressions");
-  if (!model.mass.valid()) throw InputError("model: no mass is given");
-  if (!model.restoring.valid()) throw InputError("model: no restoring force is given");
+  for (int i = 0; i < model.degrees(); ++i) {
+    const std::string which = model.degrees() > 1 ? " of y" + std::to_string(i + 1) : "";
+    if (!model.coordinate(i).mass.valid()) throw InputError("model: no mass" + which + " is given");
+    if (!model.coordinate(i).restoring.valid()) throw InputError("model: no restoring force" + which + " is given");
+  }
+  if (model.imposed_motion && model.degrees() > 1)
+    throw InputError("model: motion can be imposed on one coordinate, got " + std::to_string(model.degrees()));
+  drop_numbers(model);
+  check_driven(model);
   check_states(model);
   const std::vector<Part> parts = parts_of(model);
   for (const Part& part : parts) check_symbols(model, part);
-  split_inertia(model.restoring, model.pool->channel("a"));
+  inertia_rows(model);
   complete_table(model, parts);
   check_values(model);
   return model;

@@ -1,5 +1,6 @@
 #pragma once
-// The equation of motion  m*a + restoring(y, v, z, t) = F  with internal states dz/dt = rate, and its first-order form.
+// The equation of motion  m*a + restoring(y, v, z, t) = F,  one for each coordinate, with internal states dz/dt = rate,
+// and its first-order form.
 #include <limits>
 #include <memory>
 #include <string>
@@ -30,14 +31,28 @@ struct InternalState {
   Expr min, max;  ///< empty: no bound
 };
 
-/// One degree of freedom with internal states. `motion imposed`: y and v are inputs, the output is the force.
+/// One row of the equation of motion: mass_i a_i + restoring_i = F_i.
+struct Coordinate {
+  Expr mass;       ///< [kg]; may hold parameters, y, v and t
+  Expr restoring;  ///< may be affine in the accelerations: such terms join the mass matrix
+};
+
+/// An equation of motion with internal states. One degree of freedom is written in y v a F; several in y1 v1 a1 F1,
+/// y2 ... All may hold the motion of a base, yb vb ab. `motion imposed`: y and v are inputs, the output is the force.
 struct Model {
   std::shared_ptr<Pool> pool;
-  Expr mass;       ///< [kg]; may hold parameters
-  Expr restoring;  ///< may be affine in `a`; those terms join the mass
+  Expr mass;       ///< of the first coordinate; see Coordinate
+  Expr restoring;  ///< of the first coordinate
+  std::vector<Coordinate> further;  ///< those of y2, y3 ...
+  std::vector<int> driven;          ///< coordinates that a force acts on, from 0; empty: all
   std::vector<InternalState> states;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;
+
+  int degrees() const { return 1 + static_cast<int>(further.size()); }
+  Coordinate coordinate(int i) const { return i == 0 ? Coordinate{mass, restoring} : further[i - 1]; }
+  /// "y" with one degree of freedom, else "y1", "y2" ...; the same for v, a, F. i counts from 0.
+  std::string channel(char quantity, int i) const;
 
   const Parameter* find(std::string_view name) const;
   Parameter* find(std::string_view name);
@@ -48,19 +63,27 @@ struct Model {
 };
 
 /// Checks a model and completes its table: every parameter of its expressions gets a row (in order of appearance).
-/// Throws InputError: terms not affine in `a`, constant mass <= 0 without imposed motion, a parameter that no
-/// expression uses, bounds that cross, a first guess outside its bounds, a state without rate.
+/// Throws InputError: terms not affine in `a`, constant mass <= 0 without imposed motion, a channel of a coordinate that
+/// there is not, a parameter that no expression uses, bounds that cross, a first guess outside its bounds, a state
+/// without rate.
 Model complete(Model model);
 
-/// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...). Tape inputs:
-/// (t, F, x..., theta...); with imposed motion (t, y, v, a, z..., theta...), where the integrated states are z alone.
+struct InertiaRow;
+
+/// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...), with several
+/// coordinates (y1, v1, y2, v2, ..., z...). Tape inputs: (t, u..., x..., theta...) where u are the forces F (F1, F2 ...
+/// of the driven coordinates), then those of yb vb ab that the model holds; with imposed motion (t, y, v, a, z...,
+/// theta...), where the integrated states are z alone.
 class System {
  public:
   /// Completes the model first (complete()), with its errors. Changes the model's pool.
   explicit System(const Model& model);
 
-  int states() const { return n_; }  ///< 2 + internal states
+  int states() const { return n_; }  ///< 2 per coordinate + internal states
+  int degrees() const { return degrees_; }
   int parameters() const { return p_; }
+  /// The channels that drive the model, in the order of the inputs u: "F", or "F1" "F2" ..., then "yb" "vb" "ab".
+  const std::vector<std::string>& inputs() const { return inputs_; }
   const Model& model() const { return *model_; }
 
   /// x' = f(t, u, x; theta) as the integrators see it: the free motion, or with imposed motion the states z.
@@ -74,24 +97,33 @@ class System {
   const Tape& rate_with_derivatives() const { return dynamics().derivatives; }
   /// outputs, for each switching surface: the derivative of g by every input of rate(), in their order
   const Tape& switch_gradients() const { return dynamics().gradients; }
-  /// outputs: force m*a + restoring at inputs (t, a, y, v, z..., theta...)
+  /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base motion
+  /// that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }
   /// outputs: that force, its derivatives by each z and by each theta; inputs as force()
   const Tape& force_with_derivatives() const { return force_with_derivatives_; }
-  /// output: the mass that multiplies a, terms of the restoring force included; inputs as force()
+  /// output: per coordinate the mass that multiplies its a, terms of the restoring force included; inputs as force()
   const Tape& inertia() const { return inertia_; }
-  /// The restoring force as a list of summands, and one output for each; inputs as force()
-  const std::vector<Expr>& terms() const { return terms_; }
+  /// A summand of the restoring force of a coordinate.
+  struct Term {
+    int coordinate;
+    Expr expression;
+  };
+  /// The restoring forces as a list of summands, and one output for each; inputs as force()
+  const std::vector<Term>& terms() const { return terms_; }
   const Tape& term_values() const { return term_values_; }
   /// True when the force of an imposed motion depends on the acceleration.
   bool needs_acceleration() const { return needs_acceleration_; }
 
  private:
   std::shared_ptr<const Model> model_;
-  int n_ = 2, p_ = 0;
+  void compile_forces(const std::vector<InertiaRow>& rows, const std::vector<Expr>& inputs);
+
+  int n_ = 2, degrees_ = 1, p_ = 0;
+  std::vector<std::string> inputs_;
   std::shared_ptr<const Dynamics> free_, imposed_;
   Tape force_, force_with_derivatives_, inertia_, term_values_;
-  std::vector<Expr> terms_;
+  std::vector<Term> terms_;
   bool needs_acceleration_ = true;
 };
 

@@ -60,7 +60,7 @@ ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta
   std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
   std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
   d_.rate.prepare(rate_r_.data());
-  d_.derivatives.prepare(derivative_r_.data());
+  if (d_.dense()) d_.derivatives.prepare(derivative_r_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
   for (std::size_t i = 0; i < bounds_.size(); ++i)
     for (std::size_t j = 0; j < bounds_.size(); ++j)
@@ -153,7 +153,7 @@ const double* ModeMachine::condition(int surface) const noexcept {
 /// The state whose rate is exactly zero on a surface slid upon, or -1.
 int ModeMachine::still_component(int surface) const noexcept {
   const int component = d_.surfaces[surface].component;
-  return component >= 0 && surfaces_[surface].order == 2 ? 1 : component;
+  return component >= 0 && surfaces_[surface].order == 2 ? component + 1 : component;
 }
 
 /// The time derivative along f of a function with this gradient.
@@ -308,6 +308,11 @@ void ModeMachine::project_column(double* column, int stride) noexcept {
     for (int i = 0; i < n; ++i) column[i * stride] -= delta_[l] * side_[l * out_.size() + i];
   for (const int s : sliding_)
     if (const int still = still_component(s); still >= 0) column[still * stride] = 0;
+}
+
+const double* ModeMachine::jump_of(int surface) const noexcept {
+  const auto l = std::find(sliding_.begin(), sliding_.end(), surface) - sliding_.begin();
+  return side_.data() + l * static_cast<std::ptrdiff_t>(out_.size());
 }
 
 const double* ModeMachine::gradient(int event, const Drive& drive, const double* x) noexcept {

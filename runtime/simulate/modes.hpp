@@ -16,9 +16,12 @@ namespace lunid {
 
 /// Time, exogenous inputs and their time derivatives.
 struct Drive {
-  double t = 0;
-  double u[3] = {0, 0, 0};
-  double rate[3] = {0, 0, 0};
+  /// All inputs and their derivatives 0; those beyond `inputs` are left open.
+  Drive(double t, int inputs) noexcept : t(t) {
+    for (int i = 0; i < inputs; ++i) u[i] = rate[i] = 0;
+  }
+  double t;
+  double u[max_inputs], rate[max_inputs];
 };
 
 /// The system at one state, with the event functions of the present mode: an event is the fall of one below zero.
@@ -83,6 +86,8 @@ class ModeMachine {
   bool slides_on(int surface) const { return surfaces_[surface].order != 0; }
   /// True when the motion rests on a surface of the displacement: g = dg/dt = 0.
   bool rests_on(int surface) const { return surfaces_[surface].order == 2; }
+  /// The jump of x' across a surface that is slid or rested upon: the direction in which it acts.
+  const double* jump_of(int surface) const noexcept;
   /// The derivative of a surface's dg/dt by every input, after gradient().
   const double* rate_gradient(int surface) const noexcept { return row(events() + surface); }
   bool held(int bound) const { return bounds_[bound].held; }

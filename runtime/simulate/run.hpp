@@ -9,15 +9,15 @@ namespace lunid {
 std::string number(double x);
 
 /// Throws InputError for wrong sizes, non-finite values and options out of range, naming `caller`.
-void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitation& excitation,
+void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitations& excitation,
                const Eigen::VectorXd& x0, const SimulateOptions& options);
 
 /// A displacement that no sound run passes: 1e6 times what the largest force alone could reach in the time.
-double default_bound(const System& system, std::span<const double> theta, const Excitation& excitation,
+double default_bound(const System& system, std::span<const double> theta, const Excitations& excitation,
                      const Eigen::VectorXd& x0);
 
 /// A run of NaN rows, to be filled.
-Run empty_run(const System& system, const Excitation& excitation);
+Run empty_run(const System& system, const Excitations& excitation);
 
 /// Why there is no motion from x0: "" when the effective mass is positive there.
 std::string mass_fault(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x);
@@ -30,7 +30,7 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
 std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
 
 /// A fixed-step run of free motion.
-Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation,
+Run run_free(const System& system, std::span<const double> theta, const Excitations& excitation,
              const Eigen::VectorXd& x0, int substeps, const SimulateOptions& options);
 
 /// Largest |a - b| of the displacement over the standard deviation of b; infinite when only one of them completed.
@@ -43,11 +43,11 @@ struct StepChoice {
   bool reached = false;  ///< change is below the tolerance, or smaller steps are no better (chaotic motion)
   Run finer;             ///< the run with 2 * substeps
 };
-StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitation& excitation,
+StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
                              const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options);
 
-/// A run by SUNDIALS; `options.solver` is bdf, adams or explicit_rk.
-Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation,
+/// A run by SUNDIALS; `options.solver` is one of its own.
+Run run_sundials(const System& system, std::span<const double> theta, const Excitations& excitation,
                  const Eigen::VectorXd& x0, const SimulateOptions& options);
 
 }  // namespace lunid

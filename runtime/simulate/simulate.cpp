@@ -27,25 +27,25 @@ struct FreeSink : RowSink {
   explicit FreeSink(Run& run) : run(run) {}
   void row(Index row, const double* x, const double* f, const double*) override {
     for (Index i = 0; i < run.x.cols(); ++i) run.x(row, i) = x[i];
-    run.a[row] = f[1];
+    for (Index i = 0; i < run.a.cols(); ++i) run.a(row, i) = f[2 * i + 1];
   }
   Run& run;
 };
 
 struct SensitivitySink : FreeSink {
-  SensitivitySink(SensitivityRun& out, int columns) : FreeSink(out.run), out(out), columns(columns) {}
+  SensitivitySink(SensitivityRun& out, int columns, std::vector<int> wanted)
+      : FreeSink(out.run), out(out), columns(columns), wanted(std::move(wanted)) {}
   void row(Index row, const double* x, const double* f, const double* s) override {
     FreeSink::row(row, x, f, s);
-    for (int c = 0; c < columns; ++c) {
-      out.dy(row, c) = s[c];
-      out.dv(row, c) = s[columns + c];
-    }
+    for (const int state : wanted)
+      for (int c = 0; c < columns; ++c) out.dx[state](row, c) = s[state * columns + c];
   }
   SensitivityRun& out;
   int columns;
+  std::vector<int> wanted;
 };
 
-FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitation& excitation,
+FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitations& excitation,
                           const VectorXd& x0, int substeps, const SimulateOptions& options) {
   FixedProblem problem;
   problem.dynamics = &system.dynamics();
@@ -54,7 +54,7 @@ FixedProblem free_problem(const System& system, std::span<const double> theta, c
   problem.dt = excitation.dt();
   problem.rows = excitation.rows();
   problem.substeps = substeps;
-  problem.drive[0] = excitation.stage_grid(substeps).data();
+  for (int i = 0; i < excitation.count(); ++i) problem.drive[i] = excitation[i].stage_grid(substeps).data();
   problem.hold = excitation.interpolation() == Interpolation::hold;
   problem.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
   problem.max_events = options.max_events;
@@ -89,7 +89,7 @@ bool refuse_mass(const System& system, std::span<const double> theta, const Vect
 
 /// BDF where explicit steps are too many, or where they exploded, which may have been the method and not the model: the
 /// implicit run then replaces `run` if it completes.
-void try_implicit(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+void try_implicit(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
                   SimulateOptions options, bool exploded, Run& run) {
   options.solver = Solver::bdf;
   Run implicit = run_sundials(system, theta, excitation, x0, options);
@@ -106,7 +106,7 @@ std::string fixed_solver_name(int substeps) {
   return "fixed DP5, " + std::to_string(substeps) + (substeps == 1 ? " substep" : " substeps");
 }
 
-Run run_free(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+Run run_free(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
              int substeps, const SimulateOptions& options) {
   Run run = empty_run(system, excitation);
   const FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
@@ -115,9 +115,10 @@ Run run_free(const System& system, std::span<const double> theta, const Excitati
   return run;
 }
 
-Run simulate(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+Run simulate(const System& system, std::span<const double> theta, const Excitations& given, const VectorXd& x0,
              const SimulateOptions& options) {
-  check_run("simulate", system, theta, excitation, x0, options);
+  check_run("simulate", system, theta, given, x0, options);
+  const Excitations excitation = given.of(system);
   const Clock clock;
   Run run = empty_run(system, excitation);
   if (refuse_mass(system, theta, x0, run)) return run;
@@ -139,18 +140,26 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   return run;
 }
 
-SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitation& excitation,
-                                      const VectorXd& x0, const SimulateOptions& options) {
-  check_run("simulate_sensitivities", system, theta, excitation, x0, options);
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitations& given,
+                                      const VectorXd& x0, const SimulateOptions& options,
+                                      std::span<const int> wanted) {
+  check_run("simulate_sensitivities", system, theta, given, x0, options);
+  const Excitations excitation = given.of(system);
   if (options.solver != Solver::automatic && options.solver != Solver::fixed)
     throw InputError("simulate_sensitivities: solver: only 'fixed' carries sensitivities, got '" +
                      to_string(options.solver) + "'");
+  if (!system.dynamics().dense())
+    throw InputError("simulate_sensitivities: expected at most " + std::to_string(Dynamics::dense_limit) +
+                     " states, got " + std::to_string(system.states()));
+  std::vector<int> states(wanted.begin(), wanted.end());
+  for (int i = 0; wanted.empty() && i < system.states(); ++i) states.push_back(i);
   const Clock clock;
   const int columns = system.parameters() + system.states();
   SensitivityRun out;
   out.run = empty_run(system, excitation);
-  out.dy.setConstant(excitation.rows(), columns, std::numeric_limits<double>::quiet_NaN());
-  out.dv = out.dy;
+  out.dx.resize(static_cast<std::size_t>(system.states()));
+  for (const int state : states)
+    out.dx.at(state).setConstant(excitation.rows(), columns, std::numeric_limits<double>::quiet_NaN());
   if (refuse_mass(system, theta, x0, out.run)) return out;
 
   RunSummary& summary = out.run.summary;
@@ -164,7 +173,7 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   }
   FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
   problem.sensitivities = true;
-  SensitivitySink sink(out, columns);
+  SensitivitySink sink(out, columns, std::move(states));
   const FixedOutcome outcome = run_fixed(problem, x0, sink);
   summarise(summary, problem, outcome, system);
   summary.seconds = clock.seconds();

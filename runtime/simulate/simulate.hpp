@@ -65,9 +65,42 @@ Excitation excitation_of(const Record& record, std::optional<Interpolation> inte
 /// f(t) of an expression of the time alone, safe for threads. Throws InputError naming another symbol.
 std::function<double(double)> function_of_time(Expr formula);
 
-enum class Solver { automatic, fixed, bdf, adams, explicit_rk };
+/// What drives a model: an excitation for each input channel, all on one time base. An input that none is given for is
+/// zero. Made from one excitation it is the force: F, or that of the first driven coordinate.
+class Excitations {
+ public:
+  Excitations() = default;
+  Excitations(Excitation force) { add("F", std::move(force)); }  // implicit: one force is the usual case
+  /// Channels: "F", "F1" "F2" ..., "yb" "vb" "ab". Throws InputError when the channel is there, when the time base differs
+  /// from that of the first, or when a held signal meets one that is not.
+  Excitations& add(const std::string& channel, Excitation signal);
+
+  bool empty() const { return signals_.empty(); }
+  Eigen::Index rows() const { return empty() ? 0 : signals_[0].rows(); }
+  double t0() const { return empty() ? 0 : signals_[0].t0(); }
+  double dt() const { return empty() ? 1 : signals_[0].dt(); }
+  Interpolation interpolation() const { return empty() ? Interpolation::linear : signals_[0].interpolation(); }
+  int count() const { return static_cast<int>(signals_.size()); }
+  const Excitation& operator[](int i) const { return signals_[static_cast<std::size_t>(i)]; }
+  const std::string& channel(int i) const { return channels_[static_cast<std::size_t>(i)]; }
+  /// Rows [first, first + count) of all. Throws InputError outside the rows.
+  Excitations part(Eigen::Index first, Eigen::Index count) const;
+  /// One for each input of the system, in its order. Throws InputError naming a channel that is no input of it.
+  Excitations of(const System& system) const;
+
+ private:
+  std::vector<std::string> channels_;
+  std::vector<Excitation> signals_;
+};
+
+/// automatic and fixed are ours; the rest is SUNDIALS': CVODE's BDF and Adams, ARKODE's explicit Runge-Kutta pairs 3(2)
+/// (Bogacki & Shampine), 5(4) (Dormand & Prince) and 8(7) (Fehlberg), and its L-stable ESDIRK5(4)7L[2]SA (Kennedy &
+/// Carpenter 2019).
+enum class Solver { automatic, fixed, bdf, adams, rk23, rk45, rk78, esdirk };
 std::string to_string(Solver);
-/// "auto" "fixed" "bdf" "adams" "explicit". Throws InputError with the choices.
+/// All of them, in that order.
+std::span<const Solver> all_solvers();
+/// "auto" "fixed" "bdf" "adams" "rk23" "rk45" "rk78" "esdirk". Throws InputError with the choices.
 Solver solver_from(std::string_view name);
 
 struct SimulateOptions {
@@ -99,24 +132,28 @@ struct RunSummary {
 /// A run on the samples of its excitation. Rows after stopped_at are NaN.
 struct Run {
   double t0 = 0, dt = 1;
-  Eigen::MatrixXd x;  ///< rows x states: y v z...
-  Eigen::VectorXd a;  ///< acceleration [m/s^2]
+  Eigen::MatrixXd x;  ///< rows x states: y v z..., or y1 v1 y2 v2 ... z...
+  Eigen::MatrixXd a;  ///< rows x coordinates: acceleration [m/s^2]
   RunSummary summary;
 };
 
 /// Integrates from x0 (size states()) over the excitation. theta has parameters() values.
 /// Throws InputError for wrong sizes or non-finite values; a failed run is a result.
-Run simulate(const System& system, std::span<const double> theta, const Excitation& excitation,
+Run simulate(const System& system, std::span<const double> theta, const Excitations& excitation,
              const Eigen::VectorXd& x0, const SimulateOptions& options = {});
 
-/// A run with exact sensitivities of y (and of v) to theta and x0, jumps at switches included (saltation).
+/// A run with exact sensitivities of states to theta and x0, jumps at switches included (saltation).
 struct SensitivityRun {
   Run run;
-  Eigen::MatrixXd dy;  ///< rows x (p + n): dy/dtheta, dy/dx0
-  Eigen::MatrixXd dv;  ///< the same for v
+  std::vector<Eigen::MatrixXd> dx;  ///< per state, rows x (p + n): dx/dtheta, dx/dx0; empty where it was not asked for
+  const Eigen::MatrixXd& dy() const { return dx[0]; }  ///< of the first displacement
+  const Eigen::MatrixXd& dv() const { return dx[1]; }  ///< of the first velocity
 };
-SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitation& excitation,
-                                      const Eigen::VectorXd& x0, const SimulateOptions& options = {});
+/// `wanted`: the states whose sensitivities are kept, from 0; empty: all. Throws InputError as simulate() does, and for
+/// a system of more than Dynamics::dense_limit states.
+SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
+                                      const Excitations& excitation, const Eigen::VectorXd& x0,
+                                      const SimulateOptions& options = {}, std::span<const int> wanted = {});
 
 /// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows), internal states included;
 /// with exact derivatives to theta (rows x p) when `dforce` is given.
@@ -124,7 +161,7 @@ Eigen::VectorXd imposed_force(const System& system, std::span<const double> thet
                               Eigen::MatrixXd* dforce = nullptr, int substeps = 0);
 
 /// Substeps per sample at which halving the step changes y by less than `tolerance` * std(y).
-int choose_substeps(const System& system, std::span<const double> theta, const Excitation& excitation,
+int choose_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
                     const Eigen::VectorXd& x0, double tolerance = 1e-5);
 
 }  // namespace lunid

@@ -27,11 +27,10 @@ std::vector<double> registers(const FixedProblem& problem, const Tape& tape) {
 struct Inputs {
   explicit Inputs(const FixedProblem& problem) : count(problem.dynamics->exogenous), drive(problem.drive) {}
   void load(Index node, double* r) const noexcept {
-    r[1] = drive[0][node];
-    for (int i = 1; i < count; ++i) r[1 + i] = drive[i][node];
+    for (int i = 0; i < count; ++i) r[1 + i] = drive[i][node];
   }
   int count;
-  std::array<const double*, 3> drive;
+  std::array<const double*, max_inputs> drive;
 };
 
 void stop_exploded(FixedOutcome& outcome, double t, const double* x, int n) {
@@ -75,7 +74,7 @@ FixedOutcome integrate(const FixedProblem& problem, int size, std::vector<double
       rate(t + h, end, X, last);
       for (int i = 0; i < size; ++i) k[i] = last[i];
     }
-    if (!all_finite(X, size) || (problem.bound > 0 && n > 0 && std::abs(X[0]) > problem.bound)) {
+    if (!all_finite(X, size) || beyond(problem, X)) {
       stop_exploded(outcome, problem.t0 + static_cast<double>(row + 1) * problem.dt, previous.data(), n);
       break;
     }

@@ -27,14 +27,17 @@ struct Exploded {
 /// A model in its present mode.
 class ModalOde : public Ode {
  public:
-  ModalOde(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+  ModalOde(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
            const SimulateOptions& options)
       : modes(system.dynamics(), theta, excitation.dt()),
         excitation_(excitation),
         options_(options),
         n_(system.states()),
         observation_(modes.observation()),
-        scale_(n_, 0.0) {
+        scale_(n_, 0.0),
+        in_(system.dynamics().inputs()),
+        scratch_(system.dynamics().jacobian.registers() + 1) {
+    std::copy(theta.begin(), theta.end(), in_.end() - static_cast<std::ptrdiff_t>(theta.size()));
     first_scales(x0);
   }
 
@@ -42,24 +45,41 @@ class ModalOde : public Ode {
   int events() const override { return modes.events(); }
 
   Drive drive(double t) const {
-    Drive d;
-    d.t = t;
-    d.u[0] = excitation_.at(std::min(t, hold_until));
-    if (modes.dynamics().input_rates) {
+    Drive d(t, excitation_.count());
+    for (int i = 0; i < excitation_.count(); ++i) {
+      const Excitation& input = excitation_[i];
+      d.u[i] = input.at(std::min(t, hold_until));
+      if (!modes.dynamics().input_rates) continue;
       const double step = 1e-6 * excitation_.dt();
-      d.rate[0] = (excitation_.at(t + step) - excitation_.at(t - step)) / (2 * step);
+      d.rate[i] = (input.at(t + step) - input.at(t - step)) / (2 * step);
     }
     return d;
   }
 
   void rate(double t, const double* x, double* f) override {
     if ((++calls_ & (cancel_interval - 1)) == 0) check_cancelled(options_.cancelled);
-    if (bound > 0 && !(std::abs(x[0]) <= bound)) throw Exploded{t, Eigen::Map<const VectorXd>(x, n_)};
+    for (int i = 0; bound > 0 && i < modes.dynamics().degrees; ++i)
+      if (!(std::abs(x[2 * i]) <= bound)) throw Exploded{t, Eigen::Map<const VectorXd>(x, n_)};
     modes.rate(drive(t), x, f);
   }
 
+  const std::vector<Dynamics::Entry>* pattern() const override {
+    return modes.dynamics().dense() ? nullptr : &modes.dynamics().pattern;
+  }
+
+  /// With many states that of the side on which each switch stands: in sliding it is an approximation, which costs
+  /// iterations and no accuracy.
   void jacobian(double t, const double* x, double* j) override {
-    std::copy_n(modes.derivatives(drive(t), x).jx, n_ * n_, j);
+    if (modes.dynamics().dense()) {
+      std::copy_n(modes.derivatives(drive(t), x).jx, n_ * n_, j);
+      return;
+    }
+    const Dynamics& d = modes.dynamics();
+    const Drive now = drive(t);
+    in_[0] = t;
+    std::copy_n(now.u, d.exogenous, in_.begin() + 1);
+    std::copy_n(x, d.n, in_.begin() + 1 + d.exogenous);
+    d.jacobian.run_point(in_.data(), j, scratch_.data());
   }
 
   void event_functions(double t, const double* x, double* g) override {
@@ -71,8 +91,9 @@ class ModalOde : public Ode {
 
   /// 1 / (rtol |x| + atol), atol being rtol times the largest |x| so far where none is given.
   void error_weights(const double* x, double* w) override {
+    for (int i = 0; i < n_; ++i) scale_[i] = std::max(scale_[i], std::abs(x[i]));
+    share_scales();
     for (int i = 0; i < n_; ++i) {
-      scale_[i] = std::max(scale_[i], std::abs(x[i]));
       w[i] = 1 / (options_.rtol * std::abs(x[i]) + (options_.atol > 0 ? options_.atol : options_.rtol * scale_[i]));
     }
   }
@@ -82,22 +103,34 @@ class ModalOde : public Ode {
   double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
 
  private:
+  /// A coordinate that hardly moves is not held to a precision of its own: it counts a thousandth of the largest.
+  void share_scales() {
+    const int degrees = modes.dynamics().degrees;
+    for (const int quantity : {0, 1}) {
+      double largest = 0;
+      for (int i = 0; i < degrees; ++i) largest = std::max(largest, scale_[2 * i + quantity]);
+      for (int i = 0; i < degrees; ++i)
+        scale_[2 * i + quantity] = std::max(scale_[2 * i + quantity], 1e-3 * largest);
+    }
+  }
+
   /// The size of each state before there is motion to read it off: what a sample's time makes of the first rates.
   void first_scales(const VectorXd& x0) {
-    const double largest = excitation_.peak();
-    Drive d;
-    d.t = excitation_.t0();
+    const int degrees = modes.dynamics().degrees;
+    Drive d(excitation_.t0(), excitation_.count());
     const double dt = excitation_.dt();
     VectorXd x = x0, reach(n_);
-    for (const double force : {0.0, largest, -largest}) {
-      d.u[0] = force;
+    for (const double side : {0.0, 1.0, -1.0}) {
+      for (int i = 0; i < excitation_.count(); ++i) d.u[i] = side * excitation_[i].peak();
       modes.rate(d, x.data(), reach.data());
       for (int i = 0; i < n_; ++i)
         if (std::isfinite(reach[i])) scale_[i] = std::max({scale_[i], std::abs(x0[i]), std::abs(reach[i]) * dt});
     }
-    scale_[0] = std::max(scale_[0], scale_[1] * dt);
-    x[0] += scale_[0];
-    x[1] += scale_[1];
+    for (int i = 0; i < degrees; ++i) {
+      scale_[2 * i] = std::max(scale_[2 * i], scale_[2 * i + 1] * dt);
+      x[2 * i] += scale_[2 * i];
+      x[2 * i + 1] += scale_[2 * i + 1];
+    }
     modes.rate(d, x.data(), reach.data());
     for (int i = 0; i < n_; ++i) {
       if (std::isfinite(reach[i])) scale_[i] = std::max(scale_[i], std::abs(reach[i]) * dt);
@@ -105,17 +138,17 @@ class ModalOde : public Ode {
     }
   }
 
-  const Excitation& excitation_;
+  const Excitations& excitation_;
   const SimulateOptions& options_;
   int n_;
   Observation observation_;
-  std::vector<double> scale_;
+  std::vector<double> scale_, in_, scratch_;
   long calls_ = 0;
 };
 
 class SundialsRun {
  public:
-  SundialsRun(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+  SundialsRun(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
               const SimulateOptions& options)
       : system_(system),
         theta_(theta),
@@ -127,16 +160,14 @@ class SundialsRun {
         run_(empty_run(system, excitation)),
         t_(excitation.t0()) {
     ode_.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
-    run_.summary.solver = options.solver == Solver::bdf     ? "CVODE BDF"
-                          : options.solver == Solver::adams ? "CVODE Adams"
-                                                            : "ARKODE explicit 5(4)";
+    run_.summary.solver = sundials_name(options.solver);
   }
 
   Run go() {
     begin_interval(0);
     ode_.modes.start(ode_.drive(t_), x_.data());
-    integrator_ = options_.solver == Solver::explicit_rk ? make_arkode(ode_, t_, x_, excitation_.dt())
-                                                         : make_cvode(options_.solver, ode_, t_, x_, excitation_.dt());
+    integrator_ = is_runge_kutta(options_.solver) ? make_arkode(options_.solver, ode_, t_, x_, excitation_.dt())
+                                                  : make_cvode(options_.solver, ode_, t_, x_, excitation_.dt());
     put_row(0);
     for (Index row = 1; row < excitation_.rows(); ++row) {
       begin_interval(row - 1);
@@ -150,12 +181,18 @@ class SundialsRun {
   }
 
  private:
+  double displacement() const {
+    double largest = 0;
+    for (int i = 0; i < system_.degrees(); ++i) largest = std::max(largest, std::abs(x_[2 * i]));
+    return largest;
+  }
+
   bool holds() const { return excitation_.interpolation() == Interpolation::hold; }
 
-  /// A held force jumps at every sample. The explicit method stops there and never looks beyond; the implicit ones step
-  /// over it, and their error control finds the jump.
+  /// A held force jumps at every sample. The Runge-Kutta methods stop there and never look beyond; the multistep ones
+  /// step over it, and their error control finds the jump.
   void begin_interval(Index row) {
-    if (!holds() || options_.solver != Solver::explicit_rk) return;
+    if (!holds() || !is_runge_kutta(options_.solver)) return;
     ode_.hold_until = excitation_.t0() + excitation_.dt() * (static_cast<double>(row) + 0.5);
     if (!integrator_) return;
     ode_.modes.settle(ode_.drive(t_), x_.data());
@@ -165,8 +202,8 @@ class SundialsRun {
   void put_row(Index row) {
     ode_.modes.observe(ode_.drive(t_), x_.data(), now_);
     run_.x.row(row) = x_.transpose();
-    run_.a[row] = now_.f[1];
-    largest_ = std::max(largest_, std::abs(x_[0]));
+    for (Index i = 0; i < run_.a.cols(); ++i) run_.a(row, i) = now_.f[2 * i + 1];
+    largest_ = std::max(largest_, displacement());
   }
 
   bool reach(double to) {
@@ -231,13 +268,13 @@ class SundialsRun {
   bool explode() { return stop(explosion_cause(system_, theta_, t_, x_, excitation_.dt())); }
 
   bool fail() {
-    if (!x_.allFinite() || std::abs(x_[0]) > runaway * largest_) return explode();
+    if (!x_.allFinite() || displacement() > runaway * largest_) return explode();
     return stop(integrator_->failure());
   }
 
   const System& system_;
   std::span<const double> theta_;
-  const Excitation& excitation_;
+  const Excitations& excitation_;
   const SimulateOptions& options_;
   ModalOde ode_;
   VectorXd x_;
@@ -249,7 +286,7 @@ class SundialsRun {
 
 }  // namespace
 
-Run run_sundials(const System& system, std::span<const double> theta, const Excitation& excitation, const VectorXd& x0,
+Run run_sundials(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
                  const SimulateOptions& options) {
   return SundialsRun(system, theta, excitation, x0, options).go();
 }

@@ -1,7 +1,5 @@
 #include "simulate/sundials_base.hpp"
 
-#include <sunmatrix/sunmatrix_dense.h>
-
 #include <stdexcept>
 
 #include "simulate/fixed.hpp"
@@ -24,18 +22,9 @@ SUNContext new_context() {
 SundialsBase::SundialsBase(Ode& ode, const Eigen::VectorXd& x0)
     : ode_(ode),
       context_(new_context()),
-      x_(N_VNew_Serial(x0.size(), context_.get())),
-      row_major_(static_cast<std::size_t>(x0.size() * x0.size())) {
+      x_(N_VNew_Serial(x0.size(), context_.get())) {
   check(x_.get(), "N_VNew_Serial");
   load(x0);
-}
-
-void SundialsBase::check(int flag, const char* call) {
-  if (flag < 0) throw std::runtime_error(std::string(call) + ": code " + std::to_string(flag));
-}
-
-void SundialsBase::check(const void* handle, const char* call) {
-  if (!handle) throw std::runtime_error(std::string(call) + ": no memory");
 }
 
 void SundialsBase::rethrow() {
@@ -86,15 +75,8 @@ int SundialsBase::weights(N_Vector x, N_Vector w, void* self) noexcept {
 int SundialsBase::jacobian(double t, N_Vector x, N_Vector, SUNMatrix j, void* self, N_Vector, N_Vector,
                            N_Vector) noexcept {
   return guarded(self, [&](SundialsBase& base) {
-    const int n = base.ode_.states();
-    double* entries = base.row_major_.data();
-    base.ode_.jacobian(t, N_VGetArrayPointer(x), entries);
-    for (int row = 0; row < n; ++row)
-      for (int column = 0; column < n; ++column) {
-        // an infinite slope (a root at zero) would end Newton's iteration, which a rough Jacobian does not
-        const double slope = entries[row * n + column];
-        SM_ELEMENT_D(j, row, column) = std::isfinite(slope) ? slope : 0;
-      }
+    base.ode_.jacobian(t, N_VGetArrayPointer(x), base.newton_->entries());
+    base.newton_->fill(j);
     return 0;
   });
 }

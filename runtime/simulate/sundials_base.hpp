@@ -2,40 +2,29 @@
 // What the CVODE and the ARKODE wrapper share: context, vector, callbacks, return codes. Internal to this room.
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
-#include <sundials/sundials_linearsolver.h>
-#include <sundials/sundials_matrix.h>
 
 #include <exception>
 #include <memory>
-#include <type_traits>
 
 #include "simulate/integrator.hpp"
+#include "simulate/newton_matrix.hpp"
 
 namespace lunid {
 
 struct VectorDeleter {
   void operator()(N_Vector v) const noexcept { N_VDestroy(v); }
 };
-struct MatrixDeleter {
-  void operator()(SUNMatrix m) const noexcept { SUNMatDestroy(m); }
-};
-struct LinearSolverDeleter {
-  void operator()(SUNLinearSolver s) const noexcept { SUNLinSolFree(s); }
-};
 struct ContextDeleter {
   void operator()(SUNContext c) const noexcept { SUNContext_Free(&c); }
 };
-template <class Handle, class Deleter>
-using SundialsHandle = std::unique_ptr<std::remove_pointer_t<Handle>, Deleter>;
-
 /// Context, state vector and callbacks. The user data that SUNDIALS carries is this object.
 class SundialsBase : public Integrator {
  protected:
   SundialsBase(Ode& ode, const Eigen::VectorXd& x0);
 
-  /// Throws std::runtime_error("<call>: code <flag>") for a negative return code of a set-up call.
-  static void check(int flag, const char* call);
-  static void check(const void* handle, const char* call);
+  static void check(int flag, const char* call) { check_sundials(flag, call); }
+  static void check(const void* handle, const char* call) { check_sundials(handle, call); }
+  void make_newton() { newton_ = std::make_unique<NewtonMatrix>(ode_.states(), ode_.pattern(), x_.get(), context_.get()); }
   /// Throws what a callback threw, once.
   void rethrow();
   void load(const Eigen::VectorXd& x) noexcept;
@@ -50,7 +39,7 @@ class SundialsBase : public Integrator {
   Ode& ode_;
   SundialsHandle<SUNContext, ContextDeleter> context_;
   SundialsHandle<N_Vector, VectorDeleter> x_;
-  std::vector<double> row_major_;
+  std::unique_ptr<NewtonMatrix> newton_;  ///< of implicit methods
   std::exception_ptr thrown_;
 
  private:

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "simulate/inertia.hpp"
 #include "simulate/model.hpp"
 
@@ -20,20 +22,58 @@ void add_internal_states(DynamicsSource& source, const Model& model) {
   }
 }
 
-/// y' = v, v' = (F - f) / m with the terms in a moved to the mass; a in a state's rate is that same v'.
-DynamicsSource free_motion(const Model& model, Expr inertia, Expr force) {
+std::vector<std::string> input_channels(const Model& model) {
+  std::vector<std::string> channels;
+  for (const int i : model.driven) channels.push_back(model.channel('F', i));
+  std::vector<Expr> parts;
+  for (int i = 0; i < model.degrees(); ++i) parts.push_back(model.coordinate(i).restoring);
+  for (const InternalState& z : model.states) parts.push_back(z.rate);
+  for (const char* base : {"yb", "vb", "ab"}) {
+    const Expr symbol = model.pool->channel(base);
+    if (std::any_of(parts.begin(), parts.end(), [&](Expr f) { return depends_on(f, symbol); }))
+      channels.emplace_back(base);
+  }
+  return channels;
+}
+
+/// The time derivative of an input where it is another one, or an empty Expr.
+Expr input_rate(Pool& pool, const std::vector<std::string>& inputs, const std::string& name) {
+  const std::string rate = name == "yb" ? "vb" : name == "vb" ? "ab" : "";
+  const bool there = std::find(inputs.begin(), inputs.end(), rate) != inputs.end();
+  return there ? pool.channel(rate) : Expr();
+}
+
+/// y' = v, v' = M^-1 (F - f) with the terms in a moved to the mass; a in a state's rate is that same v'.
+DynamicsSource free_motion(const Model& model, const std::vector<InertiaRow>& rows,
+                           const std::vector<std::string>& inputs) {
   Pool& pool = *model.pool;
   DynamicsSource source;
+  source.degrees = model.degrees();
   source.t = pool.channel("t");
-  source.exogenous = {pool.channel("F")};
-  source.exogenous_rates = {Expr()};
-  source.states = {pool.channel("y"), pool.channel("v")};
-  const Expr f = force.is_constant(0) ? source.exogenous[0] : source.exogenous[0] - force;
-  const Expr acceleration = f / inertia;
-  source.rates = {pool.channel("v"), acceleration};
+  for (const std::string& input : inputs) {
+    source.exogenous.push_back(pool.channel(input));
+    source.exogenous_rates.push_back(input_rate(pool, inputs, input));
+  }
+  std::vector<Expr> right;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const Expr force = rows[i].force;
+    const bool driven = std::find(model.driven.begin(), model.driven.end(), i) != model.driven.end();
+    const Expr applied = driven ? pool.channel(model.channel('F', i)) : pool.constant(0);
+    right.push_back(force.is_constant(0) ? applied : driven ? applied - force : -force);
+  }
+  const std::vector<Expr> accelerations = solve_accelerations(rows, right);
+  std::vector<std::pair<Expr, Expr>> replacements;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const Expr v = pool.channel(model.channel('v', i));
+    source.states.push_back(pool.channel(model.channel('y', i)));
+    source.states.push_back(v);
+    source.rates.push_back(v);
+    source.rates.push_back(accelerations[i]);
+    replacements.emplace_back(pool.channel(model.channel('a', i)), accelerations[i]);
+  }
   add_internal_states(source, model);
-  const std::pair<Expr, Expr> replacement{pool.channel("a"), acceleration};
-  for (Expr& rate : source.rates) rate = substitute(rate, std::span(&replacement, 1));
+  for (std::size_t i = 2 * accelerations.size(); i < source.rates.size(); ++i)
+    source.rates[i] = substitute(source.rates[i], replacements);
   source.parameters = parameter_symbols(model);
   return source;
 }
@@ -49,10 +89,11 @@ DynamicsSource imposed_motion(const Model& model) {
   return source;
 }
 
-bool rates_hold_force(const Model& model) {
-  const Expr force = model.pool->channel("F");
+/// True when the states follow more than the motion: F, or the motion of a base.
+bool rates_hold_input(const Model& model) {
   for (const InternalState& z : model.states)
-    if (depends_on(z.rate, force)) return true;
+    for (const char* input : {"F", "yb", "vb", "ab"})
+      if (depends_on(z.rate, model.pool->channel(input))) return true;
   return false;
 }
 
@@ -61,30 +102,57 @@ bool rates_hold_force(const Model& model) {
 System::System(const Model& given) : model_(std::make_shared<const Model>(complete(given))) {
   const Model& model = *model_;
   Pool& pool = *model.pool;
-  n_ = 2 + static_cast<int>(model.states.size());
+  degrees_ = model.degrees();
+  n_ = 2 * degrees_ + static_cast<int>(model.states.size());
   p_ = static_cast<int>(model.parameters.size());
-  const auto [added, force] = split_inertia(model.restoring, pool.channel("a"));
-  const Expr inertia = added.valid() ? model.mass + added : model.mass;
+  const std::vector<InertiaRow> rows = inertia_rows(model);
 
-  if (!rates_hold_force(model)) imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
-  if (!model.imposed_motion)
-    free_ = std::make_shared<const Dynamics>(compile(free_motion(model, inertia, force)));
-  else if (!imposed_)
+  if (degrees_ == 1 && !rates_hold_input(model))
+    imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
+  if (!model.imposed_motion) {
+    inputs_ = input_channels(model);
+    free_ = std::make_shared<const Dynamics>(compile(free_motion(model, rows, inputs_)));
+  } else if (!imposed_) {
     throw InputError("model: the rate of a state holds F, which is the output where the motion is imposed");
+  }
 
-  std::vector<Expr> inputs{pool.channel("t"), pool.channel("a"), pool.channel("y"), pool.channel("v")};
+  std::vector<Expr> inputs{pool.channel("t")};
+  for (int i = 0; i < degrees_; ++i) inputs.push_back(pool.channel(model.channel('a', i)));
+  for (int i = 0; i < degrees_; ++i) {
+    inputs.push_back(pool.channel(model.channel('y', i)));
+    inputs.push_back(pool.channel(model.channel('v', i)));
+  }
   for (const InternalState& z : model.states) inputs.push_back(z.symbol);
+  for (const std::string& input : inputs_)
+    if (input[0] != 'F') inputs.push_back(pool.channel(input));
   for (const Expr& theta : parameter_symbols(model)) inputs.push_back(theta);
-  const Expr whole = model.mass.is_constant(0) ? model.restoring : model.mass * pool.channel("a") + model.restoring;
-  force_ = Tape(std::span(&whole, 1), inputs);
-  std::vector<Expr> outputs{whole};
-  for (std::size_t i = 4; i < inputs.size(); ++i) outputs.push_back(derivative(whole, inputs[i]));
+  compile_forces(rows, inputs);
+}
+
+/// The tapes of the force side: the whole, its derivatives, the masses and the single terms.
+void System::compile_forces(const std::vector<InertiaRow>& rows, const std::vector<Expr>& inputs) {
+  const Model& model = *model_;
+  std::vector<Expr> whole, masses, terms;
+  for (int i = 0; i < degrees_; ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    const Expr a = model.pool->channel(model.channel('a', i));
+    whole.push_back(mass.is_constant(0) ? restoring : mass * a + restoring);
+    masses.push_back(rows[i].mass.at(i));
+    for (const Expr& term : summands(restoring)) {
+      terms_.push_back({i, term});
+      terms.push_back(term);
+    }
+  }
+  force_ = Tape(whole, inputs);
+  inertia_ = Tape(masses, inputs);
+  term_values_ = Tape(terms, inputs);
+  if (degrees_ > 1) return;
+  std::vector<Expr> outputs = whole;
+  for (std::size_t i = 4; i < inputs.size(); ++i) outputs.push_back(derivative(whole[0], inputs[i]));
   force_with_derivatives_ = Tape(outputs, inputs);
-  inertia_ = Tape(std::span(&inertia, 1), inputs);
-  terms_ = summands(model.restoring);
-  term_values_ = Tape(terms_, inputs);
-  needs_acceleration_ = depends_on(whole, pool.channel("a"));
-  for (const InternalState& z : model.states) needs_acceleration_ |= depends_on(z.rate, pool.channel("a"));
+  const Expr a = model.pool->channel("a");
+  needs_acceleration_ = depends_on(whole[0], a);
+  for (const InternalState& z : model.states) needs_acceleration_ |= depends_on(z.rate, a);
 }
 
 }  // namespace lunid

@@ -14,8 +14,8 @@ using testing::with_solver;
 using testing::with_substeps;
 using testing::zero_force;
 
-constexpr Solver all_solvers[] = {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk};
-constexpr Solver sundials_solvers[] = {Solver::bdf, Solver::adams, Solver::explicit_rk};
+constexpr Solver all_solvers[] = {Solver::automatic, Solver::fixed, Solver::bdf, Solver::adams, Solver::rk45};
+constexpr Solver sundials_solvers[] = {Solver::bdf, Solver::adams, Solver::rk45};
 
 /// m y'' + c y' + k y = A sin(w t) + B from y0, v0 (underdamped), by the sum of steady state and decay.
 double linear(double m, double c, double k, double A, double w, double B, double y0, double v0, double t) {
@@ -102,7 +102,7 @@ TEST(FreeRun, AgainstAOneSidedStopBouncesAfterHalfAPeriod) {
   const System system(model_of("2", "kc*max(y - g, 0)"));
   const auto theta = theta_of(system, {{"kc", 5000}, {"g", 0.1}});
   const double v0 = 1.5, w = std::sqrt(5000 / 2.0), hit = 0.1 / v0, leave = hit + std::numbers::pi / w;
-  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::rk45}) {
     SimulateOptions options = with_solver(solver, 1e-11);
     if (solver == Solver::fixed) options.substeps = 8;
     const lunid::Run run = simulate(system, theta, zero_force(0.3, 0.003), state({0, v0}), options);
@@ -152,7 +152,7 @@ TEST(FreeRun, OfBoucWenIsThatOfAFineHandWrittenLoop) {
     }
   }
   const Excitation excitation = force_of(dt * (rows - 1), dt, force);
-  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::rk45}) {
     SimulateOptions options = with_solver(solver, 1e-10);
     if (solver == Solver::fixed) options.substeps = 8;
     const lunid::Run run = simulate(system, theta, excitation, state({0.01, 0, 0.02}), options);
@@ -166,7 +166,7 @@ TEST(FreeRun, HoldsAStateAtItsBoundAndLetsItGo) {
   // a soft heavy mass swings freely; the element's force is negligible, so its path is known: r follows k dy within +-R
   const System system(model_of("1e6", "1e6*4*y + r", {{"r", "k*v", "-R", "R"}}));
   const auto theta = theta_of(system, {{"k", 10}, {"R", 3}});
-  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::explicit_rk}) {
+  for (const Solver solver : {Solver::fixed, Solver::bdf, Solver::adams, Solver::rk45}) {
     SimulateOptions options = with_solver(solver, 1e-10);
     if (solver == Solver::fixed) options.substeps = 4;
     const lunid::Run run = simulate(system, theta, zero_force(6, 0.01), state({1, 0, 0}), options);

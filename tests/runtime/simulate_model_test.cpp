@@ -53,7 +53,7 @@ TEST(Model, FaultsNameWhatIsWrong) {
   EXPECT_EQ(fault_in(model_of("1", "k*y + b*sign(a)")),
             "model: restoring: terms in a must be a times something without a, got sign(a)");
   EXPECT_EQ(fault_in(model_of("1", "k*y + g*F")),
-            "model: restoring: cannot hold the channel 'F' (it may hold y v a t)");
+            "model: restoring: cannot hold the channel 'F' (it may hold y v a t yb vb ab)");
   EXPECT_EQ(fault_in(model_of("m*a", "k*y")), "model: mass: cannot hold the channel 'a' (it may hold y v t)");
 
   Model model = model_of("1", "k*y");

@@ -38,6 +38,15 @@ inline Model model_of(const std::string& mass, const std::string& restoring, con
   return model;
 }
 
+/// A model of several coordinates: (mass, restoring) of each.
+inline Model model_of_many(const std::vector<std::pair<std::string, std::string>>& rows,
+                           const std::vector<StateText>& states = {}) {
+  Model model = model_of(rows[0].first, rows[0].second, states);
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    model.further.push_back({parse(*model.pool, rows[i].first), parse(*model.pool, rows[i].second)});
+  return model;
+}
+
 /// theta in the order of the model's table from name = value pairs.
 inline std::vector<double> theta_of(const System& system, const std::vector<std::pair<std::string, double>>& values) {
   std::vector<double> theta(system.parameters(), std::nan(""));

@@ -32,7 +32,7 @@ double worst_difference(const System& system, const std::vector<double>& theta, 
     const Run b = simulate(system, down, excitation, x_down, options);
     for (int i = 0; i < 2; ++i) {
       const Eigen::VectorXd difference = (a.x.col(i) - b.x.col(i)) / (2 * h);
-      const auto& column = (i == 0 ? exact.dy : exact.dv).col(c);
+      const auto& column = (i == 0 ? exact.dy() : exact.dv()).col(c);
       const double scale = difference.cwiseAbs().maxCoeff();
       if (scale == 0) {
         EXPECT_EQ(column.cwiseAbs().maxCoeff(), 0) << "column " << c;
