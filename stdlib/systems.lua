@@ -69,7 +69,7 @@ define({
     known("e", 2000, "", "of y^3*v^n"),
     c,
     { "velocity_power", types.integer { min = 2, max = 3 }, default = 2,
-      help = "n: 2 as in the results of section 2.4, 3 as printed in table 2.1" },
+      help = "n: 2 as in the results of section 2.4; 3 as printed in table 2.1, which runs away at 20 Hz unless e is small" },
   },
   example = [[local model = lunid.systems.modified_duffing { velocity_power = 2 }]],
 }, function(p, given)

@@ -527,7 +527,7 @@ function lunid.systems.softening_duffing(fields) end
 ---@field k5? number # stiffness of fifth order
 ---@field e? number # of y^3*v^n
 ---@field c? number # viscous damping
----@field velocity_power? integer # n: 2 as in the results of section 2.4, 3 as printed in table 2.1
+---@field velocity_power? integer # n: 2 as in the results of section 2.4; 3 as printed in table 2.1, which runs away at 20 Hz unless e is small
 ---@param fields lunid.systems.modified_duffing.fields
 ---@return lunid.model
 function lunid.systems.modified_duffing(fields) end

@@ -40,8 +40,8 @@ spec.case("Duffing oscillators", function()
   expect(systems.softening_duffing {}, function(y, v, F) return F - 2e4*y + 1e4*y^3 - 10*v end)
   expect(systems.modified_duffing {},
     function(y, v, F) return F - 1e4*y - 1e5*y^3 - 5e6*y^5 - 2000*y^3*v^2 - 10*v end)
-  expect(systems.modified_duffing { velocity_power = 3 },
-    function(y, v, F) return F - 1e4*y - 1e5*y^3 - 5e6*y^5 - 2000*y^3*v^3 - 10*v end)
+  expect(systems.modified_duffing { velocity_power = 3, e = 2 },
+    function(y, v, F) return F - 1e4*y - 1e5*y^3 - 5e6*y^5 - 2*y^3*v^3 - 10*v end)
 end)
 
 spec.case("yield", function()
