@@ -7,8 +7,6 @@
 
 namespace lunid::lua {
 
-namespace {
-
 Interpolation interpolation_from(const std::string& name) {
   for (const Interpolation kind :
        {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited}) {
@@ -17,22 +15,17 @@ Interpolation interpolation_from(const std::string& name) {
   throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
 }
 
-Excitation of_record(const Record& record, Interpolation interpolation) {
-  return Excitation(record.start(), record.dt(), record["F"], interpolation);
+namespace {
+
+/// The field `interpolation`; without it a record's own.
+std::optional<Interpolation> interpolation_field(lua_State* L, int index) {
+  const auto name = string_field(L, index, "interpolation");
+  return name ? std::optional(interpolation_from(*name)) : std::nullopt;
 }
 
 /// F(t) as an expression of the time alone, evaluated exactly between samples. Lua is not called.
-Excitation of_expression(lua_State* L, const Value& force, double dt, double duration) {
-  Pool& pool = *runtime(L).pool();
-  const Expr inputs[] = {pool.channel("t")};
-  const Tape tape(std::span<const Expr>(&force.expr, 1), inputs);
-  const auto at = [tape](double t) {
-    std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
-    double value = 0;
-    tape.run_point(&t, &value, scratch.data());
-    return value;
-  };
-  return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, at);
+Excitation of_expression(const Value& force, double dt, double duration) {
+  return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, function_of_time(force.expr));
 }
 
 /// simulate(model, {record=, force=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
@@ -40,7 +33,7 @@ Excitation of_expression(lua_State* L, const Value& force, double dt, double dur
 int run(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   check_table(L, 2);
-  const Interpolation interpolation = interpolation_from(string_field(L, 2, "interpolation").value_or("linear"));
+  const auto interpolation = interpolation_field(L, 2);
   SimulateOptions options;
   options.solver = solver_from(string_field(L, 2, "solver").value_or("auto"));
   options.rtol = number_field(L, 2, "rtol").value_or(options.rtol);
@@ -53,10 +46,10 @@ int run(lua_State* L) {
   std::optional<Record> record;
   with_field(L, 2, "record", [&] {
     record = check<Record>(L, -1);
-    excitation = of_record(*record, interpolation);
+    excitation = excitation_of(*record, interpolation);
   });
   if (!record) {
-    excitation = of_expression(L, field_value(L, 2, "force"), number_field(L, 2, "dt").value_or(1e-3),
+    excitation = of_expression(field_value(L, 2, "force"), number_field(L, 2, "dt").value_or(1e-3),
                                number_field(L, 2, "duration").value_or(1));
   }
   Eigen::VectorXd x0;
@@ -92,11 +85,11 @@ int fit(lua_State* L) {
   const System system(check<Model>(L, 1));
   check_table(L, 2);
   check_table(L, 3);
-  const Interpolation interpolation = interpolation_from(string_field(L, 3, "interpolation").value_or("linear"));
+  const auto interpolation = interpolation_field(L, 3);
   std::vector<FitData> data;
   for_each(L, 2, [&](lua_Integer) {
     const Record& record = check<Record>(L, -1);
-    data.push_back({record, of_record(record, interpolation), {}});
+    data.push_back({record, excitation_of(record, interpolation), {}});
   });
   FitOptions options;
   options.max_iterations = static_cast<int>(number_field(L, 3, "max_iterations").value_or(options.max_iterations));

@@ -53,6 +53,9 @@ void push_column(lua_State* L, const Eigen::VectorXd& values);
 /// A Column or a list of numbers.
 Eigen::VectorXd check_column(lua_State* L, int index);
 
+/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
+Interpolation interpolation_from(const std::string& name);
+
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
