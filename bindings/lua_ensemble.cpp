@@ -21,7 +21,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Seconds between two writes of what is done.
-constexpr double keep_interval = 0.5;
+constexpr double keep_interval = 0.1;
 
 /// Where the members of an ensemble differ: a quantity goes to a parameter of the model, to a symbol of the excitation
 /// or of its time base, to a first state, or scales a record ("gain").
@@ -66,8 +66,10 @@ class Assembly {
     dt_ = field_value(L_, 2, "dt");
     duration_ = field_value(L_, 2, "duration");
     with_field(L_, 2, "record", [&] { records_.push_back(check<Record>(L_, -1)); });
-    with_field(L_, 2, "records",
-               [&] { for_each(L_, -1, [&](lua_Integer) { records_.push_back(check<Record>(L_, -1)); }); });
+    with_field(L_, 2, "records", [&] {
+      for_each(L_, -1, [&](lua_Integer) { records_.push_back(check<Record>(L_, -1)); });
+      made_ = true;
+    });
     if (const auto name = string_field(L_, 2, "interpolation")) interpolation_ = interpolation_from(*name);
   }
 

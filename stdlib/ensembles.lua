@@ -9,8 +9,8 @@ local ensembles = {}
 
 -- ---- what may be varied ----
 
-local grid = schema.define({
-  name = "grid",
+local range = schema.define({
+  name = "range",
   help = "Evenly spaced values from the first to the last, for lunid.ensemble { vary = { ... } }.",
   style = "arguments",
   positional = { "from", "to", "count", "spacing" },
@@ -21,10 +21,10 @@ local grid = schema.define({
     { "spacing", types.choice { "linear", "log" }, default = "linear", help = "of the values or of their logarithms" },
   },
   returns = "list",
-  example = [[vary = { k = lunid.grid(1e4, 3e4, 20) }]],
+  example = [[vary = { k = lunid.range(1e4, 3e4, 20) }]],
 }, function(given)
   if given.spacing == "log" and not (given.from * given.to > 0) then
-    schema.fail("grid", ("spacing 'log': expected two values of one sign, got %g and %g"):format(given.from, given.to))
+    schema.fail("range", ("spacing 'log': expected two values of one sign, got %g and %g"):format(given.from, given.to))
   end
   local values = {}
   for i = 1, given.count do
@@ -120,7 +120,7 @@ local function values_of(name, given)
   if getmetatable(given) == "lunid.column" then values = given:list() end
   if type(given) == "number" then values = { given } end
   if type(values) ~= "table" or getmetatable(values) ~= nil then
-    schema.fail("ensemble: vary", ("%s: expected a list of numbers or lunid.grid, got %s"):format(name, core.describe(given)))
+    schema.fail("ensemble: vary", ("%s: expected a list of numbers or lunid.range, got %s"):format(name, core.describe(given)))
   end
   if #values == 0 then schema.fail("ensemble: vary", ("%s: expected 1 value or more, got none"):format(name)) end
   for i, value in ipairs(values) do
@@ -186,7 +186,7 @@ local definition = {
     .. "(and on all ranks under mpirun). A member that explodes is a result.",
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "what moves; its values hold where not varied" },
-    { "vary", types.table, help = "name = list of values or lunid.grid: the full grid of all of them" },
+    { "vary", types.table, help = "name = list of values or lunid.range: the full grid of all of them" },
     { "draw", types.table, help = "name = lunid.uniform, lunid.normal or lunid.log_uniform: random members" },
     { "samples", types.integer { min = 1, max = 10000000 }, help = "members to draw" },
     { "method", types.choice { "latin_hypercube", "sobol", "random" }, default = "latin_hypercube",
@@ -196,22 +196,22 @@ local definition = {
       unit = "N", help = "a record, an expression of lunid.time and of parameters that may be varied, or "
         .. "function(case) giving a record for each member" },
     { "from", types.list(types.number(), 1), help = "first state { y, v, ... } of all members; else rest" },
-    { "duration", types.either(types.number { above = 0 }, types.expression), unit = "s",
+    { "duration", types.expression, unit = "s",
       help = "length of a run, where the force is an expression; may hold what is varied" },
-    { "dt", types.either(types.number { above = 0 }, types.expression), unit = "s",
+    { "dt", types.expression, unit = "s",
       help = "sample time, where the force is an expression; may hold what is varied" },
     { "interpolation", types.choice { "hold", "linear", "cubic", "band_limited" },
       help = "what a record's force does between samples; else what the record says" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "per sample; else chosen by halving on a few members" },
     { "outputs", types.list(types.string, 1),
       help = "max, min, mean, std, rms, amplitude or last of a signal: \"rms_y\"; else rms and max of the displacements" },
-    { "settled", types.number { min = 0, below = 1 }, default = 0,
+    { "settled", types.number { min = 0, max = 0.99 }, default = 0,
       help = "part of each run before the outputs begin" },
     { "keep", types.choice { "summaries", "trajectories" }, default = "summaries",
       help = "'trajectories' keeps the outputs' signals whole" },
   },
   returns = "sweep",
-  example = [[local sweep = lunid.ensemble { model = model, vary = { k = lunid.grid(1e4, 3e4, 20) }, excitation = record }]],
+  example = [[local sweep = lunid.ensemble { model = model, vary = { k = lunid.range(1e4, 3e4, 20) }, excitation = record }]],
 }
 
 ensembles.ensemble = schema.define(definition, function(given)
@@ -326,6 +326,6 @@ ensembles.table = schema.define({
   end)
 end)
 
-ensembles.public = { ensemble = ensembles.ensemble, table = ensembles.table, grid = grid, uniform = uniform,
+ensembles.public = { ensemble = ensembles.ensemble, table = ensembles.table, range = range, uniform = uniform,
   log_uniform = log_uniform, normal = normal }
 return ensembles
