@@ -20,8 +20,8 @@ using nlohmann::json;
 
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
-  std::vector<std::string> files, tests, arguments, windows, test_windows;
-  std::string study, mass, restoring, baseline, columns, out, model, excitation, topic, from, solver, initial;
+  std::vector<std::string> files, tests, arguments, windows, test_windows, topic;
+  std::string study, mass, restoring, baseline, columns, out, model, excitation, from, solver, initial;
   double alpha = 0.01, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
@@ -76,10 +76,10 @@ void add_simulate(CLI::App& app, Values& values) {
 void add_small_commands(CLI::App& app, Values& values) {
   CLI::App* check = app.add_subcommand("check", "look through a study without running it");
   check->add_option("study", values.study, "STUDY.lua")->required();
-  CLI::App* list = app.add_subcommand("list", "list effects, features or solvers");
-  list->add_option("topic", values.topic, "effects | features | solvers");
-  CLI::App* help = app.add_subcommand("help", "explain a constructor, a command or an effect");
-  help->add_option("topic", values.topic, "such as regress, discover or cubic_stiffness");
+  CLI::App* list = app.add_subcommand("list", "list effects, features, solvers, excitations or systems");
+  list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems")->expected(0, 1);
+  CLI::App* help = app.add_subcommand("help", "explain a constructor, a group of them, a command or an effect");
+  help->add_option("topic", values.topic, "such as regress, discover, cubic_stiffness, or systems duffing");
   add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);
   app.add_subcommand("doctor", "say what is installed and whether figures work here");
 }
@@ -110,7 +110,9 @@ json to_json(const CLI::App& app, const Values& values) {
   put(options, "excitation", values.excitation);
   put(options, "from", values.initial);
   put(options, "solver", values.solver);
-  put(options, "topic", values.topic);
+  std::string topic;  // "systems duffing" is systems.duffing
+  for (const std::string& word : values.topic) topic += (topic.empty() ? "" : ".") + word;
+  put(options, "topic", topic);
   if (app.get_name() == "discover") {
     options["alpha"] = values.alpha;
     options["imposed_motion"] = values.imposed_motion;

@@ -77,6 +77,9 @@ int maximum(lua_State* L) {
 int mean(lua_State* L) {
   return statistic(L, [](const auto& x) { return x.mean(); });
 }
+int root_mean_square(lua_State* L) {
+  return statistic(L, [](const auto& x) { return std::sqrt(x.squaredNorm() / static_cast<double>(x.size())); });
+}
 int deviation(lua_State* L) {
   return statistic(L, [](const auto& x) { return std::sqrt((x.array() - x.mean()).square().mean()); });
 }
@@ -111,8 +114,9 @@ int make_column(lua_State* L) {
 
 void open_columns(lua_State* L) {
   static constexpr Entry methods[] = {
-      {"min", guarded<minimum>},   {"max", guarded<maximum>},  {"mean", guarded<mean>},
-      {"std", guarded<deviation>}, {"list", guarded<to_list>}, {"every", guarded<every>},
+      {"min", guarded<minimum>},   {"max", guarded<maximum>},          {"mean", guarded<mean>},
+      {"std", guarded<deviation>}, {"rms", guarded<root_mean_square>}, {"list", guarded<to_list>},
+      {"every", guarded<every>},
   };
   static constexpr Entry meta[] = {
       {"__index", guarded<get>}, {"__len", guarded<length>}, {"__tostring", guarded<to_string>}};

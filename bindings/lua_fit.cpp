@@ -8,7 +8,7 @@ namespace lunid::lua {
 
 namespace {
 
-std::vector<FitData> data_of(lua_State* L, int index, const System& system, Interpolation interpolation) {
+std::vector<FitData> data_of(lua_State* L, int index, const System& system, std::optional<Interpolation> interpolation) {
   std::vector<FitData> data;
   for_each(L, index, [&](lua_Integer) {
     const Record& record = check<Record>(L, -1);
@@ -48,7 +48,7 @@ int fit(lua_State* L) {
   fit.system = std::make_shared<const System>(check<Model>(L, 1));
   check_table(L, 2);
   check_table(L, 3);
-  fit.data = data_of(L, 2, *fit.system, interpolation_from(string_field(L, 3, "interpolation").value_or("linear")));
+  fit.data = data_of(L, 2, *fit.system, interpolation_field(L, 3));
   if (fit.data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
   const Model& model = fit.system->model();
   fit.options = options_of(L, 3, model, fit.data[0].record.dt());

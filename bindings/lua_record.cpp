@@ -73,6 +73,12 @@ void push_channels(lua_State* L, const Record& record) {
     lua_setfield(L, -2, "noise");
     lua_pushboolean(L, channel.derived);
     lua_setfield(L, -2, "derived");
+    push_text(L, to_string(channel.between));
+    lua_setfield(L, -2, "between");
+    if (channel.formula.valid()) {
+      push<Value>(L, {channel.formula, nullptr});
+      lua_setfield(L, -2, "formula");
+    }
     lua_pushvalue(L, -1);
     lua_setfield(L, -3, channel.name.c_str());
     lua_rawseti(L, -2, ++i);
@@ -106,8 +112,9 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a record has no '" + key +
-                       "' (fields: name rows dt start duration channels warnings; methods: window column save)");
+      throw InputError(
+          "a record has no '" + key +
+          "' (fields: name rows dt start duration channels warnings; methods: window column save with_noise)");
     }
   }
   return 1;

@@ -17,20 +17,16 @@ Interpolation interpolation_from(const std::string& name) {
   throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
 }
 
+std::optional<Interpolation> interpolation_field(lua_State* L, int index) {
+  const auto name = string_field(L, index, "interpolation");
+  return name ? std::optional(interpolation_from(*name)) : std::nullopt;
+}
+
 namespace {
 
 /// An input as an expression of the time alone, evaluated exactly between samples. Lua is not called.
-Excitation of_expression(lua_State* L, Expr f, double dt, double duration) {
-  Pool& pool = *runtime(L).pool();
-  const Expr inputs[] = {pool.channel("t")};
-  const Tape tape(std::span<const Expr>(&f, 1), inputs);
-  const auto at = [tape](double t) {
-    std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
-    double value = 0;
-    tape.run_point(&t, &value, scratch.data());
-    return value;
-  };
-  return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, at);
+Excitation of_expression(Expr f, double dt, double duration) {
+  return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, function_of_time(f));
 }
 
 /// {F = expression, yb = expression...}: a velocity or acceleration of the base that is not given follows from the
@@ -52,7 +48,7 @@ Excitations of_expressions(lua_State* L, int index, const System& system, double
   }
   if (given.contains("vb") && std::find(system.inputs().begin(), system.inputs().end(), "vb") == system.inputs().end())
     given.erase("vb");
-  for (const auto& [channel, f] : given) excitation.add(channel, of_expression(L, f, dt, duration));
+  for (const auto& [channel, f] : given) excitation.add(channel, of_expression(f, dt, duration));
   return excitation;
 }
 
@@ -62,7 +58,7 @@ Excitations of_expressions(lua_State* L, int index, const System& system, double
 int run(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   check_table(L, 2);
-  const Interpolation interpolation = interpolation_from(string_field(L, 2, "interpolation").value_or("linear"));
+  const auto interpolation = interpolation_field(L, 2);
   SimulateOptions options;
   options.solver = solver_from(string_field(L, 2, "solver").value_or("auto"));
   options.rtol = number_field(L, 2, "rtol").value_or(options.rtol);

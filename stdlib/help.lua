@@ -13,8 +13,8 @@ local command_words = {
   { "simulate", "model.lua --excitation RECORD.csv [--out DIR]", "run a model freely under a record's force" },
   { "check", "STUDY.lua", "look through a study without running it" },
   { "repl", "", "type expressions and see their values" },
-  { "list", "[effects|features|solvers|cases]", "what there is" },
-  { "help", "TOPIC", "explain a constructor or an effect" },
+  { "list", "[effects|features|solvers|excitations|systems]", "what there is" },
+  { "help", "TOPIC", "explain a constructor, a group of them (systems) or an effect" },
   { "doctor", "", "say what is installed and whether figures work here" },
 }
 
@@ -23,7 +23,8 @@ local function field_line(definition, field)
   local notes = {}
   if field.required then notes[#notes + 1] = "required" end
   if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
-    notes[#notes + 1] = "default " .. tostring(field.default)
+    notes[#notes + 1] = "default " .. (type(field.default) == "number" and ("%g"):format(field.default)
+      or tostring(field.default))
   end
   if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
   local note = #notes > 0 and " (" .. table.concat(notes, ", ") .. ")" or ""
@@ -67,17 +68,45 @@ local function explain_effect(entry)
   print("  source: " .. entry.source)
 end
 
+--- "Such as this.", of a text whose next sentence begins with a capital letter.
+local function first_sentence(text) return (text .. " A"):match "^(.-%.) %u" end
+
+local groups = { "excitation", "noise", "systems", "figure" }
+
+--- Constructors of lunid.<group>, such as those of lunid.excitation.
+local function members_of(group)
+  local members = {}
+  for _, definition in ipairs(schema.definitions) do
+    local member = definition.name:match("^" .. group .. "%.(.*)$")
+    if member then members[#members + 1] = { name = member, definition = definition } end
+  end
+  return members
+end
+
+local function explain_group(group, members)
+  print(("lunid.%s (lunid help %s NAME)"):format(group, group))
+  for _, member in ipairs(members) do
+    print(("  %-20s%s"):format(member.name, first_sentence(member.definition.help)))
+  end
+end
+
 --- "lunid check     STUDY.lua"
 local function usage(row) return (("lunid %-9s %s"):format(row[1], row[2]):gsub("%s+$", "")) end
-
-local function first_sentence(text) return (text .. " A"):match "^(.-%.) %u" end
 
 local function overview()
   print "Lunid: from a measured record to the equation of its motion.\n\nCommands"
   for _, row in ipairs(command_words) do print(("  %s\n%17s%s"):format(usage(row), "", row[3])) end
   print "\nConstructors of the language (lunid help NAME)"
   for _, definition in ipairs(schema.definitions) do
-    print(("  %-21s%s"):format(definition.name, first_sentence(definition.help)))
+    if not definition.name:find(".", 1, true) then
+      print(("  %-21s%s"):format(definition.name, first_sentence(definition.help)))
+    end
+  end
+  print "\nGroups of them (lunid help GROUP, lunid help GROUP NAME)"
+  for _, group in ipairs(groups) do
+    local names = {}
+    for i, member in ipairs(members_of(group)) do names[i] = member.name end
+    print(("  %-21s%s"):format(group, table.concat(names, " ")))
   end
   print "\nEffects (lunid help NAME)"
   for _, entry in ipairs(effects.catalogue()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
@@ -92,6 +121,10 @@ function help.explain(topic)
   end
   local definition = schema.definitions[topic:gsub("^lunid%.", "")]
   local names = {}
+  for _, group in ipairs(groups) do
+    names[#names + 1] = group
+    if group == topic then return explain_group(group, members_of(group)) end
+  end
   for _, each in ipairs(schema.definitions) do names[#names + 1] = each.name end
   if definition then explain_constructor(definition) end
   for _, row in ipairs(command_words) do
@@ -132,6 +165,16 @@ function lists.features()
   print("functions   " .. table.concat(names, " "))
 end
 
+--- A constructor's first sentence, for the lists.
+local function list_group(group)
+  for _, member in ipairs(members_of(group)) do
+    print(("%-21s%s"):format(member.name, first_sentence(member.definition.help)))
+  end
+end
+
+function lists.excitations() list_group "excitation" end
+function lists.systems() list_group "systems" end
+
 function lists.solvers()
   print "of a regression"
   for _, name in ipairs(regression.solver_names) do
@@ -144,8 +187,9 @@ end
 
 function help.list(topic)
   require "lunid"
+  local topics = { "effects", "features", "solvers", "excitations", "systems" }
   if not topic then
-    for _, name in ipairs { "effects", "features", "solvers" } do
+    for _, name in ipairs(topics) do
       print(name:upper())
       lists[name]()
       print ""
@@ -153,8 +197,8 @@ function help.list(topic)
     return
   end
   if not lists[topic] then
-    local near = core.nearest(topic, { "effects", "features", "solvers" })
-    core.raise(("list: expected effects, features, solvers or cases, got '%s'%s"):format(topic,
+    local near = core.nearest(topic, topics)
+    core.raise(("list: expected effects, features, solvers, excitations or systems, got '%s'%s"):format(topic,
       near and (", did you mean '%s'?"):format(near) or ""), "usage")
   end
   lists[topic]()

@@ -51,7 +51,7 @@ local simulate = schema.define({
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "what moves" },
     { "excitation", types.either(types.is("record", "lunid.read"), types.expression, types.table), required = true,
-      unit = "N", help = "a record, whose channels drive the model, an expression of lunid.time (the force), or a table "
+      unit = "N", help = "a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table "
         .. "of expressions by channel, such as { F1 = ..., yb = ... }" },
     { "from", types.either(types.choice { "record" }, types.list(types.number(), 2)),
       help = "first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, "
@@ -59,7 +59,8 @@ local simulate = schema.define({
     { "duration", types.number { above = 0 }, unit = "s", help = "length of the run, where the force is an expression" },
     { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result, where the force is an expression" },
     { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
-    { "interpolation", types.choice(interpolations), default = "linear", help = "what the force does between samples" },
+    { "interpolation", types.choice(interpolations),
+      help = "what the force does between samples; else what the record says: its formula, or straight lines" },
     { "rtol", types.number { above = 0, below = 1 }, default = 1e-8, help = "relative tolerance of SUNDIALS" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "of the fixed path, per sample; else chosen" },
   },
@@ -94,7 +95,8 @@ local fit_trajectory = schema.define({
       help = "'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull" },
     { "segment", types.number { above = 0 }, unit = "s",
       help = "length of free runs with first states of their own (multiple shooting); else the whole record" },
-    { "interpolation", types.choice(interpolations), default = "linear", help = "what the force does between samples" },
+    { "interpolation", types.choice(interpolations),
+      help = "what the force does between samples; else what the record says: its formula, or straight lines" },
     { "max_iterations", types.integer { min = 1, max = 1000 }, default = 40, help = "of Levenberg-Marquardt" },
   },
   returns = "trajectory_fit",

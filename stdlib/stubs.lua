@@ -49,8 +49,14 @@ end
 --- The whole file.
 function stubs.text()
   require "lunid"
+  local groups, seen = {}, {}
+  for _, definition in ipairs(schema.definitions) do
+    local group = definition.name:match "^(.*)%."
+    if group and not seen[group] then groups[#groups + 1] = group .. " = {}" end
+    seen[group or ""] = true
+  end
   local lines = { "---@meta", "-- Written from the schemas by `lunid help stubs`; a test compares it with them.",
-    "---@class lunid", "local lunid = { figure = {} }" }
+    "---@class lunid", "local lunid = { " .. table.concat(groups, ", ") .. " }" }
   for _, definition in ipairs(schema.definitions) do lines[#lines + 1] = stub(definition) end
   lines[#lines + 1] = "\nreturn lunid\n"
   return table.concat(lines, "\n")

@@ -10,8 +10,12 @@
 #include <vector>
 
 #include "expr/error.hpp"
+#include "expr/expr.hpp"
 
 namespace lunid {
+
+/// What a signal does between its samples: part of the model (docs/methods.md).
+enum class Interpolation { hold, linear, cubic, band_limited };
 
 /// One channel of a record. Names are the language's: F y v a (y_reference and other extra columns keep their
 /// header).
@@ -23,6 +27,9 @@ struct Channel {
   Eigen::VectorXd values;
   double noise = 0;      ///< standard deviation of the channel's own noise, estimated (noise_level)
   bool derived = false;  ///< true for v, a computed from other channels
+  Interpolation between = Interpolation::linear;  ///< what it does between its samples
+  /// Of a signal that was made: its value at any time t [s]. What `values` have beyond it is interpolated. Else empty.
+  Expr formula;
 };
 
 /// Value type; copies and windows share the columns.

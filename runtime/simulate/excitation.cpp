@@ -85,6 +85,32 @@ double local_cubic(const VectorXd& f, Index row, double fraction) {
   return value;
 }
 
+/// Samples f at `places` (parts of an interval, the first 0) of each interval, then the last one.
+VectorXd interpolate(const VectorXd& f, std::span<const double> places, Interpolation interpolation) {
+  const auto count = static_cast<Index>(places.size());
+  VectorXd out((f.size() - 1) * count + 1);
+  for (Index row = 0; row < f.size(); ++row) out[row * count] = f[row];
+  if (interpolation == Interpolation::band_limited) {
+    refine_band_limited(f, places, out);
+    return out;
+  }
+  for (Index row = 0; row + 1 < f.size(); ++row)
+    for (Index i = 1; i < count; ++i) {
+      const double from = f[row], to = f[row + 1];
+      out[row * count + i] = interpolation == Interpolation::hold     ? from
+                             : interpolation == Interpolation::linear ? from + places[i] * (to - from)
+                                                                      : local_cubic(f, row, places[i]);
+    }
+  return out;
+}
+
+/// The ends and middles of `substeps` equal parts of an interval, without its end.
+std::vector<double> even_places(int substeps) {
+  std::vector<double> places(static_cast<std::size_t>(2 * substeps));
+  for (int i = 0; i < 2 * substeps; ++i) places[static_cast<std::size_t>(i)] = static_cast<double>(i) / (2 * substeps);
+  return places;
+}
+
 /// Six-point Lagrange on an even grid.
 double sextic(const VectorXd& f, double position) {
   const Index points = std::min<Index>(6, f.size());
@@ -102,6 +128,9 @@ double sextic(const VectorXd& f, double position) {
 
 /// A time nearer to a sample than this part of the interval is on it: a held force has jumped.
 constexpr double on_sample = 1e-9;
+
+/// Samples that differ from a formula by less than this part of the peak are those of the formula.
+constexpr double rounding = 1e-12;
 
 /// Parts per sample of the grid on which at() reads a band-limited force.
 constexpr int at_substeps = 8;
@@ -131,11 +160,16 @@ struct Excitation::Source {
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
   std::function<double(double)> function;
-  std::mutex mutex;                                 ///< guards the grids
+  VectorXd rest;     ///< what the samples have beyond the function, interpolated; empty: nothing
+  std::mutex mutex;  ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
+  VectorXd fine_grid;                               ///< of what is interpolated, for at()
 
+  /// The samples that are interpolated.
+  const VectorXd& interpolated() const { return function ? rest : samples; }
   VectorXd refine(std::span<const double> places) const;
   const VectorXd& even_grid(int substeps);
+  const VectorXd& interpolated_grid();
   const VectorXd& stage_grid(int substeps);
 };
 
@@ -176,20 +210,35 @@ Excitation::Excitation(double t0, double dt, Index rows, std::function<double(do
   source_->function = std::move(force);
 }
 
-bool Excitation::analytic() const { return source_ && source_->function; }
+Excitation::Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation,
+                       std::function<double(double)> formula)
+    : Excitation(t0, dt, force, interpolation) {
+  if (!formula) return;
+  VectorXd rest = source_->samples;
+  for (Index i = 0; i < rows_; ++i) rest[i] -= formula(t0 + dt * static_cast<double>(i));
+  check_finite(rest);
+  // A jump at a sample would need two values of the formula's other parts there: it becomes a ramp of one interval.
+  source_->interpolation = interpolation == Interpolation::hold ? Interpolation::linear : interpolation;
+  interpolation_ = Interpolation::cubic;
+  if (rest.cwiseAbs().maxCoeff() > rounding * source_->samples.cwiseAbs().maxCoeff()) source_->rest = std::move(rest);
+  source_->function = std::move(formula);
+}
+
+bool Excitation::analytic() const { return source_ && source_->function && source_->rest.size() == 0; }
 
 double Excitation::at(double t) const {
   const double last = static_cast<double>(rows_ - 1);
-  if (analytic()) return source_->function(std::clamp(t, t0_, t0_ + last * dt_));
-  const VectorXd& f = source_->samples;
+  const double exact = source_->function ? source_->function(std::clamp(t, t0_, t0_ + last * dt_)) : 0;
+  const VectorXd& f = source_->interpolated();
+  if (f.size() == 0) return exact;
   const double position = static_cast<double>(first_) + std::clamp((t - t0_) / dt_, 0.0, last);
   const Index row = std::min<Index>(static_cast<Index>(position), f.size() - 2);
   const double fraction = position - static_cast<double>(row);
-  switch (interpolation_) {
-    case Interpolation::hold: return fraction < 1 - on_sample ? f[row] : f[row + 1];
-    case Interpolation::linear: return f[row] + fraction * (f[row + 1] - f[row]);
-    case Interpolation::cubic: return local_cubic(f, row, fraction);
-    case Interpolation::band_limited: return sextic(source_->even_grid(at_substeps), position * 2 * at_substeps);
+  switch (source_->interpolation) {
+    case Interpolation::hold: return exact + (fraction < 1 - on_sample ? f[row] : f[row + 1]);
+    case Interpolation::linear: return exact + (f[row] + fraction * (f[row + 1] - f[row]));
+    case Interpolation::cubic: return exact + local_cubic(f, row, fraction);
+    case Interpolation::band_limited: return exact + sextic(source_->interpolated_grid(), position * 2 * at_substeps);
   }
   return 0;
 }
@@ -198,37 +247,27 @@ double Excitation::at(double t) const {
 VectorXd Excitation::Source::refine(std::span<const double> places) const {
   const auto count = static_cast<Index>(places.size());
   const Index rows = samples.size();
-  VectorXd out((rows - 1) * count + 1);
+  const VectorXd& f = interpolated();
+  VectorXd out = f.size() ? interpolate(f, places, interpolation) : VectorXd::Zero((rows - 1) * count + 1);
   for (Index row = 0; row < rows; ++row) out[row * count] = samples[row];
-  if (function) {
-    for (Index row = 0; row + 1 < rows; ++row)
-      for (Index i = 1; i < count; ++i)
-        out[row * count + i] = function(t0 + dt * (static_cast<double>(row) + places[i]));
-    return out;
-  }
-  if (interpolation == Interpolation::band_limited) {
-    refine_band_limited(samples, places, out);
-    return out;
-  }
+  if (!function) return out;
   for (Index row = 0; row + 1 < rows; ++row)
-    for (Index i = 1; i < count; ++i) {
-      const double from = samples[row], to = samples[row + 1];
-      out[row * count + i] = interpolation == Interpolation::hold     ? from
-                             : interpolation == Interpolation::linear ? from + places[i] * (to - from)
-                                                                      : local_cubic(samples, row, places[i]);
-    }
+    for (Index i = 1; i < count; ++i)
+      out[row * count + i] += function(t0 + dt * (static_cast<double>(row) + places[i]));
   return out;
 }
 
 const VectorXd& Excitation::Source::even_grid(int substeps) {
   const std::lock_guard lock(mutex);
   VectorXd& entry = even_grids[substeps];  // a map's entries stay where they are
-  if (entry.size() == 0) {
-    std::vector<double> places(2 * substeps);
-    for (int i = 0; i < 2 * substeps; ++i) places[i] = static_cast<double>(i) / (2 * substeps);
-    entry = refine(places);
-  }
+  if (entry.size() == 0) entry = refine(even_places(substeps));
   return entry;
+}
+
+const VectorXd& Excitation::Source::interpolated_grid() {
+  const std::lock_guard lock(mutex);
+  if (fine_grid.size() == 0) fine_grid = interpolate(interpolated(), even_places(at_substeps), interpolation);
+  return fine_grid;
 }
 
 const VectorXd& Excitation::Source::stage_grid(int substeps) {
@@ -268,6 +307,27 @@ Excitation Excitation::part(Index first, Index count) const {
   return cut;
 }
 
+std::function<double(double)> function_of_time(Expr formula) {
+  const Expr inputs[] = {formula.pool().channel("t")};
+  const Tape tape(std::span<const Expr>(&formula, 1), inputs);
+  return [tape](double t) {
+    constexpr int few = 64;
+    double small[few];
+    std::vector<double> large(tape.registers() > few ? static_cast<std::size_t>(tape.registers()) : 0);
+    double value = 0;
+    tape.run_point(&t, &value, large.empty() ? small : large.data());
+    return value;
+  };
+}
+
+Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation, std::string_view name) {
+  const Channel& channel = record.channel(name);
+  const std::span<const double> force = record[name];
+  if (interpolation || !channel.formula.valid())
+    return Excitation(record.start(), record.dt(), force, interpolation.value_or(channel.between));
+  return Excitation(record.start(), record.dt(), force, channel.between, function_of_time(channel.formula));
+}
+
 Excitations& Excitations::add(const std::string& channel, Excitation signal) {
   const auto refuse = [&](const std::string& what) { throw InputError("excitation: " + channel + ": " + what); };
   if (std::find(channels_.begin(), channels_.end(), channel) != channels_.end()) refuse("given twice");
@@ -291,14 +351,14 @@ Excitations Excitations::part(Index first, Index count) const {
   return cut;
 }
 
-Excitations excitations_of(const System& system, const Record& record, Interpolation interpolation) {
+Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation) {
   Excitations found;
   std::string missing;
   for (const std::string& input : system.inputs()) {
     const bool alone = input == system.inputs().front() && !record.has(input) && record.has("F");
     const std::string name = alone ? "F" : input;  // F is the force of the first driven coordinate
     if (record.has(name))
-      found.add(input, Excitation(record.start(), record.dt(), record[name], interpolation));
+      found.add(input, excitation_of(record, interpolation, name));
     else if (input[0] != 'F' || system.inputs().size() == 1)
       missing = input;
   }

@@ -15,8 +15,6 @@
 
 namespace lunid {
 
-/// What the force does between its samples: part of the model (docs/methods.md).
-enum class Interpolation { hold, linear, cubic, band_limited };
 std::string to_string(Interpolation);
 
 /// A force on an even time base, ready for integration: values on a refined grid of the samples. A value type; copies
@@ -29,13 +27,17 @@ class Excitation {
   /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples). The same
   /// errors.
   Excitation(double t0, double dt, Eigen::Index rows, std::function<double(double)> force);
+  /// F = f(t) plus what the samples have beyond it, which is interpolated (held values as straight lines). The same
+  /// errors.
+  Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation,
+             std::function<double(double)> formula);
 
   Eigen::Index rows() const { return rows_; }
   double t0() const { return t0_; }
   double dt() const { return dt_; }
-  /// What happens between samples; of an analytic force: cubic (it is smooth there).
+  /// What happens between samples; with a formula: cubic (it is smooth there).
   Interpolation interpolation() const { return interpolation_; }
-  bool analytic() const;
+  bool analytic() const;      ///< known by a formula alone
   double at(double t) const;  ///< F(t); constant beyond the ends
   double peak() const;        ///< largest |F| on the samples
   /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
@@ -55,6 +57,13 @@ class Excitation {
   Interpolation interpolation_ = Interpolation::linear;
   std::shared_ptr<Source> source_;
 };
+
+/// The force of a record's channel: its formula where it has one, and its own interpolation where none is given.
+/// Changes the pool of a formula; call it on the pool's thread. Throws InputError as Record and Excitation do.
+Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation = {},
+                         std::string_view channel = "F");
+/// f(t) of an expression of the time alone, safe for threads. Throws InputError naming another symbol.
+std::function<double(double)> function_of_time(Expr formula);
 
 /// What drives a model: an excitation for each input channel, all on one time base. An input that none is given for is
 /// zero. Made from one excitation it is the force: F, or that of the first driven coordinate.
@@ -89,7 +98,7 @@ class Excitations {
 /// Carpenter 2019).
 /// The channels of a record that drive the system. Throws InputError naming the channel that it lacks: the forces may
 /// be absent where others drive, but not all inputs.
-Excitations excitations_of(const System& system, const Record& record, Interpolation interpolation);
+Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation = {});
 
 enum class Solver { automatic, fixed, bdf, adams, rk23, rk45, rk78, esdirk };
 std::string to_string(Solver);

@@ -5,7 +5,7 @@
 
 #include "expr/error.hpp"
 #include "statistics/correlation.hpp"
-#include "statistics/philox.hpp"
+#include "record/random.hpp"
 
 namespace lunid {
 namespace {

@@ -5,5 +5,5 @@
 #include "statistics/correlation.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/fit_measures.hpp"
-#include "statistics/philox.hpp"
+#include "record/random.hpp"
 #include "statistics/residual_tests.hpp"

@@ -1,7 +1,7 @@
 ---@meta
 -- Written from the schemas by `lunid help stubs`; a test compares it with them.
 ---@class lunid
-local lunid = { figure = {} }
+local lunid = { figure = {}, excitation = {}, noise = {}, systems = {} }
 
 ---A value that `lunid run STUDY.lua key=value` may set.
 ---@class lunid.option.fields
@@ -146,12 +146,12 @@ function lunid.regress(fields) end
 ---Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.
 ---@class lunid.simulate.fields
 ---@field model lunid.model # what moves
----@field excitation any # a record, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
+---@field excitation any # a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
 ---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run, where the force is an expression
 ---@field dt? number # sample time of the result, where the force is an expression
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
----@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field substeps? integer # of the fixed path, per sample; else chosen
 ---@param fields lunid.simulate.fields
@@ -167,7 +167,7 @@ function lunid.simulate(fields) end
 ---@field separate? table # names of parameters that each record has for itself
 ---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
 ---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
----@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field max_iterations? integer # of Levenberg-Marquardt
 ---@param fields lunid.fit_trajectory.fields
 ---@return lunid.trajectory_fit
@@ -306,6 +306,334 @@ function lunid.grid(fields) end
 ---@return lunid.surface
 function lunid.rfs(fields) end
 
+---A cosine: amplitude*cos(2*pi*frequency*t + phase).
+---@class lunid.excitation.harmonic.fields
+---@field amplitude number # largest force
+---@field frequency number # cycles per second
+---@field phase? number # at t = 0; -pi/2 makes a sine
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.harmonic.fields
+---@return lunid.record
+function lunid.excitation.harmonic(fields) end
+
+---A sum of cosines of equal amplitude at the multiples of 1/period in a band. Give rms or amplitude.
+---@class lunid.excitation.multisine.fields
+---@field from number # lowest frequency
+---@field to number # highest frequency
+---@field rms? number # of the whole force over a period
+---@field amplitude? number # of each cosine
+---@field period? number # time after which it repeats; else the duration
+---@field phases? "random"|"schroeder" # 'schroeder': a low peak for its rms
+---@field odd? boolean # odd multiples alone: even lines of a response then come from the structure
+---@field seed? integer # of its random numbers; else that of the run (--seed)
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.multisine.fields
+---@return lunid.record
+function lunid.excitation.multisine(fields) end
+
+---A cosine whose frequency runs from one value to another over the duration, up or down.
+---@class lunid.excitation.swept_sine.fields
+---@field amplitude number # largest force
+---@field from number # frequency at the start
+---@field to number # frequency at the end
+---@field law? "linear"|"logarithmic" # even in Hz per second, or in octaves per second
+---@field phase? number # at the start
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.swept_sine.fields
+---@return lunid.record
+function lunid.excitation.swept_sine(fields) end
+
+---A cosine that dwells at each of several frequencies in turn, without a jump of its phase.
+---@class lunid.excitation.stepped_sine.fields
+---@field amplitude number # largest force
+---@field frequencies table # in the order in which they come, each for the same time
+---@field phase? number # at the start
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.stepped_sine.fields
+---@return lunid.record
+function lunid.excitation.stepped_sine(fields) end
+
+---Any force that is an expression of lunid.time.
+---@class lunid.excitation.formula.fields
+---@field force number|lunid.expression # an expression of lunid.time alone
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.formula.fields
+---@return lunid.record
+function lunid.excitation.formula(fields) end
+
+---A force that is switched on and stays.
+---@class lunid.excitation.step.fields
+---@field height number # the force from then on
+---@field at? number # time of the jump, at the nearest sample; else the start
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.step.fields
+---@return lunid.record
+function lunid.excitation.step(fields) end
+
+---A force for a short time: rectangular, or half a sine.
+---@class lunid.excitation.pulse.fields
+---@field height number # largest force
+---@field width number # how long it lasts
+---@field at? number # when it begins, at the nearest sample; else the start
+---@field shape? "rectangular"|"half_sine" # its course
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.pulse.fields
+---@return lunid.record
+function lunid.excitation.pulse(fields) end
+
+---A blow: a given impulse within one sample, so that a mass at rest leaves with impulse/mass.
+---@class lunid.excitation.impulse.fields
+---@field impulse number # force times time
+---@field at? number # when, at the nearest sample; else the start
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.impulse.fields
+---@return lunid.record
+function lunid.excitation.impulse(fields) end
+
+---Independent random forces at the samples. Gaussian ones have the rms in the mean; uniform ones a half-width.
+---@class lunid.excitation.white_noise.fields
+---@field rms number # standard deviation that the numbers are drawn from
+---@field distribution? "gaussian"|"uniform" # 'uniform': within -sqrt(3)*rms to sqrt(3)*rms
+---@field seed? integer # of its random numbers; else that of the run (--seed)
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.white_noise.fields
+---@return lunid.record
+function lunid.excitation.white_noise(fields) end
+
+---Gaussian noise of even power density within a band and none outside, scaled to its rms.
+---@class lunid.excitation.band_limited_noise.fields
+---@field from number # lowest frequency
+---@field to number # highest frequency
+---@field rms number # root mean square of the force
+---@field seed? integer # of its random numbers; else that of the run (--seed)
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.band_limited_noise.fields
+---@return lunid.record
+function lunid.excitation.band_limited_noise(fields) end
+
+---Gaussian noise whose power density falls as 1/f^exponent, scaled to its rms.
+---@class lunid.excitation.coloured_noise.fields
+---@field exponent number # 0 white, 1 pink, 2 brown, -1 blue
+---@field rms number # root mean square of the force
+---@field seed? integer # of its random numbers; else that of the run (--seed)
+---@field dt number # sample time
+---@field duration number # from the first sample to the last
+---@field start? number # time of the first sample
+---@field taper? number # part of the duration over which the force rises and falls as a cosine (Tukey window); 1: Hann window
+---@param fields lunid.excitation.coloured_noise.fields
+---@return lunid.record
+function lunid.excitation.coloured_noise(fields) end
+
+---Several excitations at once, on one time base: { parts = { a, b } }, or { a, b } for short.
+---@class lunid.excitation.sum.fields
+---@field parts table # of equal dt, start and number of rows
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # of the parts without a formula; else what they agree on, or straight lines
+---@param fields lunid.excitation.sum.fields
+---@return lunid.record
+function lunid.excitation.sum(fields) end
+
+---Independent Gaussian noise on every row.
+---@class lunid.noise.gaussian.fields
+---@field std? number # standard deviation, in the channel's unit
+---@field relative? number # the same as a part of the channel's standard deviation
+---@param fields lunid.noise.gaussian.fields
+---@return lunid.noise
+function lunid.noise.gaussian(fields) end
+
+---Independent noise on every row, even within -half_width to half_width.
+---@class lunid.noise.uniform.fields
+---@field half_width? number # largest error, in the channel's unit
+---@field relative? number # the same as a part of the channel's standard deviation
+---@param fields lunid.noise.uniform.fields
+---@return lunid.noise
+function lunid.noise.uniform(fields) end
+
+---Noise that depends on itself: power density 1/f^exponent, or an autoregression of its rows. Give one of them.
+---@class lunid.noise.coloured.fields
+---@field exponent? number # 0 white, 1 pink, 2 brown, -1 blue
+---@field ar? table # x[i] = ar[1]*x[i-1] + ar[2]*x[i-2] + ... + white noise
+---@field std? number # standard deviation, in the channel's unit
+---@field relative? number # the same as a part of the channel's standard deviation
+---@param fields lunid.noise.coloured.fields
+---@return lunid.noise
+function lunid.noise.coloured(fields) end
+
+---A gain that is not constant: every row times 1 + std*N(0, 1).
+---@class lunid.noise.multiplicative.fields
+---@field std number # standard deviation of the gain
+---@param fields lunid.noise.multiplicative.fields
+---@return lunid.noise
+function lunid.noise.multiplicative(fields) end
+
+---Counting noise: values come in counts, whose number is random about its mean. The variance is count*|x|.
+---@class lunid.noise.poisson.fields
+---@field count? number # value of one count, in the channel's unit
+---@field relative? number # the same as a part of the channel's standard deviation
+---@param fields lunid.noise.poisson.fields
+---@return lunid.noise
+function lunid.noise.poisson(fields) end
+
+---Single rows that are far off, upwards or downwards.
+---@class lunid.noise.outliers.fields
+---@field fraction number # probability of a row to be hit
+---@field size? number # how far off, in the channel's unit
+---@field relative? number # the same as a part of the channel's standard deviation
+---@param fields lunid.noise.outliers.fields
+---@return lunid.noise
+function lunid.noise.outliers(fields) end
+
+---Samples that are lost. The time base stays even: a lost row is filled, and the record's warnings count them.
+---@class lunid.noise.dropped.fields
+---@field fraction number # probability of a row to be hit
+---@field fill? "hold"|"linear"|"gap" # the value before it, as a converter repeats it; a straight line; 'gap': not a number, to test with
+---@param fields lunid.noise.dropped.fields
+---@return lunid.noise
+function lunid.noise.dropped(fields) end
+
+---Values in steps, as a converter gives them. Give step, or bits over -range to range.
+---@class lunid.noise.quantised.fields
+---@field step? number # distance of two values, in the channel's unit
+---@field bits? integer # of the converter
+---@field range? number # with bits: largest value; else the channel's largest magnitude
+---@param fields lunid.noise.quantised.fields
+---@return lunid.noise
+function lunid.noise.quantised(fields) end
+
+---A sensor at its limit: values held within -level to level.
+---@class lunid.noise.clipped.fields
+---@field level? number # largest value that it shows, in the channel's unit
+---@field relative? number # the same as a part of the channel's largest magnitude
+---@param fields lunid.noise.clipped.fields
+---@return lunid.noise
+function lunid.noise.clipped(fields) end
+
+---Mass, spring and dashpot: m*a + k*y + c*v = F.
+---@class lunid.systems.linear.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field c? number # viscous damping
+---@param fields lunid.systems.linear.fields
+---@return lunid.model
+function lunid.systems.linear(fields) end
+
+---A spring that hardens: m*a + k*y + k3*y^3 + c*v = F. The defaults are case 1.
+---@class lunid.systems.duffing.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field k3? number # cubic stiffness
+---@field c? number # viscous damping
+---@param fields lunid.systems.duffing.fields
+---@return lunid.model
+function lunid.systems.duffing(fields) end
+
+---The destabilising Duffing oscillator: m*a + k*y - k3*y^3 + c*v = F. It runs away beyond y = sqrt(k/k3).
+---@class lunid.systems.softening_duffing.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field k3? number # cubic softening; chosen to show at 20 Hz: the figure is lost
+---@field c? number # viscous damping
+---@param fields lunid.systems.softening_duffing.fields
+---@return lunid.model
+function lunid.systems.softening_duffing(fields) end
+
+---Case 2: m*a + k*y + k3*y^3 + k5*y^5 + e*y^3*v^n + c*v = F. Most of the terms lie near the noise.
+---@class lunid.systems.modified_duffing.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness
+---@field k3? number # cubic stiffness
+---@field k5? number # stiffness of fifth order
+---@field e? number # of y^3*v^n
+---@field c? number # viscous damping
+---@field velocity_power? integer # n: 2 as in the results of section 2.4; 3 as printed in table 2.1, which runs away at 20 Hz unless e is small
+---@param fields lunid.systems.modified_duffing.fields
+---@return lunid.model
+function lunid.systems.modified_duffing(fields) end
+
+---Case 3: a spring that yields smoothly, m*a + c*v + e1*tanh(e2*y) = F.
+---@class lunid.systems.tanh_yield.fields
+---@field mass? number # parameter m of the model, fixed
+---@field e1? number # force at full yield; chosen so that the motion reaches it and e2 can be seen
+---@field e2? number # 1/e2 is where it yields; chosen near the 84.9 that the thesis found
+---@field c? number # viscous damping
+---@param fields lunid.systems.tanh_yield.fields
+---@return lunid.model
+function lunid.systems.tanh_yield(fields) end
+
+---A spring that yields at once and on one side. Its force is k*y up to y = edge and e1 beyond, with a jump.
+---@class lunid.systems.harsh_yield.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field e1? number # force beyond the edge; chosen: the figure is lost
+---@field edge? number # where it yields
+---@field c? number # viscous damping
+---@param fields lunid.systems.harsh_yield.fields
+---@return lunid.model
+function lunid.systems.harsh_yield(fields) end
+
+---Damping that changes its sign at |y| = 1: m*a + k*y + c*(y^2 - 1)*v = F, which swings by itself.
+---@class lunid.systems.van_der_pol.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field c? number # viscous damping
+---@field sign? "usual"|"printed" # 'printed': c*(1 - y^2)*v as in table 2.1, damped within |y| < 1 and unstable beyond
+---@param fields lunid.systems.van_der_pol.fields
+---@return lunid.model
+function lunid.systems.van_der_pol(fields) end
+
+---A mass that depends on the velocity (section 2.7): (m + A*v)*a + k*y + c*v = F.
+---@class lunid.systems.velocity_mass.fields
+---@field mass? number # parameter m of the model, fixed
+---@field k? number # linear stiffness (case 1)
+---@field c? number # viscous damping
+---@field A? number # mass per velocity; chosen: the text gives none. m + A*v must stay > 0
+---@param fields lunid.systems.velocity_mass.fields
+---@return lunid.model
+function lunid.systems.velocity_mass(fields) end
+
+---A rigid pile that is driven into soil; y is its penetration. Shaft friction slips beyond a quake; the toe yields, lifts off and comes back (Smith 1960, J. Soil Mech. Found. Div. ASCE 86, 35).
+---@class lunid.systems.pile.fields
+---@field mass? number # parameter m of the model, fixed
+---@field shaft? number # shaft friction at slip; chosen, as all of the soil: the measurements are not public
+---@field shaft_quake? number # movement at which the shaft slips
+---@field shaft_damping? number # Smith's J: the friction times 1 + J*|v|
+---@field toe? number # resistance of the toe at yield
+---@field toe_quake? number # movement at which the toe yields
+---@field toe_damping? number # Smith's J of the toe
+---@field push? number # weight that the crane leaves to the pile, 49 kg times gravity
+---@param fields lunid.systems.pile.fields
+---@return lunid.model
+function lunid.systems.pile(fields) end
+
 ---The periodic answers of a model to a harmonic excitation over a range of frequencies: stable and unstable branches by continuation, or what a stepped or swept sine shows.
 ---@class lunid.frequency_response.fields
 ---@field model lunid.model # what is driven
@@ -353,6 +681,89 @@ function lunid.backbone(fields) end
 ---@param fields lunid.poincare.fields
 ---@return lunid.section
 function lunid.poincare(fields) end
+
+---Evenly spaced values from the first to the last, for lunid.ensemble { vary = { ... } }.
+---@param from number # first value
+---@param to number # last value
+---@param count integer # number of values
+---@param spacing? "linear"|"log" # of the values or of their logarithms
+---@return lunid.list
+function lunid.range(from, to, count, spacing) end
+
+---A random quantity between two values, for lunid.ensemble { draw = { ... } }.
+---@param from number # least value
+---@param to number # greatest value
+---@return lunid.distribution
+function lunid.uniform(from, to) end
+
+---A random quantity whose logarithm is uniform between two positive values.
+---@param from number # least value
+---@param to number # greatest value
+---@return lunid.distribution
+function lunid.log_uniform(from, to) end
+
+---A random quantity with a normal distribution, for lunid.ensemble { draw = { ... } }.
+---@param mean number # mean
+---@param std number # standard deviation
+---@return lunid.distribution
+function lunid.normal(mean, std) end
+
+---Runs many members of one model that differ in parameters, first state or excitation, side by side on all cores (and on all ranks under mpirun). A member that explodes is a result.
+---@class lunid.ensemble.fields
+---@field model lunid.model # what moves; its values hold where not varied
+---@field vary? lunid.table # name = list of values or lunid.range: the full grid of all of them
+---@field draw? lunid.table # name = lunid.uniform, lunid.normal or lunid.log_uniform: random members
+---@field samples? integer # members to draw
+---@field method? "latin_hypercube"|"sobol"|"random" # how the members are spread
+---@field seed? integer # of the draw; else that of the run (--seed)
+---@field excitation any # a record, an expression of lunid.time and of parameters that may be varied, or function(case) giving a record for each member
+---@field from? table # first state { y, v, ... } of all members; else rest
+---@field duration? number|lunid.expression # length of a run, where the force is an expression; may hold what is varied
+---@field dt? number|lunid.expression # sample time, where the force is an expression; may hold what is varied
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what a record's force does between samples; else what the record says
+---@field substeps? integer # per sample; else chosen by halving on a few members
+---@field outputs? table # max, min, mean, std, rms, amplitude or last of a signal: "rms_y"; else rms and max of the displacements
+---@field settled? number # part of each run before the outputs begin
+---@field keep? "summaries"|"trajectories" # 'trajectories' keeps the outputs' signals whole
+---@param fields lunid.ensemble.fields
+---@return lunid.sweep
+function lunid.ensemble(fields) end
+
+---Reads the columns of a CSV file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
+---@class lunid.table.fields
+---@field path string # file, beside the study or from the current directory
+---@param fields lunid.table.fields
+---@return lunid.table
+function lunid.table(fields) end
+
+---A system's test by the thesis' data protocol, one record for each frequency. F = amplitude*cos(2*pi*frequency*t) with noise that the system feels, noisy y and v, the acceleration derived from v, the beginning cut off.
+---@class lunid.thesis_record.fields
+---@field system any # the truth
+---@field frequency number # 20 and 30 in the thesis; a list gives a list of records
+---@field amplitude? number # of the force
+---@field force_noise? number # the force gets amplitude times this times U(-1, 1), straight into the system and the record
+---@field noise? number # Gaussian noise of y and of v, over their own std
+---@field trim? number # cut off at the beginning
+---@field dt? number # sample time
+---@field duration? number # from t = 0, before the trimming
+---@field from? table # first state { y, v }
+---@field seed? integer # of the noise, one more for each frequency; else that of the run (--seed)
+---@param fields lunid.thesis_record.fields
+---@return lunid.record
+function lunid.thesis_record(fields) end
+
+---The thesis' validation record, without noise. No force up to 2.2 s, then amplitude*(sin(w*t) + sin(2*w*t) + sin(3*w*t)).
+---@class lunid.thesis_validation.fields
+---@field system any # the truth
+---@field from any # first state { y, v }, or the trimmed record whose first row it is
+---@field amplitude? number # of each of the three sines
+---@field frequency? number # w is 2*pi times this
+---@field quiet? number # how long there is no force
+---@field dt? number # sample time
+---@field duration? number # from t = 0, before the trimming
+---@param fields lunid.thesis_validation.fields
+---@return lunid.record
+function lunid.thesis_validation(fields) end
 
 ---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
 ---@class lunid.discover.fields

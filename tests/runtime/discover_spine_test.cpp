@@ -7,7 +7,7 @@
 
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
-#include "statistics/philox.hpp"
+#include "record/random.hpp"
 
 namespace lunid {
 namespace {

@@ -111,5 +111,57 @@ TEST(Excitation, FaultsNameTheValue) {
   EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).part(1, 3); }), "excitation: rows 2 to 4 are not within its 3 rows");
 }
 
+// A formula between the samples, and what the samples have beyond it interpolated.
+TEST(Excitation, FormulaIsExactBetweenTheSamples) {
+  const auto formula = [](double t) { return std::sin(40 * t); };
+  const auto rest = [](double t) { return t < 0.5 ? 1.0 : 3.0; };
+  const int rows = 101;
+  const double dt = 0.01;
+  const auto pure = samples_of(formula, rows, dt);
+  const auto both = samples_of([&](double t) { return formula(t) + rest(t); }, rows, dt);
+  const Excitation exact(0, dt, pure, Interpolation::band_limited, formula);
+  EXPECT_TRUE(exact.analytic());
+  const Excitation sum(0, dt, both, Interpolation::linear, formula);
+  EXPECT_FALSE(sum.analytic());
+  const Eigen::VectorXd grid = sum.refined(2);
+  for (int i = 0; i < grid.size(); ++i) {
+    const double t = dt * i / 4;
+    EXPECT_NEAR(exact.at(t), formula(t), 1e-15);
+    if (t > 0.49 && t < 0.5) continue;  // the step is a ramp of one interval
+    EXPECT_NEAR(sum.at(t), formula(t) + rest(t), 1e-12) << t;
+    EXPECT_NEAR(grid[i], formula(t) + rest(t), 1e-12) << t;
+  }
+  EXPECT_NEAR(sum.at(0.495), formula(0.495) + 2, 1e-12);
+  EXPECT_EQ(grid[4 * 37], both[37]);
+  // a part of it is the same force
+  EXPECT_NEAR(sum.part(30, 50).at(0.7012), sum.at(0.7012), 1e-12);
+  // held values beside a formula run straight
+  EXPECT_NEAR(Excitation(0, dt, both, Interpolation::hold, formula).at(0.495), formula(0.495) + 2, 1e-12);
+}
+
+TEST(Excitation, BandLimitedRestBesideAFormula) {
+  const auto formula = [](double t) { return 5 * std::cos(7 * t); };
+  const auto wave = [](double t) { return std::sin(2 * std::numbers::pi * t / 0.035); };  // 3.5 samples a period
+  const auto force = samples_of([&](double t) { return formula(t) + wave(t); }, 400, 0.01);
+  const Excitation sum(0, 0.01, force, Interpolation::band_limited, formula);
+  for (double t = 1; t < 3; t += 0.0037) EXPECT_NEAR(sum.at(t), formula(t) + wave(t), 2e-6);
+}
+
+TEST(Excitation, OfARecord) {
+  Pool pool;
+  const Expr formula = parse(pool, "3*cos(20*t)");
+  Channel force;
+  force.name = "F";
+  force.formula = formula;
+  force.values = Eigen::VectorXd::NullaryExpr(50, [](Eigen::Index i) { return 3 * std::cos(20 * (1 + 0.02 * i)); });
+  const Record record("made", 1, 0.02, {force});
+  EXPECT_NEAR(excitation_of(record).at(1.511), 3 * std::cos(20 * 1.511), 1e-14);
+  EXPECT_NEAR(excitation_of(record.window(1.2, 1.9)).at(1.511), 3 * std::cos(20 * 1.511), 1e-14);
+  const double line = 0.45 * force.values[25] + 0.55 * force.values[26];
+  EXPECT_NEAR(excitation_of(record, Interpolation::linear).at(1.511), line, 1e-12);  // asked for
+  force.formula = parse(pool, "k*t");
+  EXPECT_EQ(fault_of([&] { excitation_of(Record("made", 1, 0.02, {force})); }).find("k") == std::string::npos, false);
+}
+
 }  // namespace
 }  // namespace lunid

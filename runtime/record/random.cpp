@@ -1,9 +1,28 @@
-#include "statistics/philox.hpp"
+#include "record/random.hpp"
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include "expr/error.hpp"
+#include "expr/number.hpp"
 
 namespace lunid {
+namespace {
+
+/// log(n!) by Stirling's series; for small n by the product.
+double log_factorial(double n) {
+  if (n < 16) {
+    double product = 1;
+    for (double k = 2; k <= n; ++k) product *= k;
+    return std::log(product);
+  }
+  const double x = n + 1, r = 1 / (x * x);
+  return (x - 0.5) * std::log(x) - x + 0.5 * std::log(2 * std::numbers::pi) +
+         (1.0 / 12 - r * (1.0 / 360 - r * (1.0 / 1260 - r / 1680))) / x;
+}
+
+}  // namespace
 
 Philox::Counter Philox::block(Counter counter, Key key) {
   constexpr std::uint64_t multiplier0 = 0xD2511F53, multiplier1 = 0xCD9E8D57;
@@ -18,8 +37,10 @@ Philox::Counter Philox::block(Counter counter, Key key) {
   return counter;
 }
 
-Philox::Philox(std::uint64_t seed, std::uint64_t stream)
+Philox::Philox(std::uint64_t seed, std::uint64_t stream, std::uint64_t block)
     : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)} {
+  counter_[0] = static_cast<std::uint32_t>(block);
+  counter_[1] = static_cast<std::uint32_t>(block >> 32);
   counter_[2] = static_cast<std::uint32_t>(stream);
   counter_[3] = static_cast<std::uint32_t>(stream >> 32);
 }
@@ -63,6 +84,40 @@ std::uint64_t Philox::below(std::uint64_t n) {
     const std::uint64_t high = bits(), value = high << 32 | bits();
     if (value <= last) return value % n;
   }
+}
+
+double Philox::poisson(double mean) {
+  if (!(mean >= 0 && mean <= 1e15))
+    throw InputError("poisson: expected a mean of 0 to 1e15, got " + write_number(mean, Format::plain).text);
+  if (mean < 10) {
+    const double least = std::exp(-mean);
+    double count = 0;
+    for (double product = uniform(); product > least; product *= uniform()) ++count;
+    return count;
+  }
+  const double b = 0.931 + 2.53 * std::sqrt(mean), a = -0.059 + 0.02483 * b;
+  const double inverse_alpha = 1.1239 + 1.1328 / (b - 3.4), squeeze = 0.9277 - 3.6224 / (b - 2);
+  for (;;) {
+    const double u = uniform() - 0.5, v = uniform(), side = 0.5 - std::abs(u);
+    const double count = std::floor((2 * a / side + b) * u + mean + 0.43);
+    if (side >= 0.07 && v <= squeeze) return count;
+    if (count < 0 || (side < 0.013 && v > side)) continue;
+    if (std::log(v * inverse_alpha / (a / (side * side) + b)) <= count * std::log(mean) - mean - log_factorial(count))
+      return count;
+  }
+}
+
+std::vector<std::size_t> Philox::permutation(std::size_t n) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[below(i)]);
+  return order;
+}
+
+std::uint64_t stream_of(std::string_view label) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : label) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
 }
 
 }  // namespace lunid
