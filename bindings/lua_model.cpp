@@ -149,6 +149,12 @@ int equation(lua_State* L) {
   return 1;
 }
 
+/// model:c_code() -> the rates as a function in C
+int write_c(lua_State* L) {
+  push_text(L, c_code(System(check<Model>(L, 1))));
+  return 1;
+}
+
 void push_states(lua_State* L, const Model& model) {
   const DeclarationsPtr declared = declarations_of(model);
   lua_newtable(L);
@@ -247,7 +253,8 @@ int to_string(lua_State* L) {
 }  // namespace
 
 void open_models(lua_State* L) {
-  static constexpr Entry methods[] = {{"with", guarded<with>}, {"equation", guarded<equation>}};
+  static constexpr Entry methods[] = {
+      {"with", guarded<with>}, {"equation", guarded<equation>}, {"c_code", guarded<write_c>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Model>(L, methods, meta);
   static constexpr Entry functions[] = {{"model", guarded<make_model>}};

@@ -64,6 +64,7 @@ int run(lua_State* L) {
   options.rtol = number_field(L, 2, "rtol").value_or(options.rtol);
   options.atol = number_field(L, 2, "atol").value_or(options.atol);
   options.substeps = static_cast<int>(number_field(L, 2, "substeps").value_or(0));
+  options.stop_when = field_value(L, 2, "stop_when").expr;
   options.cancelled = &runtime(L).cancelled();
 
   const System system(model);
@@ -121,6 +122,12 @@ void push_summary(lua_State* L, const RunSummary& summary) {
     lua_setfield(L, -2, "stopped_at");
     push_text(L, summary.cause);
     lua_setfield(L, -2, "cause");
+  }
+  if (std::isfinite(summary.ended_at)) {
+    lua_pushnumber(L, summary.ended_at);
+    lua_setfield(L, -2, "ended_at");
+    push_column(L, summary.ended_in);
+    lua_setfield(L, -2, "ended_in");
   }
   for (const auto& [field, value] : {std::pair{"steps", summary.steps}, std::pair{"evaluations", summary.evaluations},
                                      std::pair{"events", summary.events}}) {
@@ -212,7 +219,10 @@ int to_string(lua_State* L) {
   std::snprintf(text, sizeof text, "run of %lld rows at %.6g Hz by %s: ", static_cast<long long>(free.run.x.rows()),
                 1 / free.run.dt, summary.solver.c_str());
   std::string result = text;
-  if (summary.completed) {
+  if (std::isfinite(summary.ended_at)) {
+    std::snprintf(text, sizeof text, "ended by stop_when at t = %.9g s", summary.ended_at);
+    result += text;
+  } else if (summary.completed) {
     result += "completed";
   } else {
     std::snprintf(text, sizeof text, "stopped at t = %.4g s: ", summary.stopped_at);

@@ -204,6 +204,20 @@ core.add_method("lunid.model", "save", function(model, path)
   return output.write(path, models.text(model))
 end)
 
+--- A file in C (the rates as a function) or in LaTeX (the equation and its parameters), by the path's ending.
+core.add_method("lunid.model", "export", function(model, path)
+  if type(path) ~= "string" then schema.fail("export", "expected a path, got " .. core.describe(path)) end
+  if path:match "%.c$" then return output.write(path, model:c_code()) end
+  if not path:match "%.tex$" then schema.fail("export", ("expected a path that ends in .c or .tex, got '%s'"):format(path)) end
+  local lines = { "\\begin{gather*}", (model:equation "latex":gsub("\n", " \\\\\n")), "\\end{gather*}" }
+  for _, row in ipairs(model.parameters) do
+    local deviation = row.std and (" \\pm %.2g"):format(row.std) or ""
+    lines[#lines + 1] = ("$%s = %s%s$%s \\\\"):format(core.parse(row.name, "export"):text "latex", row.value
+      and core.number_text(row.value) or "?", deviation, row.unit ~= "" and "\\," .. row.unit or "")
+  end
+  return output.write(path, table.concat(lines, "\n") .. "\n")
+end)
+
 models.load = schema.define({
   name = "load",
   help = "Loads a model that model:save wrote, or that is written by hand in the same form.",

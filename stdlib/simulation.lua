@@ -63,6 +63,7 @@ local simulate = schema.define({
       help = "what the force does between samples; else what the record says: its formula, or straight lines" },
     { "rtol", types.number { above = 0, below = 1 }, default = 1e-8, help = "relative tolerance of SUNDIALS" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "of the fixed path, per sample; else chosen" },
+    { "stop_when", types.expression, help = "the run ends where this rises above 0, such as lunid.displacement - 0.1" },
   },
   returns = "run",
   example = [[local run = lunid.simulate { model = model, excitation = record, from = { 0, 0 } }]],

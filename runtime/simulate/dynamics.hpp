@@ -27,6 +27,21 @@ struct StateBound {
   int side = 1;
 };
 
+/// States with their rates and bounds, and the symbols that drive them.
+struct DynamicsSource {
+  int degrees = 0;
+  Expr t;
+  std::vector<Expr> exogenous, exogenous_rates;  ///< rates: the symbol's time derivative where it is known, or empty
+  std::vector<Expr> states, rates;
+  struct Bound {
+    int state;
+    int side;
+    Expr bound;
+  };
+  std::vector<Bound> bounds;
+  std::vector<Expr> parameters;
+};
+
 /// What the integrators need, all on the inputs (t, u..., x..., theta...).
 struct Dynamics {
   int exogenous = 0;  ///< inputs u: forces and base motion (System::inputs), or (y, v, a) with imposed motion
@@ -65,20 +80,6 @@ struct Dynamics {
   bool smooth() const { return surfaces.empty() && bounds.empty(); }
 };
 
-/// States with their rates and bounds, and the symbols that drive them.
-struct DynamicsSource {
-  int degrees = 0;
-  Expr t;
-  std::vector<Expr> exogenous, exogenous_rates;  ///< rates: the symbol's time derivative where it is known, or empty
-  std::vector<Expr> states, rates;
-  struct Bound {
-    int state;
-    int side;
-    Expr bound;
-  };
-  std::vector<Bound> bounds;
-  std::vector<Expr> parameters;
-};
 /// Throws InputError when the switches are too many for the states.
 Dynamics compile(const DynamicsSource& source);
 

@@ -92,6 +92,8 @@ class System {
 
   /// x' = f(t, u, x; theta) as the integrators see it: the free motion, or with imposed motion the states z.
   const Dynamics& dynamics() const { return free_ ? *free_ : *imposed_; }
+  /// The equations that dynamics() was compiled from; of a free motion.
+  const DynamicsSource& equations() const { return equations_; }
   /// The states z driven by measured (y, v, a); nullptr when a rate holds F.
   const Dynamics* imposed() const { return imposed_.get(); }
 
@@ -125,10 +127,15 @@ class System {
 
   int n_ = 2, degrees_ = 1, p_ = 0;
   std::vector<std::string> inputs_;
+  DynamicsSource equations_;
   std::shared_ptr<const Dynamics> free_, imposed_;
   Tape force_, force_with_derivatives_, inertia_, term_values_;
   std::vector<Term> terms_;
   bool needs_acceleration_ = true;
 };
+
+/// The rates x' = f(t, u, x, p) of a free motion as a function in C, with the names of all it takes. Throws InputError for
+/// an imposed motion, a bounded state (a mode that a plain right-hand side cannot hold) or a name that is a word of C.
+std::string c_code(const System& system);
 
 }  // namespace lunid

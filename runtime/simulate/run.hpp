@@ -58,6 +58,11 @@ struct StepChoice {
 StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
                              const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options);
 
+/// Ends a run where options.stop_when first rises above 0; the place is found by runs within the sample interval.
+/// Throws InputError when the condition holds a symbol that is no part of the system.
+void stop_where(const System& system, std::span<const double> theta, const Excitations& excitation,
+                const SimulateOptions& options, Run& run);
+
 /// A run by SUNDIALS; `options.solver` is one of its own.
 Run run_sundials(const System& system, std::span<const double> theta, const Excitations& excitation,
                  const Eigen::VectorXd& x0, const SimulateOptions& options);

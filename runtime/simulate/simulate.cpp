@@ -140,6 +140,7 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   } else {
     run = run_sundials(system, theta, excitation, x0, options);
   }
+  if (options.stop_when.valid()) stop_where(system, theta, excitation, options, run);
   run.summary.seconds = clock.seconds();
   return run;
 }

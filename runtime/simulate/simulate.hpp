@@ -114,6 +114,7 @@ struct SimulateOptions {
   int substeps = 0;                   ///< fixed path, per sample; 0: chosen by halving
   double bound = 0;                   ///< |y| beyond which a run counts as exploded; 0: 1e6 times the motion's scale
   int max_events = 1000000;           ///< switches in a run; beyond it the run stops with a message
+  Expr stop_when;  ///< of t, the inputs, the states and the parameters: the run ends where it rises above 0; empty: never
   const std::atomic<bool>* cancelled = nullptr;  ///< set by Ctrl-C; throws InputError(Fault::interrupted)
 };
 
@@ -129,11 +130,13 @@ struct RunSummary {
   long steps = 0, evaluations = 0, events = 0;
   long grazing = 0;  ///< switches met so flatly that the sensitivities after them are not to be trusted
   double stuck = 0;  ///< [s] spent sticking (sliding on a switch)
+  double ended_at = std::numeric_limits<double>::quiet_NaN();  ///< [s] where stop_when ended the run
+  Eigen::VectorXd ended_in;                                    ///< the state there
   double error = 0;  ///< largest difference to the run with half the step, over std(y); fixed path, when checked
   double seconds = 0;
 };
 
-/// A run on the samples of its excitation. Rows after stopped_at are NaN.
+/// A run on the samples of its excitation. Rows after stopped_at or ended_at are NaN.
 struct Run {
   double t0 = 0, dt = 1;
   Eigen::MatrixXd x;  ///< rows x states: y v z..., or y1 v1 y2 v2 ... z...

@@ -97,7 +97,8 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
     imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
   if (!model.imposed_motion) {
     inputs_ = model.inputs();
-    free_ = std::make_shared<const Dynamics>(compile(free_motion(model, rows, inputs_)));
+    equations_ = free_motion(model, rows, inputs_);
+    free_ = std::make_shared<const Dynamics>(compile(equations_));
   } else if (!imposed_) {
     throw InputError("model: the rate of a state holds F, which is the output where the motion is imposed");
   }
