@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "record/record.hpp"
+#include "simulate/fit.hpp"
 #include "simulate/model.hpp"
 #include "simulate/response.hpp"
 #include "simulate/simulate.hpp"
@@ -63,6 +64,22 @@ struct FreeRun {
   std::string name;
 };
 
+/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
+Interpolation interpolation_from(const std::string& name);
+
+/// A fit on the trajectory, with what its profiles need.
+struct TrajectoryFit {
+  std::shared_ptr<const System> system;
+  std::vector<FitData> data;
+  FitOptions options;
+  FitResult result;
+};
+
+template <>
+struct Bound<TrajectoryFit> {
+  static constexpr const char* key = "lunid.trajectory_fit";
+  static constexpr const char* words = "a trajectory fit";
+};
 template <>
 struct Bound<Value> {
   static constexpr const char* key = "lunid.expression";

@@ -274,8 +274,8 @@ Excitations& Excitations::add(const std::string& channel, Excitation signal) {
   if (!empty()) {
     const double apart = std::max(std::abs(signal.t0() - t0()), std::abs(signal.dt() - dt()) * double(rows()));
     if (signal.rows() != rows() || !(apart <= 1e-6 * dt()))
-      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " + number(t0()) +
-             " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
+      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " +
+             number(t0()) + " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
              number(signal.t0()) + " s by " + number(signal.dt()) + " s");
     if ((signal.interpolation() == Interpolation::hold) != (interpolation() == Interpolation::hold))
       refuse("a held signal cannot be joined with one that is not held");

@@ -158,16 +158,20 @@ function lunid.regress(fields) end
 ---@return lunid.run
 function lunid.simulate(fields) end
 
----Refines a model's parameters on the trajectory: least squares on the displacement of free runs.
----@class lunid.fit.fields
----@field model lunid.model # with first guesses
+---Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included.
+---@class lunid.fit_trajectory.fields
+---@field model lunid.model # with first guesses and bounds
 ---@field record any # one record or several
 ---@field window? lunid.window # part of the records
+---@field channels? table # the displacements and velocities to fit, each weighted by its noise; else the displacements
+---@field separate? table # names of parameters that each record has for itself
+---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
+---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples
 ---@field max_iterations? integer # of Levenberg-Marquardt
----@param fields lunid.fit.fields
----@return lunid.model
-function lunid.fit(fields) end
+---@param fields lunid.fit_trajectory.fields
+---@return lunid.trajectory_fit
+function lunid.fit_trajectory(fields) end
 
 ---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
