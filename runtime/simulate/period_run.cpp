@@ -89,7 +89,8 @@ std::string PeriodRun::choose_rows(const Period& period) {
   const double all = wanted * 2 * std::numbers::pi / period.omega;
   while (rows_ < most_rows && static_cast<double>(rows_) < all) rows_ *= 2;
   if (static_cast<double>(rows_) >= all) return "";
-  return "the model is too stiff for explicit steps: a period would need more than " + std::to_string(most_rows);
+  return "a period would need more than " + std::to_string(most_rows) +
+         " explicit steps: the model is too stiff, or the frequency too low, for this method";
 }
 
 std::string PeriodRun::choose_rows(const VectorXd& x, double omega) {

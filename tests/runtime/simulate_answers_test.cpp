@@ -188,6 +188,31 @@ TEST(Response, OfDryFrictionWithStopsIsThatOfFreeRuns) {
       << series.stopped[0];
 }
 
+// A spring in series with a dashpot beside a spring: k + i w e tau / (1 + i w tau) in the transfer function.
+TEST(Response, OfAnInternalStateIsItsTransferFunction) {
+  const System system(model_of("1", "k*y + z", {{"z", "e*v - z/tau", "", ""}}));
+  const auto theta = theta_of(system, {{"k", 400}, {"e", 100}, {"tau", 0.05}});
+  for (const auto method : {ResponseMethod::harmonic_balance, ResponseMethod::shooting}) {
+    const ResponseCurve curve = response(system, theta, 2, range(0.5, 12, method));
+    EXPECT_TRUE(curve.complete) << curve.stopped.front();
+    for (const ResponsePoint& point : curve.points) {
+      const std::complex<double> s(0, 2 * pi * point.frequency);
+      const std::complex<double> exact = 2.0 / (s * s + 400.0 + s * 100.0 * 0.05 / (1.0 + s * 0.05));
+      EXPECT_LT(std::abs(point.motion[0].harmonics[1] - exact) / std::abs(exact), 3e-6);
+      EXPECT_EQ(point.multipliers.size(), 3U);
+    }
+  }
+}
+
+TEST(Response, OfAStiffModelByShootingSaysSo) {
+  const System system(model_of("1", "c*v + 1e8*abs(v)*v + k*y"));
+  const ResponseCurve curve = response(system, theta_of(system, {{"c", 1e9}, {"k", 100}}), 1, range(0.5, 2));
+  EXPECT_FALSE(curve.complete);
+  EXPECT_EQ(curve.stopped[0],
+            "no periodic answer was found at 0.5 Hz: a period would need more than 65536 explicit steps: the model is "
+            "too stiff, or the frequency too low, for this method");
+}
+
 // Where the force does not overcome friction nothing moves, and no step is lost on it.
 TEST(Response, OfAMassThatSticksIsNothing) {
   const System system(model_of("1", "c*v + k*y + Fc*sign(v)"));
