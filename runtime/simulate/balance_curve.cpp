@@ -77,6 +77,11 @@ class BalanceCurve : public PeriodicCurve {
     return motion_of_series(balance_.series(q, std::exp(lambda)).col(state)).amplitude();
   }
 
+  std::string fault() const override {
+    const auto& surfaces = problem_.dynamics->surfaces;
+    if (surfaces.empty()) return "";
+    return "the model switches at " + to_text(surfaces.front().g) + " = 0; method 'shooting' follows it exactly";
+  }
   int harmonics() const override { return balance_.harmonics(); }
   bool truncated() const override { return choice_.truncated(); }
 

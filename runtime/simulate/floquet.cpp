@@ -24,6 +24,15 @@ constexpr int small = 8;
 template <int Most>
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Most, Most>;
 
+/// out = a * b, by loops where the matrices are small.
+template <int Most>
+void multiply(const Square<Most>& a, const Square<Most>& b, Square<Most>& out) {
+  if constexpr (Most == Eigen::Dynamic)
+    out.noalias() = a * b;
+  else
+    out.noalias() = a.lazyProduct(b);
+}
+
 /// exp(a) by Taylor's series on a / 2^k and squaring; a is balanced, so its norm is near its spectral radius.
 template <int Most>
 void exponential(const Square<Most>& a, Square<Most>& result, Square<Most>& term, Square<Most>& work) {
@@ -34,13 +43,13 @@ void exponential(const Square<Most>& a, Square<Most>& result, Square<Most>& term
   result = Square<Most>::Identity(n, n);
   term = result;
   for (int k = 1; k <= 16; ++k) {
-    work.noalias() = term.lazyProduct(a);
+    multiply<Most>(term, a, work);
     term = work * (scale / k);
     result += term;
-    if (term.cwiseAbs().maxCoeff() < 1e-17) break;
+    if (term.cwiseAbs().maxCoeff() < 1e-16) break;
   }
   for (int i = 0; i < squarings; ++i) {
-    work.noalias() = result.lazyProduct(result);
+    multiply<Most>(result, result, work);
     result = work;
   }
 }
@@ -80,10 +89,12 @@ MatrixXd product(const DerivativeColumns& columns, Index slices, double h, const
     slope_at(columns, 2 * i + 1, d, am);
     slope_at(columns, (2 * i + 2) % (2 * slices), d, a1);
     exponent = (h / 6) * (a0 + 4 * am + a1);
-    exponent.noalias() -= (h * h / 12) * a0.lazyProduct(a1);
-    exponent.noalias() += (h * h / 12) * a1.lazyProduct(a0);
+    multiply<Most>(a0, a1, work);
+    exponent -= (h * h / 12) * work;
+    multiply<Most>(a1, a0, work);
+    exponent += (h * h / 12) * work;
     exponential<Most>(exponent, e, term, work);
-    work.noalias() = e.lazyProduct(phi);
+    multiply<Most>(e, phi, work);
     phi = work;
     a0 = a1;
   }

@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 constexpr double oscillation_step = 0.15, decay_step = 2.5;
 constexpr Index least_rows = 128, most_rows = 1 << 16;
 constexpr long most_events = 100000;  ///< per run
+constexpr std::size_t most_grids = 8;
 /// Samples of a period at which its rates are looked at.
 constexpr Index looks = 16;
 
@@ -88,7 +89,8 @@ std::string PeriodRun::choose_rows(const Period& period) {
   const double all = wanted * 2 * std::numbers::pi / period.omega;
   while (rows_ < most_rows && static_cast<double>(rows_) < all) rows_ *= 2;
   if (static_cast<double>(rows_) >= all) return "";
-  return "the model is too stiff for explicit steps: a period would need more than " + std::to_string(most_rows);
+  return "a period would need more than " + std::to_string(most_rows) +
+         " explicit steps: the model is too stiff, or the frequency too low, for this method";
 }
 
 std::string PeriodRun::choose_rows(const VectorXd& x, double omega) {
@@ -100,23 +102,24 @@ std::string PeriodRun::choose_rows(const VectorXd& x, double omega) {
   return choose_rows(at);
 }
 
-void PeriodRun::make_grid(double omega, Index rows) {
-  if (grid_rows_ == rows && (!moving_ || grid_omega_ == omega)) return;
-  grid_rows_ = rows;
+/// The inputs at the stages of so many periods, kept for the next runs.
+const MatrixXd& PeriodRun::grid(double omega, int periods) {
+  if (moving_ && omega != grid_omega_) grids_.clear();
   grid_omega_ = omega;
-  VectorXd phase(rows * dp::nodes + 1);
+  if (grids_.size() > most_grids) grids_.clear();
+  MatrixXd& u = grids_[{rows_, periods}];
+  if (u.size() > 0) return u;
+  VectorXd phase(rows_ * periods * dp::nodes + 1);
   for (Index i = 0; i < phase.size(); ++i)
     phase[i] = 2 * std::numbers::pi * (static_cast<double>(i / dp::nodes) + dp::place[i % dp::nodes]) /
                static_cast<double>(rows_);
-  const MatrixXd u = input_values(problem_.inputs, problem_.dynamics->exogenous, omega, phase);
-  grid_.clear();
-  for (Index i = 0; i < u.cols(); ++i) grid_.emplace_back(u.col(i));
+  return u = input_values(problem_.inputs, problem_.dynamics->exogenous, omega, phase);
 }
 
 Period PeriodRun::run(const VectorXd& x0, double omega, bool sensitivities, int periods) {
   const Dynamics& d = *problem_.dynamics;
   const Index rows = rows_ * periods;
-  make_grid(omega, rows);
+  const MatrixXd& u = grid(omega, periods);
   Period period;
   period.omega = omega;
   period.periods = periods;
@@ -128,7 +131,7 @@ Period PeriodRun::run(const VectorXd& x0, double omega, bool sensitivities, int 
   problem.theta = problem_.theta;
   problem.dt = period.dt();
   problem.rows = rows + 1;
-  for (int i = 0; i < d.exogenous; ++i) problem.drive[i] = grid_[i].data();
+  for (int i = 0; i < d.exogenous; ++i) problem.drive[i] = u.col(i).data();
   problem.max_events = most_events;
   problem.cancelled = problem_.cancelled;
   problem.sensitivities = sensitivities;

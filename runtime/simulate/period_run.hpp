@@ -1,6 +1,7 @@
 #pragma once
 // Runs over whole periods of the excitation on the fixed path, switches located.
 #include <atomic>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,14 +57,13 @@ class PeriodRun {
   const std::vector<bool>& kinks() const { return kinks_; }
 
  private:
-  void make_grid(double omega, Eigen::Index rows);
+  const Eigen::MatrixXd& grid(double omega, int periods);
   double fastest(const Eigen::VectorXd& x, double phase, double omega) const;
 
   PeriodicProblem problem_;
   Eigen::Index rows_ = 128;
-  std::vector<Eigen::VectorXd> grid_;
+  std::map<std::pair<Eigen::Index, int>, Eigen::MatrixXd> grids_;  ///< by steps per period and periods
   double grid_omega_ = -1;
-  Eigen::Index grid_rows_ = 0;
   std::vector<bool> kinks_;
   bool moving_ = false;  ///< inputs change with the frequency
   long steps_ = 0;

@@ -49,6 +49,8 @@ class Tracer {
 
   /// True when the other end was reached.
   bool trace(double from, double to, bool simulate_first) {
+    from_ = from;
+    to_ = to;
     const bool reached = follow(log_omega(from), log_omega(to), simulate_first);
     out_.corrections += continuation_.corrections();
     return reached;
@@ -76,7 +78,9 @@ class Tracer {
   ResponseCurve& out_;
   int branch_;
   Continuation continuation_;
+  double from_ = 0, to_ = 0;  ///< [Hz]
   Signs signs_;
+  std::string fault_;  ///< of the simulations that look for a start
   long added_ = 0;
   std::size_t first_ = 0;  ///< point of the branch
 };
@@ -115,11 +119,13 @@ bool Tracer::begin(double from, int direction, bool simulate_first) {
   if (!simulate_first && continuation_.begin(curve_.guess(), from, direction)) return true;
   const double omega = std::exp(from);
   PeriodRun run(problem_);
-  if (!run.choose_rows(problem_.start, omega).empty()) return false;
+  fault_ = run.choose_rows(problem_.start, omega);
+  if (!fault_.empty()) return false;
   Settled settled = settle(run, problem_.start, omega, first_periods, options_.accuracy);
   for (const long periods : {0L, more_periods}) {
     if (periods > 0) settled = settle(run, settled.period.end(), omega, periods, options_.accuracy);
-    if (!settled.period.fault.empty()) return false;
+    fault_ = settled.period.fault;
+    if (!fault_.empty()) return false;
     const Period last = run.run(settled.period.end(), omega, false);
     if (last.fault.empty() && continuation_.begin(curve_.of_period(last), from, direction)) return true;
   }
@@ -128,11 +134,12 @@ bool Tracer::begin(double from, int direction, bool simulate_first) {
 
 bool Tracer::follow(double from, double to, bool simulate_first) {
   if (!begin(from, to > from ? 1 : -1, simulate_first)) {
-    const std::string fault = curve_.fault();
-    return stop("no periodic answer was found at " + in_hertz(hertz(from)) + (fault.empty() ? "" : ": " + fault));
+    const std::string fault = fault_.empty() ? curve_.fault() : fault_;
+    return stop("no periodic answer was found at " + in_hertz(from_) + (fault.empty() ? "" : ": " + fault));
   }
   first_ = out_.points.size();
   ResponsePoint first = point_at(continuation_.here());
+  first.frequency = from_;  // not what is left of it after logarithm and power
   signs_ = signs_at(continuation_.here(), first);
   add(std::move(first), "");
   while (added_ < options_.max_points) {
@@ -156,9 +163,13 @@ bool Tracer::follow(double from, double to, bool simulate_first) {
     }
     const bool reached = (lambda > high) == (to > from);
     Place end;
-    if (continuation_.between_at(lambda > high ? high : low, end)) add(point_at(end), "");
-    if (!reached) return stop("the branch turns back and leaves the range at " + in_hertz(hertz(from)));
-    out_.stopped.push_back("reached " + in_hertz(hertz(to)));
+    if (continuation_.between_at(lambda > high ? high : low, end)) {
+      ResponsePoint last = point_at(end);
+      last.frequency = reached ? to_ : from_;
+      add(std::move(last), "");
+    }
+    if (!reached) return stop("the branch turns back and leaves the range at " + in_hertz(from_));
+    out_.stopped.push_back("reached " + in_hertz(to_));
     return true;
   }
   return stop("max_points = " + std::to_string(options_.max_points) + " were not enough: stopped at " +

@@ -177,5 +177,39 @@ spec.case("columns that there are not", function()
     "a response has no state 'y2'; it has y v")
 end)
 
+spec.case("its figure has stable and unstable branches, and the folds", function()
+  local said, code = spec.study([[
+local lunid = require "lunid"
+local y, v = lunid.displacement, lunid.velocity
+local response = lunid.frequency_response { model = lunid.model { mass = 1, restoring = 10*v + 2e4*y + 1e6*y^3 },
+  amplitude = 300, from = 10, to = 60 }
+lunid.figure.response(response):export "frf.csv"
+response:save "response.csv"
+lunid.figure.response { response, quantity = "amplitude_9x" }
+]])
+  spec.contains(said, "study.lua:7: a response has no column 'amplitude_9x'; it has ")
+  spec.equal(code, 1)
+  said, code = spec.study([[
+local lunid = require "lunid"
+local y, v = lunid.displacement, lunid.velocity
+local response = lunid.frequency_response { model = lunid.model { mass = 1, restoring = 10*v + 2e4*y + 1e6*y^3 },
+  amplitude = 300, from = 10, to = 60 }
+lunid.figure.response(response):export "frf.csv"
+response:save "response.csv"
+]])
+  spec.equal(code, 0)
+  local figure = spec.shell "cat study-out/frf.csv"
+  spec.contains(figure, '300 N')
+  spec.contains(figure, '300 N, unstable')
+  local folds = 0
+  for line in figure:gmatch "[^\n]+" do
+    if line:find("fold", 1, true) and line:find("31.041", 1, true) then folds = folds + 1 end
+  end
+  spec.equal(folds, 1)
+  local table_of = spec.shell "head -2 study-out/response.csv"
+  spec.contains(table_of, "excitation,frequency,branch,stable,multiplier,harmonics,y_amplitude,y_mean,y_amplitude_1,y_phase_1,")
+  spec.contains(table_of, "\n300,10,1,1,")
+end)
+
 spec.clean()
 spec.finish()

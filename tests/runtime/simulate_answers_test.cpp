@@ -9,6 +9,7 @@ using std::numbers::pi;
 using testing::fault_of;
 using testing::force_of;
 using testing::model_of;
+using testing::model_of_many;
 using testing::state;
 using testing::theta_of;
 using testing::with_substeps;
@@ -24,6 +25,24 @@ ResponseOptions range(double from, double to, ResponseMethod method = ResponseMe
 ResponseCurve response(const System& system, const std::vector<double>& theta, double amplitude,
                        const ResponseOptions& options) {
   return frequency_response(system, theta, {{0, 1, amplitude, 0}}, options);
+}
+
+/// n masses of 1 kg between two walls, springs k and dashpots c, k3*y1^3 beside the first; driven at the first.
+Model chain_of(int n) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (int i = 1; i <= n; ++i) {
+    const auto channel = [&](const char* q, int j) {
+      return j < 1 || j > n ? std::string("0") : q + std::to_string(j);
+    };
+    std::string force = i == 1 ? "k3*y1^3" : "0";
+    for (const auto& [stiffness, q] : {std::pair("k", "y"), std::pair("c", "v")})
+      for (const int j : {i - 1, i + 1})
+        force += std::string(" + ") + stiffness + "*(" + channel(q, i) + " - " + channel(q, j) + ")";
+    rows.emplace_back("1", force);
+  }
+  Model model = model_of_many(rows);
+  model.driven = {0};
+  return model;
 }
 
 std::vector<ResponsePoint> marked(const ResponseCurve& curve, const std::string& kind) {
@@ -132,6 +151,94 @@ TEST(Response, OfUedasOscillatorHasTheSameSpecialPointsByBothMethods) {
   }
   EXPECT_FALSE(marked(a, "fold").empty());
   EXPECT_FALSE(marked(a, "branch_point").empty());
+}
+
+// Towards 0.05 Hz its unsymmetric answers double their period: there a multiplier is -1, and the other what Liouville's
+// theorem leaves for it, exp(-c T).
+TEST(Response, OfUedasOscillatorDoublesItsPeriodWhereAMultiplierIsMinusOne) {
+  const System system(model_of("1", "c*v + y^3"));
+  const ResponseCurve curve = response(system, {0.1}, 7.5, range(0.05, 0.06, ResponseMethod::shooting));
+  const auto places = marked(curve, "period_doubling");
+  EXPECT_GE(places.size(), 3U);
+  for (const ResponsePoint& point : places) {
+    EXPECT_LT(std::abs(point.multipliers[0] + 1.0), 1e-4);
+    EXPECT_NEAR(point.multipliers[1].real(), -std::exp(-0.1 / point.frequency), 1e-4);
+  }
+}
+
+// Dry friction below its resonance: the mass stops twice and more in a period. Long runs are the witness.
+TEST(Response, OfDryFrictionWithStopsIsThatOfFreeRuns) {
+  const System system(model_of("1", "c*v + k*y + Fc*sign(v)"));
+  const auto theta = theta_of(system, {{"c", 1}, {"k", 400}, {"Fc", 4}});
+  const ResponseCurve curve = response(system, theta, 8, range(0.5, 5));
+  EXPECT_TRUE(curve.complete) << curve.stopped.front();
+  int compared = 0;
+  for (std::size_t i = 0; i < curve.points.size(); i += 24) {
+    EXPECT_NEAR(
+        amplitude_of_run(system, theta, 8, curve.points[i].frequency, 80) / curve.points[i].motion[0].amplitude(), 1,
+        3e-5)
+        << "at " << curve.points[i].frequency << " Hz";
+    ++compared;
+  }
+  EXPECT_GT(compared, 2);
+  const ResponseCurve series = response(system, theta, 8, range(0.5, 5, ResponseMethod::harmonic_balance));
+  EXPECT_FALSE(series.complete);
+  EXPECT_NE(series.stopped[0].find(": the model switches at v = 0; method 'shooting' follows it exactly"),
+            std::string::npos)
+      << series.stopped[0];
+}
+
+// A spring in series with a dashpot beside a spring: k + i w e tau / (1 + i w tau) in the transfer function.
+TEST(Response, OfAnInternalStateIsItsTransferFunction) {
+  const System system(model_of("1", "k*y + z", {{"z", "e*v - z/tau", "", ""}}));
+  const auto theta = theta_of(system, {{"k", 400}, {"e", 100}, {"tau", 0.05}});
+  for (const auto method : {ResponseMethod::harmonic_balance, ResponseMethod::shooting}) {
+    const ResponseCurve curve = response(system, theta, 2, range(0.5, 12, method));
+    EXPECT_TRUE(curve.complete) << curve.stopped.front();
+    for (const ResponsePoint& point : curve.points) {
+      const std::complex<double> s(0, 2 * pi * point.frequency);
+      const std::complex<double> exact = 2.0 / (s * s + 400.0 + s * 100.0 * 0.05 / (1.0 + s * 0.05));
+      EXPECT_LT(std::abs(point.motion[0].harmonics[1] - exact) / std::abs(exact), 3e-6);
+      EXPECT_EQ(point.multipliers.size(), 3U);
+    }
+  }
+}
+
+TEST(Response, OfAStiffModelByShootingSaysSo) {
+  const System system(model_of("1", "c*v + 1e8*abs(v)*v + k*y"));
+  const ResponseCurve curve = response(system, theta_of(system, {{"c", 1e9}, {"k", 100}}), 1, range(0.5, 2));
+  EXPECT_FALSE(curve.complete);
+  EXPECT_EQ(curve.stopped[0],
+            "no periodic answer was found at 0.5 Hz: a period would need more than 65536 explicit steps: the model is "
+            "too stiff, or the frequency too low, for this method");
+}
+
+// Where the force does not overcome friction nothing moves, and no step is lost on it.
+TEST(Response, OfAMassThatSticksIsNothing) {
+  const System system(model_of("1", "c*v + k*y + Fc*sign(v)"));
+  const auto theta = theta_of(system, {{"c", 1}, {"k", 400}, {"Fc", 4}});
+  const ResponseCurve curve = response(system, theta, 3, range(0.3, 5));
+  EXPECT_TRUE(curve.complete) << curve.stopped.front();
+  for (const ResponsePoint& point : curve.points) EXPECT_EQ(point.motion[0].amplitude(), 0);
+}
+
+// Four masses in a chain with a cubic spring at the first: two resonances by both methods, a fold at the first.
+TEST(Response, OfAChainIsThatByShooting) {
+  const System system(chain_of(4));
+  const auto theta = theta_of(system, {{"k", 1e4}, {"c", 4}, {"k3", 1e8}});
+  const ResponseCurve series = response(system, theta, 10, range(6, 22, ResponseMethod::harmonic_balance));
+  const ResponseCurve exact = response(system, theta, 10, range(6, 22, ResponseMethod::shooting));
+  EXPECT_TRUE(series.complete) << series.stopped.front();
+  EXPECT_TRUE(exact.complete) << exact.stopped.front();
+  for (const char* kind : {"peak", "fold"}) {
+    const auto a = marked(series, kind), b = marked(exact, kind);
+    ASSERT_EQ(a.size(), b.size()) << kind;
+    EXPECT_GE(a.size(), 2U) << kind;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_NEAR(a[i].frequency / b[i].frequency, 1, 1e-5) << kind;
+      EXPECT_NEAR(a[i].motion[6].amplitude() / b[i].motion[6].amplitude(), 1, 1e-4) << kind;  // y4
+    }
+  }
 }
 
 // A base that moves as Y cos(w t) under a mass: m a = -k (y - yb) - c (v - vb). Written with a force whose amplitude is
