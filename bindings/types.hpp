@@ -59,8 +59,9 @@ Interpolation interpolation_from(const std::string& name);
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
-  Eigen::VectorXd force;
-  std::vector<std::string> state_names;  ///< of the internal states, in the order of the columns of x after y, v
+  std::vector<std::pair<std::string, Eigen::VectorXd>> inputs;  ///< F, or F1 F2 ..., yb vb ab
+  std::vector<std::string> states;                              ///< names of the columns of x: y v z..., or y1 v1 ...
+  std::vector<std::string> accelerations;                       ///< of the columns of a: a, or a1 a2 ...
   std::string name;
 };
 

@@ -105,7 +105,7 @@ define({
   fields = {
     k, c,
     { "sign", types.choice { "usual", "printed" }, default = "usual",
-      help = "'printed': c*(1 - y^2)*v as in table 2.1, damped within |y| < 1 and unstable beyond" },
+      help = "'printed': c*(1 - y^2)*v as in table 2.1, damped within -1 < y < 1 and unstable beyond" },
   },
   example = [[local model = lunid.systems.van_der_pol { k = 1, c = 5 }]],
 }, function(p, given)
@@ -128,7 +128,7 @@ define({
     known("shaft", 2000, "N", "shaft friction at slip; chosen, as all of the soil: the measurements are not public",
       { above = 0 }),
     known("shaft_quake", 1e-3, "m", "movement at which the shaft slips", { above = 0 }),
-    known("shaft_damping", 0.2, "s/m", "Smith's J: the friction times 1 + J*|v|", { min = 0 }),
+    known("shaft_damping", 0.2, "s/m", "Smith's J: the friction times 1 + J*abs(v)", { min = 0 }),
     known("toe", 5000, "N", "resistance of the toe at yield", { above = 0 }),
     known("toe_quake", 2e-3, "m", "movement at which the toe yields", { above = 0 }),
     known("toe_damping", 0.2, "s/m", "Smith's J of the toe", { min = 0 }),

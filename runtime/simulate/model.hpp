@@ -54,6 +54,10 @@ struct Model {
   /// "y" with one degree of freedom, else "y1", "y2" ...; the same for v, a, F. i counts from 0.
   std::string channel(char quantity, int i) const;
 
+  /// The channels that drive it: the forces of the driven coordinates, then those of yb vb ab that it holds. Of a
+  /// complete model (complete()).
+  std::vector<std::string> inputs() const;
+
   const Parameter* find(std::string_view name) const;
   Parameter* find(std::string_view name);
   std::vector<double> values() const;

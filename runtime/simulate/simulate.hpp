@@ -71,8 +71,8 @@ class Excitations {
  public:
   Excitations() = default;
   Excitations(Excitation force) { add("F", std::move(force)); }  // implicit: one force is the usual case
-  /// Channels: "F", "F1" "F2" ..., "yb" "vb" "ab". Throws InputError when the channel is there, when the time base differs
-  /// from that of the first, or when a held signal meets one that is not.
+  /// Channels: "F", "F1" "F2" ..., "yb" "vb" "ab". Throws InputError when the channel is there, when the time base
+  /// differs from that of the first, or when a held signal meets one that is not.
   Excitations& add(const std::string& channel, Excitation signal);
 
   bool empty() const { return signals_.empty(); }
@@ -92,6 +92,10 @@ class Excitations {
   std::vector<std::string> channels_;
   std::vector<Excitation> signals_;
 };
+
+/// The channels of a record that drive the system, each as excitation_of gives it. Throws InputError naming the channel
+/// that it lacks: the forces may be absent where others drive, but not all inputs.
+Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation = {});
 
 /// automatic and fixed are ours; the rest is SUNDIALS': CVODE's BDF and Adams, ARKODE's explicit Runge-Kutta pairs 3(2)
 /// (Bogacki & Shampine), 5(4) (Dormand & Prince) and 8(7) (Fehlberg), and its L-stable ESDIRK5(4)7L[2]SA (Kennedy &

@@ -34,6 +34,26 @@ function lunid.read(fields) end
 ---@return lunid.window
 function lunid.window(fields) end
 
+---The displacements of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.displacements(count) end
+
+---The velocities of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.velocities(count) end
+
+---The accelerations of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.accelerations(count) end
+
+---The forces of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.forces(count) end
+
 ---An unknown number to fit. It stands in expressions as a symbol.
 ---@class lunid.parameter.fields
 ---@field name string # how it is written in equations and results
@@ -126,11 +146,11 @@ function lunid.regress(fields) end
 ---Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.
 ---@class lunid.simulate.fields
 ---@field model lunid.model # what moves
----@field excitation any # a record or an excitation, whose F drives the model, or an expression of lunid.time
----@field from? "record"|table # first state { y, v, ... }, or 'record': that of the record; else the record's, else rest
+---@field excitation any # a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
+---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run, where the force is an expression
 ---@field dt? number # sample time of the result, where the force is an expression
----@field solver? "auto"|"fixed"|"bdf"|"adams"|"explicit" # how to integrate
+---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field substeps? integer # of the fixed path, per sample; else chosen
@@ -149,15 +169,26 @@ function lunid.simulate(fields) end
 ---@return lunid.model
 function lunid.fit(fields) end
 
----The equation of motion m*a + restoring = F. With imposed motion, y and v drive it and F is its output.
+---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
----@field mass number|lunid.expression # a number, a parameter, or an expression
----@field restoring number|lunid.expression # restoring force; 0 for none
+---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
+---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
+---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
 ---@field states? table # internal states that the restoring force does not name
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0
 ---@param fields lunid.model.fields
 ---@return lunid.model
 function lunid.model(fields) end
+
+---Masses in a row with an element between neighbours: y1 ... yn, each element a function of its elongation and the rate of it.
+---@class lunid.chain.fields
+---@field masses table # one for each coordinate
+---@field element function # function(elongation, rate, index) that returns the force, positive in tension
+---@field ends? "fixed"|"left"|"right"|"free" # which ends an element ties to the ground: both, the first mass, the last, none
+---@field forces? table # the coordinates that a force acts on; else all
+---@param fields lunid.chain.fields
+---@return lunid.model
+function lunid.chain(fields) end
 
 ---Loads a model that model:save wrote, or that is written by hand in the same form.
 ---@class lunid.load.fields
@@ -448,7 +479,7 @@ function lunid.noise.coloured(fields) end
 ---@return lunid.noise
 function lunid.noise.multiplicative(fields) end
 
----Counting noise: values come in counts, whose number is random about its mean. The variance is count*|x|.
+---Counting noise: values come in counts, whose number is random about its mean. The variance is count*abs(x).
 ---@class lunid.noise.poisson.fields
 ---@field count? number # value of one count, in the channel's unit
 ---@field relative? number # the same as a part of the channel's standard deviation
@@ -558,7 +589,7 @@ function lunid.systems.harsh_yield(fields) end
 ---@field mass? number # parameter m of the model, fixed
 ---@field k? number # linear stiffness (case 1)
 ---@field c? number # viscous damping
----@field sign? "usual"|"printed" # 'printed': c*(1 - y^2)*v as in table 2.1, damped within |y| < 1 and unstable beyond
+---@field sign? "usual"|"printed" # 'printed': c*(1 - y^2)*v as in table 2.1, damped within -1 < y < 1 and unstable beyond
 ---@param fields lunid.systems.van_der_pol.fields
 ---@return lunid.model
 function lunid.systems.van_der_pol(fields) end
@@ -578,7 +609,7 @@ function lunid.systems.velocity_mass(fields) end
 ---@field mass? number # parameter m of the model, fixed
 ---@field shaft? number # shaft friction at slip; chosen, as all of the soil: the measurements are not public
 ---@field shaft_quake? number # movement at which the shaft slips
----@field shaft_damping? number # Smith's J: the friction times 1 + J*|v|
+---@field shaft_damping? number # Smith's J: the friction times 1 + J*abs(v)
 ---@field toe? number # resistance of the toe at yield
 ---@field toe_quake? number # movement at which the toe yields
 ---@field toe_damping? number # Smith's J of the toe

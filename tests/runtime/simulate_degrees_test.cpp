@@ -46,8 +46,8 @@ TEST(Chain, SwingsInItsModesByEverySolver) {
     for (Eigen::Index row = 0; row < run.x.rows(); ++row)
       for (int i = 0; i < n; ++i) {
         const double expected = x0[2 * i] * std::cos(w * 0.005 * static_cast<double>(row));
-        ASSERT_NEAR(run.x(row, 2 * i), expected, 1e-6) << run.summary.solver;
-        ASSERT_NEAR(run.a(row, i), -w * w * expected, 1e-6 * w * w) << run.summary.solver;
+        ASSERT_NEAR(run.x(row, 2 * i), expected, 2e-7) << run.summary.solver;
+        ASSERT_NEAR(run.a(row, i), -w * w * expected, 2e-7 * w * w) << run.summary.solver;
       }
   }
 }
