@@ -207,8 +207,7 @@ int get(lua_State* L) {
       lua_pushinteger(L, coordinate + 1);
       lua_rawseti(L, -2, ++i);
     }
-  }
-  else if (key == "imposed_motion")
+  } else if (key == "imposed_motion")
     lua_pushboolean(L, model.imposed_motion);
   else if (key == "parameters")
     push_parameters(L, model.parameters);
@@ -219,7 +218,8 @@ int get(lua_State* L) {
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
       throw InputError("a model has no '" + key +
-                       "' (fields: mass restoring degrees inputs forces states parameters imposed_motion; methods: equation with save "
+                       "' (fields: mass restoring degrees inputs forces states parameters imposed_motion; methods: "
+                       "equation with save "
                        "export)");
     }
   }

@@ -17,13 +17,12 @@ Interpolation interpolation_from(const std::string& name) {
   throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
 }
 
-namespace {
-
-/// The field `interpolation`; without it a record's own.
 std::optional<Interpolation> interpolation_field(lua_State* L, int index) {
   const auto name = string_field(L, index, "interpolation");
   return name ? std::optional(interpolation_from(*name)) : std::nullopt;
 }
+
+namespace {
 
 /// An input as an expression of the time alone, evaluated exactly between samples. Lua is not called.
 Excitation of_expression(Expr f, double dt, double duration) {
@@ -105,49 +104,6 @@ int force_along(lua_State* L) {
   const System system(check<Model>(L, 1));
   push_column(L, imposed_force(system, system.model().values(), check<Record>(L, 2)));
   return 1;
-}
-
-/// fit(model, {records...}, {interpolation=, max_iterations=, segment=}) -> model, {converged=, stopped=, ...}
-int fit(lua_State* L) {
-  const System system(check<Model>(L, 1));
-  check_table(L, 2);
-  check_table(L, 3);
-  const auto interpolation = interpolation_field(L, 3);
-  std::vector<FitData> data;
-  for_each(L, 2, [&](lua_Integer) {
-    const Record& record = check<Record>(L, -1);
-    data.push_back(
-        {record, system.model().imposed_motion ? Excitations() : excitations_of(system, record, interpolation), {}});
-  });
-  FitOptions options;
-  options.max_iterations = static_cast<int>(number_field(L, 3, "max_iterations").value_or(options.max_iterations));
-  options.cancelled = &runtime(L).cancelled();
-  validate(options);
-  Model model = system.model();
-  for (const Parameter& parameter : model.parameters) {
-    if (std::isnan(parameter.value)) {
-      throw InputError("fit: parameter '" + parameter.name + "' has no first guess; give it one");
-    }
-  }
-  const std::vector<double> start = model.values();
-  const FitResult result = fit_progressively(
-      system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), data, options);
-  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    model.parameters[i].value = result.theta[at];
-    if (result.covariance.rows() > at) model.parameters[i].std = std::sqrt(result.covariance(at, at));
-  }
-  push<Model>(L, std::move(model));
-  lua_newtable(L);
-  lua_pushboolean(L, result.converged);
-  lua_setfield(L, -2, "converged");
-  push_text(L, result.stopped);
-  lua_setfield(L, -2, "stopped");
-  lua_pushinteger(L, result.iterations);
-  lua_setfield(L, -2, "iterations");
-  lua_pushnumber(L, result.cost);
-  lua_setfield(L, -2, "cost");
-  return 2;
 }
 
 void push_summary(lua_State* L, const RunSummary& summary) {
@@ -268,8 +224,7 @@ void open_runs(lua_State* L) {
   static constexpr Entry methods[] = {{"column", guarded<column>}, {"record", guarded<as_record>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<FreeRun>(L, methods, meta);
-  static constexpr Entry functions[] = {
-      {"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}, {"fit", guarded<fit>}};
+  static constexpr Entry functions[] = {{"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}};
   set_functions(L, functions);
 }
 

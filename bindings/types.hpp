@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "record/record.hpp"
+#include "simulate/fit.hpp"
 #include "simulate/model.hpp"
+#include "simulate/response.hpp"
 #include "simulate/simulate.hpp"
 #include "support.hpp"
 
@@ -53,9 +55,6 @@ void push_column(lua_State* L, const Eigen::VectorXd& values);
 /// A Column or a list of numbers.
 Eigen::VectorXd check_column(lua_State* L, int index);
 
-/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
-Interpolation interpolation_from(const std::string& name);
-
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
@@ -65,6 +64,24 @@ struct FreeRun {
   std::string name;
 };
 
+/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
+Interpolation interpolation_from(const std::string& name);
+/// The field `interpolation`; nothing where it is absent: the record's own.
+std::optional<Interpolation> interpolation_field(lua_State* L, int index);
+
+/// A fit on the trajectory, with what its profiles need.
+struct TrajectoryFit {
+  std::shared_ptr<const System> system;
+  std::vector<FitData> data;
+  FitOptions options;
+  FitResult result;
+};
+
+template <>
+struct Bound<TrajectoryFit> {
+  static constexpr const char* key = "lunid.trajectory_fit";
+  static constexpr const char* words = "a trajectory fit";
+};
 template <>
 struct Bound<Value> {
   static constexpr const char* key = "lunid.expression";
@@ -89,6 +106,16 @@ template <>
 struct Bound<FreeRun> {
   static constexpr const char* key = "lunid.run";
   static constexpr const char* words = "a run";
+};
+template <>
+struct Bound<ResponseCurve> {
+  static constexpr const char* key = "lunid.response_curve";
+  static constexpr const char* words = "a response curve";
+};
+template <>
+struct Bound<Backbone> {
+  static constexpr const char* key = "lunid.backbone";
+  static constexpr const char* words = "a backbone";
 };
 
 /// Makes a type's metatable and adds its functions to the module table on top of the stack.

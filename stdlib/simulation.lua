@@ -79,31 +79,39 @@ local simulate = schema.define({
   return core.simulate(given.model, given)
 end)
 
-local fit = schema.define({
-  name = "fit",
-  help = "Refines a model's parameters on the trajectory: least squares on the displacement of free runs.",
+local fit_trajectory = schema.define({
+  name = "fit_trajectory",
+  help = "Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first "
+    .. "states included.",
   fields = {
-    { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses" },
+    { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses and bounds" },
     { "record", types.either(types.is("record", "lunid.read"), types.list(types.is("record", "lunid.read"), 1)),
       required = true, help = "one record or several" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
+    { "channels", types.list(types.string, 1),
+      help = "the displacements and velocities to fit, each weighted by its noise; else the displacements" },
+    { "separate", types.list(types.string, 1), help = "names of parameters that each record has for itself" },
+    { "loss", types.choice { "squared", "huber" }, default = "squared",
+      help = "'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull" },
+    { "segment", types.number { above = 0 }, unit = "s",
+      help = "length of free runs with first states of their own (multiple shooting); else the whole record" },
     { "interpolation", types.choice(interpolations),
       help = "what the force does between samples; else what the record says: its formula, or straight lines" },
     { "max_iterations", types.integer { min = 1, max = 1000 }, default = 40, help = "of Levenberg-Marquardt" },
   },
-  returns = "model",
-  example = [[local fitted = lunid.fit { model = model, record = train }]],
+  returns = "trajectory_fit",
+  example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],
 }, function(given)
   local list = type(given.record) == "table" and given.record or { given.record }
   for i, record in ipairs(list) do
     list[i] = given.window and record:window(given.window.from, given.window.to) or record
   end
-  local model, summary = core.fit(given.model, list, given)
-  if not summary.converged then
-    print(("%s: fit: did not converge (%s)"):format(core.place(), summary.stopped))
+  local fit = core.fit_trajectory(given.model, list, given)
+  if not fit.summary.converged then
+    print(("%s: fit_trajectory: did not converge (%s)"):format(core.place(), fit.summary.stopped))
   end
-  return model
+  return fit
 end)
 
-simulation.public = { simulate = simulate, fit = fit }
+simulation.public = { simulate = simulate, fit_trajectory = fit_trajectory }
 return simulation

@@ -33,7 +33,8 @@ constexpr Method methods[] = {
 };
 
 const Method* method_of(Solver solver) {
-  const auto found = std::find_if(std::begin(methods), std::end(methods), [&](const Method& m) { return m.solver == solver; });
+  const auto found =
+      std::find_if(std::begin(methods), std::end(methods), [&](const Method& m) { return m.solver == solver; });
   return found == std::end(methods) ? nullptr : found;
 }
 
@@ -124,7 +125,8 @@ std::string sundials_name(Solver method) {
   return method == Solver::adams ? "CVODE Adams" : "CVODE BDF";
 }
 
-std::unique_ptr<Integrator> make_arkode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) {
+std::unique_ptr<Integrator> make_arkode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0,
+                                        double max_step) {
   return std::make_unique<Arkode>(method, ode, t0, x0, max_step);
 }
 

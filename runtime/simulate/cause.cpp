@@ -123,8 +123,7 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
     terms.sum(t, at);
     for (std::size_t i = 0; i < terms.values.size(); ++i)
       if (!std::isfinite(terms.values[i]))
-        return "the term " + to_text(terms.expressions[i]) + " has no finite value at " +
-               place_words(model, at, worst);
+        return "the term " + to_text(terms.expressions[i]) + " has no finite value at " + place_words(model, at, worst);
   }
   Eigen::VectorXd still = x;
   still[v] = 0;

@@ -111,9 +111,12 @@ double default_bound(const System& system, std::span<const double> theta, const 
     for (int i = 0; i < d.n; ++i) in[1 + d.exogenous + i] = at_rest ? 0 : x0[i];
     d.rate.run_point(in.data(), out.data(), scratch.data());
   };
-  rates(false, [&](const Excitation& e) { return e.at(excitation.t0()); }, here);
-  rates(true, [](const Excitation&) { return 0.0; }, rest);
-  rates(true, [](const Excitation& e) { return e.peak(); }, pushed);
+  rates(
+      false, [&](const Excitation& e) { return e.at(excitation.t0()); }, here);
+  rates(
+      true, [](const Excitation&) { return 0.0; }, rest);
+  rates(
+      true, [](const Excitation& e) { return e.peak(); }, pushed);
   const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
   double scale = 0;
   for (int i = 0; i < d.degrees; ++i) {

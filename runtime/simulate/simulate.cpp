@@ -89,8 +89,8 @@ bool refuse_mass(const System& system, std::span<const double> theta, const Vect
 
 /// BDF where explicit steps are too many, or where they exploded, which may have been the method and not the model: the
 /// implicit run then replaces `run` if it completes.
-void try_implicit(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
-                  SimulateOptions options, bool exploded, Run& run) {
+void try_implicit(const System& system, std::span<const double> theta, const Excitations& excitation,
+                  const VectorXd& x0, SimulateOptions options, bool exploded, Run& run) {
   options.solver = Solver::bdf;
   Run implicit = run_sundials(system, theta, excitation, x0, options);
   if (exploded && !implicit.summary.completed) return;
@@ -141,8 +141,7 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
 }
 
 SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitations& given,
-                                      const VectorXd& x0, const SimulateOptions& options,
-                                      std::span<const int> wanted) {
+                                      const VectorXd& x0, const SimulateOptions& options, std::span<const int> wanted) {
   check_run("simulate_sensitivities", system, theta, given, x0, options);
   const Excitations excitation = given.of(system);
   if (options.solver != Solver::automatic && options.solver != Solver::fixed)

@@ -109,8 +109,7 @@ class ModalOde : public Ode {
     for (const int quantity : {0, 1}) {
       double largest = 0;
       for (int i = 0; i < degrees; ++i) largest = std::max(largest, scale_[2 * i + quantity]);
-      for (int i = 0; i < degrees; ++i)
-        scale_[2 * i + quantity] = std::max(scale_[2 * i + quantity], 1e-3 * largest);
+      for (int i = 0; i < degrees; ++i) scale_[2 * i + quantity] = std::max(scale_[2 * i + quantity], 1e-3 * largest);
     }
   }
 

@@ -158,16 +158,20 @@ function lunid.regress(fields) end
 ---@return lunid.run
 function lunid.simulate(fields) end
 
----Refines a model's parameters on the trajectory: least squares on the displacement of free runs.
----@class lunid.fit.fields
----@field model lunid.model # with first guesses
+---Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included.
+---@class lunid.fit_trajectory.fields
+---@field model lunid.model # with first guesses and bounds
 ---@field record any # one record or several
 ---@field window? lunid.window # part of the records
+---@field channels? table # the displacements and velocities to fit, each weighted by its noise; else the displacements
+---@field separate? table # names of parameters that each record has for itself
+---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
+---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field max_iterations? integer # of Levenberg-Marquardt
----@param fields lunid.fit.fields
----@return lunid.model
-function lunid.fit(fields) end
+---@param fields lunid.fit_trajectory.fields
+---@return lunid.trajectory_fit
+function lunid.fit_trajectory(fields) end
 
 ---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
@@ -268,6 +272,18 @@ function lunid.figure.surface(fields) end
 ---@param fields lunid.figure.residual_map.fields
 ---@return lunid.figure
 function lunid.figure.residual_map(fields) end
+
+---A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.
+---@class lunid.figure.response.fields
+---@field response lunid.response # what to draw
+---@field quantity? string # a column of the response, such as "amplitude_3" or "phase_1"
+---@field state? string # whose motion; else the first displacement
+---@field series? table # curves to compare with
+---@field log? boolean # logarithmic axis of the quantity
+---@field title? string # above the chart
+---@param fields lunid.figure.response.fields
+---@return lunid.figure
+function lunid.figure.response(fields) end
 
 ---Bilinear interpolation between the corners of equal cells; cells without data stay empty.
 ---@class lunid.grid.fields
@@ -594,6 +610,17 @@ function lunid.systems.harsh_yield(fields) end
 ---@return lunid.model
 function lunid.systems.van_der_pol(fields) end
 
+---Masses in a row on springs and dashpots, the first one tied to the ground, one of the springs hardening (appendix J and case 4). Coordinates are y1 y2 ..., forces F1 F2 ...
+---@class lunid.systems.chain.fields
+---@field masses? table # one for each coordinate
+---@field k? number # stiffness k1, k2 ... of each spring; one number for all
+---@field c? number # damping c1, c2 ... of each dashpot; one number for all
+---@field cubic? number # cubic stiffness of one spring
+---@field cubic_at? integer # which spring: 1 to the ground, 2 between the first two masses; chosen: the figure is lost
+---@param fields lunid.systems.chain.fields
+---@return lunid.model
+function lunid.systems.chain(fields) end
+
 ---A mass that depends on the velocity (section 2.7): (m + A*v)*a + k*y + c*v = F.
 ---@class lunid.systems.velocity_mass.fields
 ---@field mass? number # parameter m of the model, fixed
@@ -628,7 +655,7 @@ function lunid.systems.pile(fields) end
 ---@field trim? number # cut off at the beginning
 ---@field dt? number # sample time
 ---@field duration? number # from t = 0, before the trimming
----@field from? table # first state { y, v }
+---@field from? table # first state { y, v } or { y1, v1, y2, v2 ... }
 ---@field seed? integer # of the noise, one more for each frequency; else that of the run (--seed)
 ---@param fields lunid.thesis_record.fields
 ---@return lunid.record
@@ -637,7 +664,7 @@ function lunid.thesis_record(fields) end
 ---The thesis' validation record, without noise. No force up to 2.2 s, then amplitude*(sin(w*t) + sin(2*w*t) + sin(3*w*t)).
 ---@class lunid.thesis_validation.fields
 ---@field system any # the truth
----@field from any # first state { y, v }, or the trimmed record whose first row it is
+---@field from any # first state { y, v ... }, or the trimmed record whose first row it is
 ---@field amplitude? number # of each of the three sines
 ---@field frequency? number # w is 2*pi times this
 ---@field quiet? number # how long there is no force
@@ -646,6 +673,54 @@ function lunid.thesis_record(fields) end
 ---@param fields lunid.thesis_validation.fields
 ---@return lunid.record
 function lunid.thesis_validation(fields) end
+
+---The periodic answers of a model to a harmonic excitation over a range of frequencies: stable and unstable branches by continuation, or what a stepped or swept sine shows.
+---@class lunid.frequency_response.fields
+---@field model lunid.model # what is driven
+---@field amplitude number # of the force amplitude*cos(2*pi*f*t), or of the base's displacement in m; a list gives a curve for each
+---@field input? string # the force that acts, such as 'F2', or 'base'; else the model's first input
+---@field from number # lowest frequency
+---@field to number # highest frequency
+---@field method? "auto"|"harmonic_balance"|"shooting"|"stepped_up"|"stepped_down"|"swept_up"|"swept_down" # 'auto': harmonic balance, and shooting where the model has switches or bounds
+---@field harmonics? integer # of harmonic balance; else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, and of steadiness, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of a branch
+---@field stability? boolean # find the Floquet multipliers of each point
+---@field points? integer # frequencies of a stepped sine
+---@field max_periods? integer # in which a stepped sine must become steady
+---@field rate? number # of a swept sine
+---@param fields lunid.frequency_response.fields
+---@return lunid.response
+function lunid.frequency_response(fields) end
+
+---The free motions that grow out of a mode: frequency and damping ratio over amplitude.
+---@class lunid.backbone.fields
+---@field model lunid.model # its damping is made up for, its forces are 0
+---@field from number # smallest amplitude of the displacement that moves most
+---@field to number # largest amplitude
+---@field mode? integer # counted from the lowest frequency
+---@field harmonics? integer # else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of the curve
+---@param fields lunid.backbone.fields
+---@return lunid.backbone
+function lunid.backbone(fields) end
+
+---The states of a free run once per period of its excitation.
+---@class lunid.poincare.fields
+---@field model lunid.model # what moves
+---@field excitation number|lunid.expression # an expression of lunid.time, or a table of them by channel, as of lunid.simulate
+---@field period number # of the excitation
+---@field from? table # first state { y, v, ... }
+---@field points? integer # periods shown
+---@field transient? integer # periods before them that are left out
+---@field phase? number # part of the period at which to look
+---@field samples? integer # of a period; each is two steps
+---@param fields lunid.poincare.fields
+---@return lunid.section
+function lunid.poincare(fields) end
 
 ---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
 ---@class lunid.discover.fields
