@@ -9,6 +9,7 @@
 
 #include "expr/expr.hpp"
 #include "figure/module.hpp"
+#include "ranks.hpp"
 #include "support.hpp"
 
 namespace lunid::lua {
@@ -54,6 +55,7 @@ class Runtime {
   const std::filesystem::path& library() const { return library_; }
   const std::filesystem::path& executable() const { return executable_; }
   figure::FigureModule& figures() { return figures_; }
+  Ranks& ranks() { return ranks_; }
   std::atomic<bool>& cancelled() { return cancelled_; }
 
   std::uint64_t seed = 1;
@@ -65,6 +67,7 @@ class Runtime {
   std::filesystem::path executable_, library_;
   std::shared_ptr<Pool> pool_ = std::make_shared<Pool>();
   figure::FigureModule figures_;
+  Ranks ranks_;
   std::atomic<bool> cancelled_{false};
   std::vector<InputFile> inputs_;
   Failure last_;

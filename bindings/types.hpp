@@ -55,6 +55,11 @@ void push_column(lua_State* L, const Eigen::VectorXd& values);
 /// A Column or a list of numbers.
 Eigen::VectorXd check_column(lua_State* L, int index);
 
+/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
+Interpolation interpolation_from(const std::string& name);
+/// The field `interpolation`; without it a record's own.
+std::optional<Interpolation> interpolation_field(lua_State* L, int index);
+
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
@@ -63,11 +68,6 @@ struct FreeRun {
   std::vector<std::string> accelerations;                       ///< of the columns of a: a, or a1 a2 ...
   std::string name;
 };
-
-/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
-Interpolation interpolation_from(const std::string& name);
-/// The field `interpolation`; nothing where it is absent: the record's own.
-std::optional<Interpolation> interpolation_field(lua_State* L, int index);
 
 /// A fit on the trajectory, with what its profiles need.
 struct TrajectoryFit {

@@ -18,7 +18,7 @@ end
 --- Runs `work` with an out directory; commits its files and returns their names, or says what was kept.
 local function with_output(command, options, work)
   core.set_run(options.seed, options.threads)
-  output.begin(options.out or "lunid-out")
+  output.begin(options.out or "lunid-out", core.rank())
   local good, message = xpcall(work, function(error) return tostring(error) end)
   if good then
     good, message = pcall(output.commit, run_record(command, options))
@@ -60,6 +60,7 @@ end
 commands["run"] = function(options)
   if options.study:match "%.json$" then return repeat_run(options) end
   require("lunid.check").expect_study(options.study)
+  core.join_ranks()
   local files = with_output("run", options, function() run_study(options) end)
   if #files > 0 then print(("%-11s%s"):format("wrote", output.summary(options.out or "lunid-out", files))) end
 end

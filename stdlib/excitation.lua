@@ -99,6 +99,7 @@ local function define(definition, body)
   local fields = {}
   for _, field in ipairs(definition.fields) do fields[#fields + 1] = field end
   for _, field in ipairs(base_fields) do fields[#fields + 1] = field end
+  for _, field in ipairs(base_fields) do field.shared = "Time base" end  -- told once in the manual
   definition.fields = fields
   excitation[name] = schema.define(definition, function(given)
     given.called = definition.name

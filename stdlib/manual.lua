@@ -19,9 +19,20 @@ end
 --- One constructor: what it is for, an example, its fields.
 function manual.section(definition)
   local lines = { ("### `lunid.%s`"):format(definition.name), "", definition.help, "", "```lua", definition.example, "```" }
-  if #definition.fields > 0 then
-    lines[#lines + 1] = "\n| field | type | meaning |\n|---|---|---|"
-    for _, field in ipairs(definition.fields) do lines[#lines + 1] = row(field) end
+  local own, shared = {}, {}
+  for _, field in ipairs(definition.fields) do
+    if field.shared then
+      shared[#shared + 1] = "`" .. field.name .. "`"
+    else
+      own[#own + 1] = row(field)
+    end
+  end
+  if #own > 0 then
+    lines[#lines + 1] = "\n| field | type | meaning |\n|---|---|---|\n" .. table.concat(own, "\n")
+  end
+  if #shared > 0 then  -- fields that the text above all these sections tells
+    lines[#lines + 1] = ("\n%s: %s as above."):format(definition.fields[#definition.fields].shared,
+      table.concat(shared, ", "))
   end
   lines[#lines + 1] = ("\nGives: %s.\n"):format(definition.returns)
   return table.concat(lines, "\n")

@@ -4,8 +4,9 @@ local core = require "lunid.core"
 local output = {}
 local current  -- { out = what the user asked for, partial = where files are gathered }
 
---- Begins a run that writes to `out`. A directory that holds other things than an earlier run is refused.
-function output.begin(out)
+--- Begins a run that writes to `out`. A directory that holds other things than an earlier run is refused. Of the ranks
+--- that run one study together (mpirun) the first one writes; the files of the others are thrown away.
+function output.begin(out, rank)
   local kind = core.kind_of(out)
   if kind == "file" then core.raise(("--out: '%s' is a file, not a directory"):format(out), "usage") end
   if kind == "directory" and #core.list_files(out) > 0 and not core.kind_of(out .. "/run.json") then
@@ -13,8 +14,9 @@ function output.begin(out)
       .. "choose another or empty it"):format(out), "usage")
   end
   local partial = ("%s.partial-%d"):format((out:gsub("/+$", "")), core.process_id())
+  if rank > 0 then partial = ("%s-%d"):format(partial, rank) end
   core.make_directories(partial)
-  current = { out = (out:gsub("/+$", "")), partial = partial }
+  current = { out = (out:gsub("/+$", "")), partial = partial, silent = rank > 0 }
 end
 
 local function is_relative(path) return path:sub(1, 1) ~= "/" end
@@ -46,6 +48,9 @@ end
 
 function output.write_json(path, value) return output.write(path, core.json_text(value)) end
 
+--- A path beside the out directory, or nil where there is none.
+function output.beside(name) return current and current.out .. "." .. name end
+
 --- Does this run own an out directory? (Not in the REPL.)
 function output.active() return current ~= nil end
 
@@ -57,6 +62,11 @@ end
 
 --- Renames the gathered files into the out directory, run.json last, and removes what only the earlier run had.
 function output.commit(run)
+  if current.silent then
+    core.remove_all(current.partial)
+    current = nil
+    return {}
+  end
   local files = core.list_files(current.partial)
   local kept = { ["run.json"] = true }
   for _, file in ipairs(files) do kept[file] = true end
@@ -98,7 +108,7 @@ end
 function output.abandon(keep)
   local run = current
   current = nil
-  local files = keep and core.list_files(run.partial) or {}
+  local files = keep and not run.silent and core.list_files(run.partial) or {}
   local earlier = core.kind_of(run.out) and ("; '%s' is as it was"):format(run.out) or ""
   if #files == 0 then
     core.remove_all(run.partial)

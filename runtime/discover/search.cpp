@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "discover/parallel.hpp"
+#include "simulate/parallel.hpp"
 
 namespace lunid {
 

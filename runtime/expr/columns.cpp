@@ -1,65 +1,15 @@
 // The column run: the same instructions over blocks of rows.
 #include <algorithm>
-#include <cmath>
 
-#include "expr/branch.hpp"
-#include "expr/program.hpp"
+#include "expr/kernel.hpp"
 
 namespace lunid {
 namespace {
 
 constexpr std::size_t block = 256;  // rows: a few registers of 2 kB stay in the first cache
 
-/// One instruction over a block. The trip count is fixed, and a destination is either apart from an operand or the
-/// same block, so that the compiler may vectorise.
-template <class F>
-void rows(double* dst, F f) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < block; ++i) dst[i] = f(i);
-}
-
-/// The widest vectors that the machine has; every lane rounds as a scalar does, so the bits are the same.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-__attribute__((target_clones("avx2", "default")))
-#endif
-void step(const Instruction& at, double* const* r) {
-  double* dst = r[at.dst];
-  const double* a = r[at.a];
-  const bool four = at.code == Code::mul_add_mul || at.code == Code::mul_sub_mul || at.code == Code::sub_sum;
-  const double *b = r[at.b], *c = r[at.c], *d = four ? r[at.d] : nullptr;
-  if (at.code == Code::call) {
-    const auto value = row_of(static_cast<Op>(at.d)).value;
-    for (std::size_t i = 0; i < block; ++i) dst[i] = value(a[i], b[i], c[i]);
-    return;
-  }
-  using namespace branch;
-  switch (at.code) {
-    case Code::copy: return rows(dst, [=](std::size_t i) { return a[i]; });
-    case Code::add: return rows(dst, [=](std::size_t i) { return a[i] + b[i]; });
-    case Code::sub: return rows(dst, [=](std::size_t i) { return a[i] - b[i]; });
-    case Code::mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i]; });
-    case Code::div: return rows(dst, [=](std::size_t i) { return a[i] / b[i]; });
-    case Code::neg: return rows(dst, [=](std::size_t i) { return -a[i]; });
-    case Code::sqrt: return rows(dst, [=](std::size_t i) { return std::sqrt(a[i]); });
-    case Code::mul3: return rows(dst, [=](std::size_t i) { return a[i] * b[i] * c[i]; });
-    case Code::mul_add: return rows(dst, [=](std::size_t i) { return a[i] * b[i] + c[i]; });
-    case Code::mul_sub: return rows(dst, [=](std::size_t i) { return a[i] * b[i] - c[i]; });
-    case Code::sub_mul: return rows(dst, [=](std::size_t i) { return c[i] - a[i] * b[i]; });
-    case Code::mul_add_mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i] + c[i] * d[i]; });
-    case Code::mul_sub_mul: return rows(dst, [=](std::size_t i) { return a[i] * b[i] - c[i] * d[i]; });
-    case Code::sub_sum: return rows(dst, [=](std::size_t i) { return d[i] - (a[i] * b[i] + c[i]); });
-    case Code::sign: return rows(dst, [=](std::size_t i) { return sign(a[i]); });
-    case Code::abs: return rows(dst, [=](std::size_t i) { return std::fabs(a[i]); });
-    case Code::min: return rows(dst, [=](std::size_t i) { return min(a[i], b[i]); });
-    case Code::max: return rows(dst, [=](std::size_t i) { return max(a[i], b[i]); });
-    case Code::greater: return rows(dst, [=](std::size_t i) { return greater(a[i], b[i]); });
-    case Code::less: return rows(dst, [=](std::size_t i) { return greater(b[i], a[i]); });
-    case Code::greater_equal: return rows(dst, [=](std::size_t i) { return greater_equal(a[i], b[i]); });
-    case Code::less_equal: return rows(dst, [=](std::size_t i) { return greater_equal(b[i], a[i]); });
-    case Code::select:
-    case Code::where: return rows(dst, [=](std::size_t i) { return where(a[i], b[i], c[i]); });
-    default: return;
-  }
+LUNID_WIDE void step(const Instruction& at, double* const* r) {
+  kernel::run(block, at, r[at.dst], r[at.a], r[at.b], r[at.c], kernel::has_four(at.code) ? r[at.d] : nullptr);
 }
 
 /// Registers of one block each. Whole blocks of inputs with stride 1 are read in place and whole blocks of outputs

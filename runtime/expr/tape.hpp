@@ -52,6 +52,15 @@ class Tape {
   int output_place() const;
   int switch_place() const;
 
+  /// Runs of points side by side, in lanes: place[i] is the first lane of register i (registers() of them). The caller
+  /// keeps inputs (registers 0 on), outputs (output_place() on) and the rest where it likes, on 64-byte lines for speed,
+  /// and may move inputs and outputs between runs. `lanes` is a multiple of lane_group; more of them share the cost of
+  /// an instruction. Each lane gets the bits of run_prepared on it alone. No allocation, no throw.
+  static constexpr int lane_group = 8;
+  void prepare_lanes(double* const* place, int lanes) const noexcept;  ///< once: constants
+  void run_lanes(double* const* place, int lanes) const noexcept;
+  bool reads(int input) const;  ///< some output depends on this input
+
   /// Column run, in blocks: in[i] points to `rows` values of input i (or to one value when stride[i] == 0);
   /// out[j] receives `rows` values. Same bits as run_point on each row. Allocates only its scratch.
   /// Output columns must not overlap input columns. Throws InputError on a wrong number of columns.

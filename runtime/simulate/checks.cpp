@@ -101,23 +101,31 @@ Run empty_run(const System& system, const Excitations& excitation) {
 
 double default_bound(const System& system, std::span<const double> theta, const Excitations& excitation,
                      const Eigen::VectorXd& x0) {
+  const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
+  std::vector<InputRange> inputs;
+  for (int i = 0; i < excitation.count(); ++i)
+    inputs.push_back({excitation[i].at(excitation.t0()), excitation[i].peak()});
+  return default_bound(system, theta, excitation.t0(), time, inputs, x0);
+}
+
+double default_bound(const System& system, std::span<const double> theta, double t0, double time,
+                     std::span<const InputRange> inputs, const Eigen::VectorXd& x0) {
   const Dynamics& d = system.dynamics();
   std::vector<double> in(d.inputs(), 0.0), scratch(d.rate.registers() + 1);
   std::vector<double> here(d.rate.outputs()), rest = here, pushed = here;
   std::copy(theta.begin(), theta.end(), in.end() - d.p);
   const auto rates = [&](bool at_rest, auto input, std::vector<double>& out) {
-    in[0] = excitation.t0();
-    for (int i = 0; i < d.exogenous; ++i) in[1 + i] = input(excitation[i]);
+    in[0] = t0;
+    for (int i = 0; i < d.exogenous; ++i) in[1 + i] = input(inputs[static_cast<std::size_t>(i)]);
     for (int i = 0; i < d.n; ++i) in[1 + d.exogenous + i] = at_rest ? 0 : x0[i];
     d.rate.run_point(in.data(), out.data(), scratch.data());
   };
   rates(
-      false, [&](const Excitation& e) { return e.at(excitation.t0()); }, here);
+      false, [](const InputRange& u) { return u.first; }, here);
   rates(
-      true, [](const Excitation&) { return 0.0; }, rest);
+      true, [](const InputRange&) { return 0.0; }, rest);
   rates(
-      true, [](const Excitation& e) { return e.peak(); }, pushed);
-  const double time = excitation.dt() * static_cast<double>(excitation.rows() - 1);
+      true, [](const InputRange& u) { return u.peak; }, pushed);
   double scale = 0;
   for (int i = 0; i < d.degrees; ++i) {
     const int v = 2 * i + 1;

@@ -330,8 +330,14 @@ Excitation Excitation::part(Index first, Index count) const {
 }
 
 TimeFunction function_of_time(Expr formula) {
-  const Expr inputs[] = {formula.pool().channel("t")};
-  const Tape tape(std::span<const Expr>(&formula, 1), inputs);
+  // Compiling adds nodes to the pool (the switching functions); members of an ensemble may come here side by side.
+  static std::mutex compiling;
+  Tape tape;
+  {
+    const std::lock_guard lock(compiling);
+    const Expr inputs[] = {formula.pool().channel("t")};
+    tape = Tape(std::span<const Expr>(&formula, 1), inputs);
+  }
   return [tape](std::span<const double> t, std::span<double> out) {
     if (t.size() == 1) {  // a column run works on whole blocks
       std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));

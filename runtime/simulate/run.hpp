@@ -15,6 +15,12 @@ void check_run(const char* caller, const System& system, std::span<const double>
 /// A displacement that no sound run passes: 1e6 times what the largest force alone could reach in the time.
 double default_bound(const System& system, std::span<const double> theta, const Excitations& excitation,
                      const Eigen::VectorXd& x0);
+/// The same from what it needs to know of each input over `time` [s] from t0: its first value and its peak.
+struct InputRange {
+  double first, peak;
+};
+double default_bound(const System& system, std::span<const double> theta, double t0, double time,
+                     std::span<const InputRange> inputs, const Eigen::VectorXd& x0);
 
 /// A run of NaN rows, to be filled.
 Run empty_run(const System& system, const Excitations& excitation);
@@ -28,6 +34,12 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
                             double dt);
 /// What chatters.
 std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
+
+/// A fixed-step run of free motion as run_fixed takes it. Valid as long as its arguments live.
+FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitations& excitation,
+                          const Eigen::VectorXd& x0, int substeps, const SimulateOptions& options);
+/// Why a fixed-step run stopped early, in words.
+std::string stop_cause(const System& system, const FixedProblem& problem, const FixedOutcome& outcome);
 
 /// A fixed-step run of free motion.
 Run run_free(const System& system, std::span<const double> theta, const Excitations& excitation,

@@ -45,23 +45,6 @@ struct SensitivitySink : FreeSink {
   std::vector<int> wanted;
 };
 
-FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitations& excitation,
-                          const VectorXd& x0, int substeps, const SimulateOptions& options) {
-  FixedProblem problem;
-  problem.dynamics = &system.dynamics();
-  problem.theta = theta;
-  problem.t0 = excitation.t0();
-  problem.dt = excitation.dt();
-  problem.rows = excitation.rows();
-  problem.substeps = substeps;
-  for (int i = 0; i < excitation.count(); ++i) problem.drive[i] = excitation[i].stage_grid(substeps).data();
-  problem.hold = excitation.interpolation() == Interpolation::hold;
-  problem.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
-  problem.max_events = options.max_events;
-  problem.cancelled = options.cancelled;
-  return problem;
-}
-
 void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome, const System& system) {
   summary.solver = fixed_solver_name(problem.substeps);
   summary.steps = outcome.steps;
@@ -72,9 +55,7 @@ void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutc
   if (outcome.stop == Stop::none) return;
   summary.completed = false;
   summary.stopped_at = outcome.stopped_at;
-  summary.cause = outcome.stop == Stop::too_many_events
-                      ? chatter_cause(*problem.dynamics, outcome.event, problem.max_events)
-                      : explosion_cause(system, problem.theta, outcome.stopped_at, outcome.last, problem.dt);
+  summary.cause = stop_cause(system, problem, outcome);
 }
 
 /// A run that cannot begin, or nothing.
@@ -101,6 +82,29 @@ void try_implicit(const System& system, std::span<const double> theta, const Exc
 }
 
 }  // namespace
+
+FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitations& excitation,
+                          const VectorXd& x0, int substeps, const SimulateOptions& options) {
+  FixedProblem problem;
+  problem.dynamics = &system.dynamics();
+  problem.theta = theta;
+  problem.t0 = excitation.t0();
+  problem.dt = excitation.dt();
+  problem.rows = excitation.rows();
+  problem.substeps = substeps;
+  for (int i = 0; i < excitation.count(); ++i) problem.drive[i] = excitation[i].stage_grid(substeps).data();
+  problem.hold = excitation.interpolation() == Interpolation::hold;
+  problem.bound = options.bound > 0 ? options.bound : default_bound(system, theta, excitation, x0);
+  problem.max_events = options.max_events;
+  problem.cancelled = options.cancelled;
+  return problem;
+}
+
+std::string stop_cause(const System& system, const FixedProblem& problem, const FixedOutcome& outcome) {
+  return outcome.stop == Stop::too_many_events
+             ? chatter_cause(*problem.dynamics, outcome.event, problem.max_events)
+             : explosion_cause(system, problem.theta, outcome.stopped_at, outcome.last, problem.dt);
+}
 
 std::string fixed_solver_name(int substeps) {
   return "fixed DP5, " + std::to_string(substeps) + (substeps == 1 ? " substep" : " substeps");

@@ -63,7 +63,7 @@ class Excitation {
 };
 
 /// The force of a record's channel: its formula where it has one, and its own interpolation where none is given.
-/// Changes the pool of a formula; call it on the pool's thread. Throws InputError as Record and Excitation do.
+/// Adds nodes to the pool of a formula, one call at a time. Throws InputError as Record and Excitation do.
 Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation = {},
                          std::string_view channel = "F");
 /// f(t) of an expression of the time alone. Throws InputError naming another symbol.

@@ -645,35 +645,6 @@ function lunid.systems.velocity_mass(fields) end
 ---@return lunid.model
 function lunid.systems.pile(fields) end
 
----A system's test by the thesis' data protocol, one record for each frequency. F = amplitude*cos(2*pi*frequency*t) with noise that the system feels, noisy y and v, the acceleration derived from v, the beginning cut off.
----@class lunid.thesis_record.fields
----@field system any # the truth
----@field frequency number # 20 and 30 in the thesis; a list gives a list of records
----@field amplitude? number # of the force
----@field force_noise? number # the force gets amplitude times this times U(-1, 1), straight into the system and the record
----@field noise? number # Gaussian noise of y and of v, over their own std
----@field trim? number # cut off at the beginning
----@field dt? number # sample time
----@field duration? number # from t = 0, before the trimming
----@field from? table # first state { y, v } or { y1, v1, y2, v2 ... }
----@field seed? integer # of the noise, one more for each frequency; else that of the run (--seed)
----@param fields lunid.thesis_record.fields
----@return lunid.record
-function lunid.thesis_record(fields) end
-
----The thesis' validation record, without noise. No force up to 2.2 s, then amplitude*(sin(w*t) + sin(2*w*t) + sin(3*w*t)).
----@class lunid.thesis_validation.fields
----@field system any # the truth
----@field from any # first state { y, v ... }, or the trimmed record whose first row it is
----@field amplitude? number # of each of the three sines
----@field frequency? number # w is 2*pi times this
----@field quiet? number # how long there is no force
----@field dt? number # sample time
----@field duration? number # from t = 0, before the trimming
----@param fields lunid.thesis_validation.fields
----@return lunid.record
-function lunid.thesis_validation(fields) end
-
 ---The periodic answers of a model to a harmonic excitation over a range of frequencies: stable and unstable branches by continuation, or what a stepped or swept sine shows.
 ---@class lunid.frequency_response.fields
 ---@field model lunid.model # what is driven
@@ -721,6 +692,89 @@ function lunid.backbone(fields) end
 ---@param fields lunid.poincare.fields
 ---@return lunid.section
 function lunid.poincare(fields) end
+
+---Evenly spaced values from the first to the last, for lunid.ensemble { vary = { ... } }.
+---@param from number # first value
+---@param to number # last value
+---@param count integer # number of values
+---@param spacing? "linear"|"log" # of the values or of their logarithms
+---@return lunid.list
+function lunid.range(from, to, count, spacing) end
+
+---A random quantity between two values, for lunid.ensemble { draw = { ... } }.
+---@param from number # least value
+---@param to number # greatest value
+---@return lunid.distribution
+function lunid.uniform(from, to) end
+
+---A random quantity whose logarithm is uniform between two positive values.
+---@param from number # least value
+---@param to number # greatest value
+---@return lunid.distribution
+function lunid.log_uniform(from, to) end
+
+---A random quantity with a normal distribution, for lunid.ensemble { draw = { ... } }.
+---@param mean number # mean
+---@param std number # standard deviation
+---@return lunid.distribution
+function lunid.normal(mean, std) end
+
+---Runs many members of one model that differ in parameters, first state or excitation, side by side on all cores (and on all ranks under mpirun). A member that explodes is a result.
+---@class lunid.ensemble.fields
+---@field model lunid.model # what moves; its values hold where not varied
+---@field vary? lunid.table # name = list of values or lunid.range: the full grid of all of them
+---@field draw? lunid.table # name = lunid.uniform, lunid.normal or lunid.log_uniform: random members
+---@field samples? integer # members to draw
+---@field method? "latin_hypercube"|"sobol"|"random" # how the members are spread
+---@field seed? integer # of the draw; else that of the run (--seed)
+---@field excitation any # a record, an expression of lunid.time and of parameters that may be varied, or function(case) giving a record for each member
+---@field from? table # first state { y, v, ... } of all members; else rest
+---@field duration? number|lunid.expression # length of a run, where the force is an expression; may hold what is varied
+---@field dt? number|lunid.expression # sample time, where the force is an expression; may hold what is varied
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what a record's force does between samples; else what the record says
+---@field substeps? integer # per sample; else chosen by halving on a few members
+---@field outputs? table # max, min, mean, std, rms, amplitude or last of a signal: "rms_y"; else rms and max of the displacements
+---@field settled? number # part of each run before the outputs begin
+---@field keep? "summaries"|"trajectories" # 'trajectories' keeps the outputs' signals whole
+---@param fields lunid.ensemble.fields
+---@return lunid.sweep
+function lunid.ensemble(fields) end
+
+---Reads the columns of a CSV file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
+---@class lunid.table.fields
+---@field path string # file, beside the study or from the current directory
+---@param fields lunid.table.fields
+---@return lunid.table
+function lunid.table(fields) end
+
+---A system's test by the thesis' data protocol, one record for each frequency. F = amplitude*cos(2*pi*frequency*t) with noise that the system feels, noisy y and v, the acceleration derived from v, the beginning cut off.
+---@class lunid.thesis_record.fields
+---@field system any # the truth
+---@field frequency number # 20 and 30 in the thesis; a list gives a list of records
+---@field amplitude? number # of the force
+---@field force_noise? number # the force gets amplitude times this times U(-1, 1), straight into the system and the record
+---@field noise? number # Gaussian noise of y and of v, over their own std
+---@field trim? number # cut off at the beginning
+---@field dt? number # sample time
+---@field duration? number # from t = 0, before the trimming
+---@field from? table # first state { y, v } or { y1, v1, y2, v2 ... }
+---@field seed? integer # of the noise, one more for each frequency; else that of the run (--seed)
+---@param fields lunid.thesis_record.fields
+---@return lunid.record
+function lunid.thesis_record(fields) end
+
+---The thesis' validation record, without noise. No force up to 2.2 s, then amplitude*(sin(w*t) + sin(2*w*t) + sin(3*w*t)).
+---@class lunid.thesis_validation.fields
+---@field system any # the truth
+---@field from any # first state { y, v ... }, or the trimmed record whose first row it is
+---@field amplitude? number # of each of the three sines
+---@field frequency? number # w is 2*pi times this
+---@field quiet? number # how long there is no force
+---@field dt? number # sample time
+---@field duration? number # from t = 0, before the trimming
+---@param fields lunid.thesis_validation.fields
+---@return lunid.record
+function lunid.thesis_validation(fields) end
 
 ---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
 ---@class lunid.discover.fields

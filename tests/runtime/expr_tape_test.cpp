@@ -110,6 +110,44 @@ TEST_F(TapeTest, columns_have_the_bits_of_points) {
   }
 }
 
+TEST_F(TapeTest, lanes_have_the_bits_of_points) {
+  testing::RandomExpressions random(pool, 7);
+  std::mt19937 noise(8);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (int i = 0; i < 400; ++i) {
+    const std::vector<Expr> outputs{random.next(4), random.next(5), inputs[0], pool.constant(3)};
+    const Tape tape(outputs, inputs);
+    const int lanes = Tape::lane_group * (1 + i % 3);
+    const auto registers = static_cast<std::size_t>(tape.registers());
+    std::vector<double> memory(registers * static_cast<std::size_t>(lanes));
+    std::vector<double*> place(registers);
+    for (std::size_t r = 0; r < registers; ++r) place[r] = memory.data() + r * static_cast<std::size_t>(lanes);
+    for (std::size_t k = 0; k < inputs.size(); ++k)
+      for (int l = 0; l < lanes; ++l) place[k][l] = uniform(noise);
+    place[0][3] = std::nan("");
+    place[1][lanes - 1] = 0;
+    tape.prepare_lanes(place.data(), lanes);
+    for (int repeat = 0; repeat < 2; ++repeat) {  // a second run reads nothing that the first one wrote
+      tape.run_lanes(place.data(), lanes);
+      for (int l = 0; l < lanes; ++l) {
+        const std::vector<double> point = run(tape, {place[0][l], place[1][l], place[2][l], place[3][l]});
+        for (std::size_t j = 0; j < outputs.size(); ++j)
+          ASSERT_TRUE(same_bits(place[static_cast<std::size_t>(tape.output_place()) + j][l], point[j]))
+              << to_text(outputs[j]) << " in lane " << l;
+      }
+    }
+  }
+}
+
+TEST_F(TapeTest, knows_which_inputs_it_reads) {
+  const Expr output[] = {inputs[0] * 2.0 + inputs[3]};
+  const Tape tape(output, inputs);
+  EXPECT_TRUE(tape.reads(0));
+  EXPECT_FALSE(tape.reads(1));
+  EXPECT_FALSE(tape.reads(2));
+  EXPECT_TRUE(tape.reads(3));
+}
+
 TEST_F(TapeTest, in_place_runs_agree_and_leave_the_inputs) {
   testing::RandomExpressions random(pool, 4);
   for (int i = 0; i < 500; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 // Independent jobs on a few threads; the first exception is rethrown on the caller's thread.
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <functional>
@@ -9,11 +10,15 @@
 
 namespace lunid {
 
+/// Threads to use: `threads`, or for 0 the cores of the machine.
+inline int thread_count(int threads) {
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 /// Runs job(0) ... job(count - 1), each once, on `threads` threads (0: all cores). Results must go to slots of their
 /// own, so that they do not depend on the number of threads.
 inline void parallel_for(int count, int threads, const std::function<void(int)>& job) {
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int workers = std::min(count, threads > 0 ? threads : cores);
+  const int workers = std::min(count, thread_count(threads));
   std::atomic<int> next{0};
   std::exception_ptr failure;
   std::mutex guard;
@@ -28,7 +33,7 @@ inline void parallel_for(int count, int threads, const std::function<void(int)>&
       }
     }
   };
-  std::vector<std::thread> pool;
+  std::vector<std::jthread> pool;
   for (int i = 1; i < workers; ++i) pool.emplace_back(work);
   work();
   for (auto& t : pool) t.join();

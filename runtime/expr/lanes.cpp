@@ -1,0 +1,38 @@
+// The bundle run: points side by side, one pass over the instructions for all of them.
+#include <algorithm>
+
+#include "expr/kernel.hpp"
+
+namespace lunid {
+namespace {
+
+LUNID_WIDE void execute(std::size_t lanes, const Instruction* at, double* const* r) noexcept {
+  for (; at->code != Code::done; ++at)
+    kernel::run(lanes, *at, r[at->dst], r[at->a], r[at->b], r[at->c], r[kernel::has_four(at->code) ? at->d : 0]);
+}
+
+}  // namespace
+
+void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
+  const Layout& layout = program_->layout;
+  for (std::size_t i = 0; i < layout.constants.size(); ++i)
+    std::fill_n(place[layout.inputs + i], lanes, layout.constants[i]);
+}
+
+void Tape::run_lanes(double* const* place, int lanes) const noexcept {
+  execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place);
+  for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
+}
+
+bool Tape::reads(int input) const {
+  const auto reads_input = [&](const Instruction& at) {
+    const Value operands{at.code, at.a, at.b, at.c, at.d};
+    const std::uint32_t all[] = {at.a, at.b, at.c, at.d};
+    const auto end = all + operand_count(operands);
+    return std::find(all, end, static_cast<std::uint32_t>(input)) != end;
+  };
+  const auto& code = program_->values.instructions;
+  return std::any_of(code.begin(), code.end(), reads_input);
+}
+
+}  // namespace lunid
