@@ -8,7 +8,8 @@ namespace lunid::lua {
 
 namespace {
 
-std::vector<FitData> data_of(lua_State* L, int index, const System& system, std::optional<Interpolation> interpolation) {
+std::vector<FitData> data_of(lua_State* L, int index, const System& system,
+                             std::optional<Interpolation> interpolation) {
   std::vector<FitData> data;
   for_each(L, index, [&](lua_Integer) {
     const Record& record = check<Record>(L, -1);
@@ -90,10 +91,10 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   lua_setfield(L, -2, "converged");
   push_text(L, r.stopped);
   lua_setfield(L, -2, "stopped");
-  for (const auto& [field, value] : {std::pair{"iterations", static_cast<long>(r.iterations)}, std::pair{"runs", r.runs},
-                                     std::pair{"rows", static_cast<long>(r.rows)},
-                                     std::pair{"outliers", static_cast<long>(r.outliers)},
-                                     std::pair{"substeps", static_cast<long>(r.substeps)}}) {
+  for (const auto& [field, value] :
+       {std::pair{"iterations", static_cast<long>(r.iterations)}, std::pair{"runs", r.runs},
+        std::pair{"rows", static_cast<long>(r.rows)}, std::pair{"outliers", static_cast<long>(r.outliers)},
+        std::pair{"substeps", static_cast<long>(r.substeps)}}) {
     lua_pushinteger(L, value);
     lua_setfield(L, -2, field);
   }

@@ -92,12 +92,8 @@ int run(lua_State* L) {
   result.name = record ? record->name() : "run";
   result.run = simulate(system, system.model().values(), excitation, x0, options);
   excitation = excitation.of(system);
-  for (int k = 0; k < excitation.count(); ++k) {
-    Eigen::VectorXd values(excitation.rows());
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      values[i] = excitation[k].at(excitation.t0() + static_cast<double>(i) * excitation.dt());
-    result.inputs.emplace_back(excitation.channel(k), std::move(values));
-  }
+  for (int k = 0; k < excitation.count(); ++k)
+    result.inputs.emplace_back(excitation.channel(k), excitation[k].samples());
   result.states = system.dynamics().names;
   for (int i = 0; i < system.degrees(); ++i) result.accelerations.push_back(system.model().channel('a', i));
   push<FreeRun>(L, std::move(result));

@@ -8,7 +8,8 @@ local function row(field)
   local notes = {}
   if field.required then notes[#notes + 1] = "required" end
   if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
-    notes[#notes + 1] = "default " .. tostring(field.default)
+    notes[#notes + 1] = "default " .. (type(field.default) == "number" and ("%g"):format(field.default)
+      or tostring(field.default))
   end
   if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
   return ("| `%s` | %s%s | %s |"):format(field.name, field.type.words,

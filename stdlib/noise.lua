@@ -77,7 +77,7 @@ define({
 local count, count_relative = size_fields("count", "value of one count", deviation)
 define({
   name = "poisson",
-  help = "Counting noise: values come in counts, whose number is random about its mean. The variance is count*|x|.",
+  help = "Counting noise: values come in counts, whose number is random about its mean. The variance is count*abs(x).",
   fields = { count, count_relative },
   example = [[lunid.noise.poisson { count = 1e-5 }]],
 }, function(given) return size_of(given, "poisson", "count") end)

@@ -27,6 +27,17 @@ local function true_run(where, model, force, from)
   return run
 end
 
+--- Channels that the protocol measures: "F", "y", "v", or "F1", "F2", "y1", "v1" ... of several coordinates.
+local function measured_channels(model)
+  local forces, motion, n = {}, {}, model.degrees
+  for i, input in ipairs(model.inputs) do forces[i] = input end
+  for i = 1, n do
+    local number = n > 1 and i or ""
+    motion[2 * i - 1], motion[2 * i] = "y" .. number, "v" .. number
+  end
+  return forces, motion
+end
+
 local function measured(given, frequency, number)
   local time = { dt = given.dt, duration = given.duration }
   local function with_time(fields)
@@ -39,10 +50,15 @@ local function measured(given, frequency, number)
       rms = given.force_noise * math.abs(given.amplitude) / math.sqrt(3), seed = given.seed + number - 1 }) } }
   end
   local run = true_run("thesis_record", given.system, force, given.from)
-  local record = run:record():with_noise { y = given.noise, v = given.noise,
-    seed = given.seed + number - 1 }
+  local channels, motion = measured_channels(given.system)
+  local noise = { seed = given.seed + number - 1 }
+  for _, channel in ipairs(motion) do
+    noise[channel] = given.noise
+    channels[#channels + 1] = channel
+  end
+  local record = run:record():with_noise(noise)
   local name = ("thesis, %g N at %g Hz"):format(given.amplitude, frequency)
-  return core.measured_motion(record, { "F", "y", "v" }, name):window(given.trim, given.duration)
+  return core.measured_motion(record, channels, name):window(given.trim, given.duration)
 end
 
 local thesis_record = schema.define({
@@ -59,7 +75,7 @@ local thesis_record = schema.define({
     { "noise", types.number { min = 0 }, default = 0.05, help = "Gaussian noise of y and of v, over their own std" },
     { "trim", types.number { min = 0 }, default = 2, unit = "s", help = "cut off at the beginning" },
     dt_field, duration_field,
-    { "from", types.list(types.number(), 2), default = { 0, 0 }, help = "first state { y, v }" },
+    { "from", types.list(types.number(), 2), default = { 0, 0 }, help = "first state { y, v } or { y1, v1, y2, v2 ... }" },
     { "seed", types.integer { min = 0 }, help = "of the noise, one more for each frequency; else that of the run (--seed)" },
   },
   returns = "record",
@@ -75,10 +91,12 @@ local thesis_record = schema.define({
   return records
 end)
 
---- The state { y, v } of a record's first row.
-local function first_state(from)
+--- The motion of a record's first row.
+local function first_state(model, from)
   if getmetatable(from) ~= "lunid.record" then return from end
-  return { from:column "y"[1], from:column "v"[1] }
+  local _, motion = measured_channels(model)
+  for i, channel in ipairs(motion) do motion[i] = from:column(channel)[1] end
+  return motion
 end
 
 local thesis_validation = schema.define({
@@ -88,7 +106,7 @@ local thesis_validation = schema.define({
   fields = {
     { "system", model_type, required = true, help = "the truth" },
     { "from", types.either(types.is("record", "lunid.thesis_record"), types.list(types.number(), 2)), required = true,
-      help = "first state { y, v }, or the trimmed record whose first row it is" },
+      help = "first state { y, v ... }, or the trimmed record whose first row it is" },
     { "amplitude", types.number(), default = 75, unit = "N", help = "of each of the three sines" },
     { "frequency", types.number { above = 0 }, default = 30, unit = "Hz", help = "w is 2*pi times this" },
     { "quiet", types.number { min = 0 }, default = 2.2, unit = "s", help = "how long there is no force" },
@@ -100,7 +118,7 @@ local thesis_validation = schema.define({
   local t, w, sin = symbols.time, 2 * math.pi * given.frequency, symbols.sin
   local force = excitation.formula { dt = given.dt, duration = given.duration, force = symbols.where(symbols.less_equal(t,
     given.quiet), 0, given.amplitude * (sin(w*t) + sin(2*w*t) + sin(3*w*t))) }
-  local run = true_run("thesis_validation", given.system, force, first_state(given.from))
+  local run = true_run("thesis_validation", given.system, force, first_state(given.system, given.from))
   return run:record()
 end)
 

@@ -51,8 +51,8 @@ local simulate = schema.define({
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "what moves" },
     { "excitation", types.either(types.is("record", "lunid.read"), types.expression, types.table), required = true,
-      unit = "N", help = "a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table "
-        .. "of expressions by channel, such as { F1 = ..., yb = ... }" },
+      unit = "N", help = "a record or an excitation, whose channels drive the model, an expression of lunid.time (the "
+        .. "force), or a table of expressions by channel, such as { F1 = ..., yb = ... }" },
     { "from", types.either(types.choice { "record" }, types.list(types.number(), 2)),
       help = "first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, "
         .. "else rest" },

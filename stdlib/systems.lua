@@ -19,18 +19,19 @@ end
 local function mass(default) return { "mass", types.number { above = 0 }, default = default or 1, unit = "kg",
   help = "parameter m of the model, fixed" } end
 
---- Declares lunid.systems.<name>. build(p, given) returns the restoring force, and the mass where it is no constant; p
---- holds the fields as parameters.
+--- Declares lunid.systems.<name>. build(p, given) returns the restoring force, and the mass where it is no constant, or a
+--- whole model; p holds the fields as parameters.
 local function define(definition, build)
   local name = definition.name
   definition.name, definition.returns = "systems." .. name, "model"
-  table.insert(definition.fields, 1, mass(definition.mass))
+  if definition.mass ~= false then table.insert(definition.fields, 1, mass(definition.mass)) end
   systems[name] = schema.define(definition, function(given)
-    local p = { m = symbols.parameter { "m", given.mass, unit = "kg", fixed = true } }
+    local p = { m = given.mass and symbols.parameter { "m", given.mass, unit = "kg", fixed = true } }
     for _, field in ipairs(definition.fields) do
       if field.known then p[field.name] = symbols.parameter { field.name, given[field.name], unit = field.unit } end
     end
     local restoring, inertia = build(p, given)
+    if getmetatable(restoring) == "lunid.model" then return restoring end
     return models.model { mass = inertia or p.m, restoring = restoring }
   end)
 end
@@ -105,11 +106,50 @@ define({
   fields = {
     k, c,
     { "sign", types.choice { "usual", "printed" }, default = "usual",
-      help = "'printed': c*(1 - y^2)*v as in table 2.1, damped within |y| < 1 and unstable beyond" },
+      help = "'printed': c*(1 - y^2)*v as in table 2.1, damped within -1 < y < 1 and unstable beyond" },
   },
   example = [[local model = lunid.systems.van_der_pol { k = 1, c = 5 }]],
 }, function(p, given)
   return p.k*y + p.c*(given.sign == "usual" and y^2 - 1 or 1 - y^2)*v
+end)
+
+--- Parameters k1, k2 ... of a list, or of one number for all.
+local function series(name, value, count, unit, fixed)
+  local list = type(value) == "table" and value or {}
+  if #list > 0 and #list ~= count then
+    schema.fail("systems.chain: " .. name, ("expected %d, one for each mass, got %d"):format(count, #list))
+  end
+  local parameters = {}
+  for i = 1, count do
+    parameters[i] = symbols.parameter { name .. i, list[i] or value, unit = unit, fixed = fixed }
+  end
+  return parameters
+end
+
+local each = types.either(types.number(), types.list(types.number(), 1))
+
+define({
+  name = "chain",
+  mass = false,
+  help = "Masses in a row on springs and dashpots, the first one tied to the ground, one of the springs hardening "
+    .. "(appendix J and case 4). Coordinates are y1 y2 ..., forces F1 F2 ...",
+  fields = {
+    { "masses", types.list(types.number { above = 0 }, 2), default = { 1, 1 }, unit = "kg", help = "one for each coordinate" },
+    { "k", each, default = 2e4, unit = "N/m", help = "stiffness k1, k2 ... of each spring; one number for all" },
+    { "c", each, default = 10, unit = "N s/m", help = "damping c1, c2 ... of each dashpot; one number for all" },
+    known("cubic", 1e6, "N/m^3", "cubic stiffness of one spring"),
+    { "cubic_at", types.integer { min = 1 }, default = 1,
+      help = "which spring: 1 to the ground, 2 between the first two masses; chosen: the figure is lost" },
+  },
+  example = [[local model = lunid.systems.chain { masses = { 1, 2 }, cubic_at = 2 }]],
+}, function(p, given)
+  local n = #given.masses
+  if given.cubic_at > n then
+    schema.fail("systems.chain: cubic_at", ("expected 1 to %d, got %d"):format(n, given.cubic_at))
+  end
+  local k, c = series("k", given.k, n, "N/m"), series("c", given.c, n, "N s/m")
+  local function element(d, rate, i) return k[i]*d + c[i]*rate + (i == given.cubic_at and p.cubic*d^3 or 0) end
+  return models.chain { masses = series("m", given.masses, n, "kg", true), element = element, ends = "left" }
 end)
 
 define({
@@ -128,7 +168,7 @@ define({
     known("shaft", 2000, "N", "shaft friction at slip; chosen, as all of the soil: the measurements are not public",
       { above = 0 }),
     known("shaft_quake", 1e-3, "m", "movement at which the shaft slips", { above = 0 }),
-    known("shaft_damping", 0.2, "s/m", "Smith's J: the friction times 1 + J*|v|", { min = 0 }),
+    known("shaft_damping", 0.2, "s/m", "Smith's J: the friction times 1 + J*abs(v)", { min = 0 }),
     known("toe", 5000, "N", "resistance of the toe at yield", { above = 0 }),
     known("toe_quake", 2e-3, "m", "movement at which the toe yields", { above = 0 }),
     known("toe_damping", 0.2, "s/m", "Smith's J of the toe", { min = 0 }),

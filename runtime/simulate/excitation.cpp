@@ -111,6 +111,13 @@ std::vector<double> even_places(int substeps) {
   return places;
 }
 
+VectorXd at_samples(const TimeFunction& f, double t0, double dt, Index rows) {
+  const VectorXd time = VectorXd::NullaryExpr(rows, [&](Index i) { return t0 + dt * static_cast<double>(i); });
+  VectorXd out(rows);
+  f({time.data(), static_cast<std::size_t>(rows)}, {out.data(), static_cast<std::size_t>(rows)});
+  return out;
+}
+
 /// Six-point Lagrange on an even grid.
 double sextic(const VectorXd& f, double position) {
   const Index points = std::min<Index>(6, f.size());
@@ -159,7 +166,7 @@ struct Excitation::Source {
   double t0 = 0, dt = 1;
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
-  std::function<double(double)> function;
+  TimeFunction function;
   VectorXd rest;     ///< what the samples have beyond the function, interpolated; empty: nothing
   std::mutex mutex;  ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
@@ -198,24 +205,29 @@ Excitation::Excitation(double t0, double dt, std::span<const double> force, Inte
 }
 
 Excitation::Excitation(double t0, double dt, Index rows, std::function<double(double)> force)
+    : Excitation(t0, dt, rows,
+                 force ? TimeFunction([force](std::span<const double> t, std::span<double> out) {
+                   std::transform(t.begin(), t.end(), out.begin(), force);
+                 })
+                       : TimeFunction()) {}
+
+Excitation::Excitation(double t0, double dt, Index rows, TimeFunction force)
     : t0_(t0), dt_(dt), rows_(rows), interpolation_(Interpolation::cubic), source_(std::make_shared<Source>()) {
   check(t0, dt, rows_);
   if (!force) throw InputError("excitation: no function of time is given");
   source_->t0 = t0;
   source_->dt = dt;
   source_->interpolation = interpolation_;
-  source_->samples.resize(rows);
-  for (Index i = 0; i < rows; ++i) source_->samples[i] = force(t0 + dt * static_cast<double>(i));
+  source_->samples = at_samples(force, t0, dt, rows);
   check_finite(source_->samples);
   source_->function = std::move(force);
 }
 
 Excitation::Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation,
-                       std::function<double(double)> formula)
+                       TimeFunction formula)
     : Excitation(t0, dt, force, interpolation) {
   if (!formula) return;
-  VectorXd rest = source_->samples;
-  for (Index i = 0; i < rows_; ++i) rest[i] -= formula(t0 + dt * static_cast<double>(i));
+  VectorXd rest = source_->samples - at_samples(formula, t0, dt, rows_);
   check_finite(rest);
   // A jump at a sample would need two values of the formula's other parts there: it becomes a ramp of one interval.
   source_->interpolation = interpolation == Interpolation::hold ? Interpolation::linear : interpolation;
@@ -228,7 +240,11 @@ bool Excitation::analytic() const { return source_ && source_->function && sourc
 
 double Excitation::at(double t) const {
   const double last = static_cast<double>(rows_ - 1);
-  const double exact = source_->function ? source_->function(std::clamp(t, t0_, t0_ + last * dt_)) : 0;
+  double exact = 0;
+  if (source_->function) {
+    const double within = std::clamp(t, t0_, t0_ + last * dt_);
+    source_->function({&within, 1}, {&exact, 1});
+  }
   const VectorXd& f = source_->interpolated();
   if (f.size() == 0) return exact;
   const double position = static_cast<double>(first_) + std::clamp((t - t0_) / dt_, 0.0, last);
@@ -251,9 +267,13 @@ VectorXd Excitation::Source::refine(std::span<const double> places) const {
   VectorXd out = f.size() ? interpolate(f, places, interpolation) : VectorXd::Zero((rows - 1) * count + 1);
   for (Index row = 0; row < rows; ++row) out[row * count] = samples[row];
   if (!function) return out;
-  for (Index row = 0; row + 1 < rows; ++row)
-    for (Index i = 1; i < count; ++i)
-      out[row * count + i] += function(t0 + dt * (static_cast<double>(row) + places[i]));
+  VectorXd time(rows - 1), exact(rows - 1);
+  for (Index i = 1; i < count; ++i) {
+    for (Index row = 0; row + 1 < rows; ++row) time[row] = t0 + dt * (static_cast<double>(row) + places[i]);
+    function({time.data(), static_cast<std::size_t>(time.size())},
+             {exact.data(), static_cast<std::size_t>(exact.size())});
+    for (Index row = 0; row + 1 < rows; ++row) out[row * count + i] += exact[row];
+  }
   return out;
 }
 
@@ -282,6 +302,8 @@ const VectorXd& Excitation::Source::stage_grid(int substeps) {
   return entry;
 }
 
+VectorXd Excitation::samples() const { return source_->samples.segment(first_, rows_); }
+
 double Excitation::peak() const { return source_->samples.segment(first_, rows_).cwiseAbs().maxCoeff(); }
 
 VectorXd Excitation::refined(int substeps) const {
@@ -307,16 +329,24 @@ Excitation Excitation::part(Index first, Index count) const {
   return cut;
 }
 
-std::function<double(double)> function_of_time(Expr formula) {
-  const Expr inputs[] = {formula.pool().channel("t")};
-  const Tape tape(std::span<const Expr>(&formula, 1), inputs);
-  return [tape](double t) {
-    constexpr int few = 64;
-    double small[few];
-    std::vector<double> large(tape.registers() > few ? static_cast<std::size_t>(tape.registers()) : 0);
-    double value = 0;
-    tape.run_point(&t, &value, large.empty() ? small : large.data());
-    return value;
+TimeFunction function_of_time(Expr formula) {
+  // Compiling adds nodes to the pool (the switching functions); members of an ensemble may come here side by side.
+  static std::mutex compiling;
+  Tape tape;
+  {
+    const std::lock_guard lock(compiling);
+    const Expr inputs[] = {formula.pool().channel("t")};
+    tape = Tape(std::span<const Expr>(&formula, 1), inputs);
+  }
+  return [tape](std::span<const double> t, std::span<double> out) {
+    if (t.size() == 1) {  // a column run works on whole blocks
+      std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+      return tape.run_point(t.data(), out.data(), scratch.data());
+    }
+    const double* in[] = {t.data()};
+    const int stride[] = {1};
+    double* columns[] = {out.data()};
+    tape.run_columns(in, stride, t.size(), columns);
   };
 }
 

@@ -17,6 +17,9 @@ namespace lunid {
 
 std::string to_string(Interpolation);
 
+/// f(t) at many times at once; `out` is as long as `t`. Called by several threads at a time.
+using TimeFunction = std::function<void(std::span<const double> t, std::span<double> out)>;
+
 /// A force on an even time base, ready for integration: values on a refined grid of the samples. A value type; copies
 /// share their samples and the refined grids made so far (thread-safe).
 class Excitation {
@@ -26,11 +29,11 @@ class Excitation {
   Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation = Interpolation::linear);
   /// F = f(t) sampled at t0 + i*dt for `rows` rows (an analytic force is evaluated exactly between samples). The same
   /// errors.
+  Excitation(double t0, double dt, Eigen::Index rows, TimeFunction force);
   Excitation(double t0, double dt, Eigen::Index rows, std::function<double(double)> force);
   /// F = f(t) plus what the samples have beyond it, which is interpolated (held values as straight lines). The same
   /// errors.
-  Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation,
-             std::function<double(double)> formula);
+  Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation, TimeFunction formula);
 
   Eigen::Index rows() const { return rows_; }
   double t0() const { return t0_; }
@@ -40,6 +43,7 @@ class Excitation {
   bool analytic() const;      ///< known by a formula alone
   double at(double t) const;  ///< F(t); constant beyond the ends
   double peak() const;        ///< largest |F| on the samples
+  Eigen::VectorXd samples() const;
   /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
   /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1. With `hold`, an entry on a sample is
   /// the value from there on. Throws InputError when substeps < 1.
@@ -59,11 +63,11 @@ class Excitation {
 };
 
 /// The force of a record's channel: its formula where it has one, and its own interpolation where none is given.
-/// Changes the pool of a formula; call it on the pool's thread. Throws InputError as Record and Excitation do.
+/// Adds nodes to the pool of a formula, one call at a time. Throws InputError as Record and Excitation do.
 Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation = {},
                          std::string_view channel = "F");
-/// f(t) of an expression of the time alone, safe for threads. Throws InputError naming another symbol.
-std::function<double(double)> function_of_time(Expr formula);
+/// f(t) of an expression of the time alone. Throws InputError naming another symbol.
+TimeFunction function_of_time(Expr formula);
 
 /// What drives a model: an excitation for each input channel, all on one time base. An input that none is given for is
 /// zero. Made from one excitation it is the force: F, or that of the first driven coordinate.
@@ -93,13 +97,13 @@ class Excitations {
   std::vector<Excitation> signals_;
 };
 
+/// The channels of a record that drive the system, each as excitation_of gives it. Throws InputError naming the channel
+/// that it lacks: the forces may be absent where others drive, but not all inputs.
+Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation = {});
+
 /// automatic and fixed are ours; the rest is SUNDIALS': CVODE's BDF and Adams, ARKODE's explicit Runge-Kutta pairs 3(2)
 /// (Bogacki & Shampine), 5(4) (Dormand & Prince) and 8(7) (Fehlberg), and its L-stable ESDIRK5(4)7L[2]SA (Kennedy &
 /// Carpenter 2019).
-/// The channels of a record that drive the system. Throws InputError naming the channel that it lacks: the forces may
-/// be absent where others drive, but not all inputs.
-Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation = {});
-
 enum class Solver { automatic, fixed, bdf, adams, rk23, rk45, rk78, esdirk };
 std::string to_string(Solver);
 /// All of them, in that order.

@@ -495,7 +495,7 @@ function lunid.noise.coloured(fields) end
 ---@return lunid.noise
 function lunid.noise.multiplicative(fields) end
 
----Counting noise: values come in counts, whose number is random about its mean. The variance is count*|x|.
+---Counting noise: values come in counts, whose number is random about its mean. The variance is count*abs(x).
 ---@class lunid.noise.poisson.fields
 ---@field count? number # value of one count, in the channel's unit
 ---@field relative? number # the same as a part of the channel's standard deviation
@@ -605,10 +605,21 @@ function lunid.systems.harsh_yield(fields) end
 ---@field mass? number # parameter m of the model, fixed
 ---@field k? number # linear stiffness (case 1)
 ---@field c? number # viscous damping
----@field sign? "usual"|"printed" # 'printed': c*(1 - y^2)*v as in table 2.1, damped within |y| < 1 and unstable beyond
+---@field sign? "usual"|"printed" # 'printed': c*(1 - y^2)*v as in table 2.1, damped within -1 < y < 1 and unstable beyond
 ---@param fields lunid.systems.van_der_pol.fields
 ---@return lunid.model
 function lunid.systems.van_der_pol(fields) end
+
+---Masses in a row on springs and dashpots, the first one tied to the ground, one of the springs hardening (appendix J and case 4). Coordinates are y1 y2 ..., forces F1 F2 ...
+---@class lunid.systems.chain.fields
+---@field masses? table # one for each coordinate
+---@field k? number # stiffness k1, k2 ... of each spring; one number for all
+---@field c? number # damping c1, c2 ... of each dashpot; one number for all
+---@field cubic? number # cubic stiffness of one spring
+---@field cubic_at? integer # which spring: 1 to the ground, 2 between the first two masses; chosen: the figure is lost
+---@param fields lunid.systems.chain.fields
+---@return lunid.model
+function lunid.systems.chain(fields) end
 
 ---A mass that depends on the velocity (section 2.7): (m + A*v)*a + k*y + c*v = F.
 ---@class lunid.systems.velocity_mass.fields
@@ -625,7 +636,7 @@ function lunid.systems.velocity_mass(fields) end
 ---@field mass? number # parameter m of the model, fixed
 ---@field shaft? number # shaft friction at slip; chosen, as all of the soil: the measurements are not public
 ---@field shaft_quake? number # movement at which the shaft slips
----@field shaft_damping? number # Smith's J: the friction times 1 + J*|v|
+---@field shaft_damping? number # Smith's J: the friction times 1 + J*abs(v)
 ---@field toe? number # resistance of the toe at yield
 ---@field toe_quake? number # movement at which the toe yields
 ---@field toe_damping? number # Smith's J of the toe
@@ -746,7 +757,7 @@ function lunid.table(fields) end
 ---@field trim? number # cut off at the beginning
 ---@field dt? number # sample time
 ---@field duration? number # from t = 0, before the trimming
----@field from? table # first state { y, v }
+---@field from? table # first state { y, v } or { y1, v1, y2, v2 ... }
 ---@field seed? integer # of the noise, one more for each frequency; else that of the run (--seed)
 ---@param fields lunid.thesis_record.fields
 ---@return lunid.record
@@ -755,7 +766,7 @@ function lunid.thesis_record(fields) end
 ---The thesis' validation record, without noise. No force up to 2.2 s, then amplitude*(sin(w*t) + sin(2*w*t) + sin(3*w*t)).
 ---@class lunid.thesis_validation.fields
 ---@field system any # the truth
----@field from any # first state { y, v }, or the trimmed record whose first row it is
+---@field from any # first state { y, v ... }, or the trimmed record whose first row it is
 ---@field amplitude? number # of each of the three sines
 ---@field frequency? number # w is 2*pi times this
 ---@field quiet? number # how long there is no force

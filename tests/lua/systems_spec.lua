@@ -4,6 +4,8 @@ local spec = require "spec"
 
 local pi, systems = math.pi, lunid.systems
 
+local function refused(text, body) spec.equal(spec.message_of(body), text) end
+
 --- The classical Runge-Kutta method for y'' = acceleration(y, v, t), steps of h; y and v at the end.
 local function by_hand(acceleration, y, v, duration, h)
   for i = 0, math.floor(duration / h + 0.5) - 1 do
@@ -96,6 +98,40 @@ spec.case("the pile, against a return mapping in small steps", function()
   assert(run:column("y"):max() > 2e-3, "the toe never yields")
 end)
 
+spec.case("the chain of two masses, against the implicit midpoint rule in small steps", function()
+  -- appendix J: m1 a1 + (c1 + c2) v1 - c2 v2 + (k1 + k2) y1 - k2 y2 + k3 y1^3 = F1; the same for the second mass
+  local m1, m2, k1, k2, c1, c2, cubic = 1, 2, 2e4, 3e4, 10, 5, 1e6
+  local model = systems.chain { masses = { m1, m2 }, k = { k1, k2 }, c = { c1, c2 }, cubic = cubic }
+  local F = lunid.excitation.harmonic { amplitude = 500, frequency = 20, dt = 0.00125, duration = 0.5 }
+  local run = lunid.simulate { model = model, excitation = F, from = { 0.01, 0, 0, 0 }, solver = "fixed", substeps = 8 }
+  local y1, v1, y2, v2, h = 0.01, 0, 0, 0, 1e-5
+  for i = 0, 49999 do  -- solved by iteration
+    local force, d1, d2, w1, w2 = 500*math.cos(2*pi*20*(i + 0.5)*h), v1, v2, 0, 0
+    for _ = 1, 4 do
+      local p1, p2, q1, q2 = y1 + h/2*d1, y2 + h/2*d2, v1 + h/2*w1, v2 + h/2*w2
+      w1 = (force - (k1 + k2)*p1 + k2*p2 - (c1 + c2)*q1 + c2*q2 - cubic*p1^3)/m1
+      w2 = (k2*p1 - k2*p2 + c2*q1 - c2*q2)/m2
+      d1, d2 = q1, q2
+    end
+    y1, v1, y2, v2 = y1 + h*d1, v1 + h*w1, y2 + h*d2, v2 + h*w2
+  end
+  local tolerance = 2e-5 * run:column("y1"):std()  -- (w h)^2/12 of the phase, over the time
+  spec.near(run:column "y1"[401], y1, 20 * tolerance)
+  spec.near(run:column "y2"[401], y2, 20 * tolerance)
+  spec.equal(model.parameters.k2.value, 3e4)
+  spec.equal(model.parameters.m2.fixed, true)
+end)
+
+spec.case("the chain through the protocol", function()
+  local train = lunid.thesis_record { system = systems.chain {}, frequency = 20, seed = 1 }
+  spec.equal(tostring(train), "record thesis, 2000 N at 20 Hz: 2401 rows, 3 s at 800 Hz; channels F1 F2 y1 v1 y2 v2 a1* a2*")
+  local test = lunid.thesis_validation { system = systems.chain {}, from = train }
+  spec.equal(test:column "y2"[1], train:column "y2"[1])
+  spec.equal(test:column("F2"):max(), 0.0)
+  refused("systems.chain: cubic_at: expected 1 to 2, got 3", function() systems.chain { cubic_at = 3 } end)
+  refused("systems.chain: k: expected 2, one for each mass, got 3", function() systems.chain { k = { 1, 2, 3 } } end)
+end)
+
 spec.case("every system has known parameters with units, and runs through the protocol", function()
   for _, name in ipairs { "linear", "duffing", "softening_duffing", "modified_duffing", "tanh_yield", "harsh_yield",
     "van_der_pol", "velocity_mass" } do
@@ -177,8 +213,6 @@ spec.case("the validation record: quiet up to 2.2 s, then three sines, from the 
   spec.near(test:column "y"[1601], y, 1e-8)
   spec.near(test:column "v"[1601], v, 1e-6)
 end)
-
-local function refused(text, body) spec.equal(spec.message_of(body), text) end
 
 spec.case("messages", function()
   refused("lunid.systems has no 'dufing', did you mean 'duffing'?", function() return systems.dufing end)
