@@ -53,17 +53,15 @@ struct Four {
   LUNID_INLINE static Quad choose(const Bits& first, const Quad& a, const Quad& b) { return first ? a : b; }
 };
 
-/// dst = sin(x + turn * pi/2), four at once; rows out of reach one by one.
+/// dst = sin(x + turn * pi/2), four at once where all are within reach.
 LUNID_INLINE void sines(std::size_t count, double* dst, const double* x, int turn) {
-  for (std::size_t i = 0; i < count; i += 4) {
-    const Quad value = quad(x + i), size = value < 0.0 ? -value : value;
-    const Four::Bits within = size <= wave::sine_reach;
-    if (within[0] & within[1] & within[2] & within[3]) {
-      quad(dst + i) = wave::reduced_sine<Four>(value, turn);
-      continue;
-    }
-    for (std::size_t j = i; j < i + 4; ++j) dst[j] = turn ? wave::cos(x[j]) : wave::sin(x[j]);
-  }
+  Four::Bits within = quad(x) == quad(x);
+  for (std::size_t i = 0; i < count; i += 4)
+    within &= (quad(x + i) <= wave::sine_reach) & (quad(x + i) >= -wave::sine_reach);
+  if (within[0] & within[1] & within[2] & within[3])
+    for (std::size_t i = 0; i < count; i += 4) quad(dst + i) = wave::reduced_sine<Four>(quad(x + i), turn);
+  else
+    for (std::size_t i = 0; i < count; ++i) dst[i] = turn ? wave::cos(x[i]) : wave::sin(x[i]);
 }
 
 /// True when operand d is a value.

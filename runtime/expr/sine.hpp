@@ -36,22 +36,17 @@ __attribute__((always_inline)) inline typename Pack::Number reduced_sine(typenam
   const T first = x - k * part1, second = k * part2, high = first - second;
   const T low = ((first - high) - second) - k * part3;
   const T r = high + low, rest = (high - r) + low;
-  const T z = r * r, half = z * 0.5;
-  const T s = ((((1.591810123027412e-10 * z - 2.5051131455427946e-08) * z + 2.755731610068303e-06) * z -
-                0.0001984126983675497) *
-                   z +
-               0.008333333333330946) *
-                  z -
-              0.16666666666666666;
+  const T z = r * r, half = z * 0.5, w = z * z;
+  // in pairs of coefficients: short chains of operations
+  const T s =
+      (0.008333333333330946 * z - 0.16666666666666666) + w * ((2.755731610068303e-06 * z - 0.0001984126983675497) +
+                                                              w * (1.591810123027412e-10 * z - 2.5051131455427946e-08));
   const T sine = r + (r * z * s + (rest - rest * half));
-  const T c = ((((-1.1382614868556325e-11 * z + 2.0876146024689747e-09) * z - 2.7557317270560326e-07) * z +
-                2.4801587298763433e-05) *
-                   z -
-               0.0013888888888887395) *
-                  z +
-              0.041666666666666664;
+  const T c = (0.041666666666666664 - 0.0013888888888887395 * z) +
+              w * ((2.4801587298763433e-05 - 2.7557317270560326e-07 * z) +
+                   w * (2.0876146024689747e-09 - 1.1382614868556325e-11 * z));
   const T base = 1.0 - half;
-  const T cosine = base + (((1.0 - base) - half) + (z * z * c - r * rest));
+  const T cosine = base + (((1.0 - base) - half) + (w * c - r * rest));
   const T value = Pack::choose((quarter & 1) != 0, cosine, sine);
   return Pack::as_number(Pack::as_bits(value) ^ ((quarter & 2) << 62));
 }
