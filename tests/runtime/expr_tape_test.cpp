@@ -183,6 +183,23 @@ TEST_F(TapeTest, sines_of_lanes_have_the_bits_of_points_also_out_of_reach) {
   }
 }
 
+TEST_F(TapeTest, outputs_that_are_inputs_may_be_left_out) {
+  const Expr outputs[] = {inputs[1], inputs[0] + inputs[1], inputs[3]};
+  const Tape tape(outputs, inputs);
+  EXPECT_EQ(tape.copy_of(0), 1);
+  EXPECT_EQ(tape.copy_of(1), -1);
+  EXPECT_EQ(tape.copy_of(2), 3);
+  constexpr int lanes = Tape::lane_group;
+  std::vector<double> memory(static_cast<std::size_t>(lanes * tape.registers()), 17);
+  std::vector<double*> place;
+  for (int r = 0; r < tape.registers(); ++r) place.push_back(memory.data() + lanes * r);
+  tape.prepare_lanes(place.data(), lanes);
+  tape.run_lanes_without_copies(place.data(), lanes);
+  place[1][2] = 18;
+  for (const int output : {0, 2}) EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place() + output)][2], 17);
+  EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place() + 1)][2], 34);
+}
+
 TEST_F(TapeTest, knows_which_inputs_it_reads) {
   const Expr output[] = {inputs[0] * 2.0 + inputs[3]};
   const Tape tape(output, inputs);
