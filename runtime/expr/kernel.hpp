@@ -7,6 +7,7 @@
 
 #include "expr/branch.hpp"
 #include "expr/program.hpp"
+#include "expr/sine.hpp"
 
 /// Compiled for wider vectors too; those of the machine are chosen when the program starts.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
@@ -43,6 +44,26 @@ LUNID_INLINE void rows(std::size_t count, double* dst, F f) {
   for (std::size_t i = 0; i < count; ++i) dst[i] = f(i);
 }
 
+/// Four numbers and their bits, for functions of the language.
+struct Four {
+  using Number = Quad;
+  typedef std::int64_t Bits __attribute__((vector_size(4 * sizeof(double))));
+  LUNID_INLINE static Bits as_bits(const Quad& x) { return reinterpret_cast<const Bits&>(x); }
+  LUNID_INLINE static Quad as_number(const Bits& x) { return reinterpret_cast<const Quad&>(x); }
+  LUNID_INLINE static Quad choose(const Bits& first, const Quad& a, const Quad& b) { return first ? a : b; }
+};
+
+/// dst = sin(x + turn * pi/2), four at once where all are within reach.
+LUNID_INLINE void sines(std::size_t count, double* dst, const double* x, int turn) {
+  Four::Bits within = quad(x) == quad(x);
+  for (std::size_t i = 0; i < count; i += 4)
+    within &= (quad(x + i) <= wave::sine_reach) & (quad(x + i) >= -wave::sine_reach);
+  if (within[0] & within[1] & within[2] & within[3])
+    for (std::size_t i = 0; i < count; i += 4) quad(dst + i) = wave::reduced_sine<Four>(quad(x + i), turn);
+  else
+    for (std::size_t i = 0; i < count; ++i) dst[i] = turn ? wave::cos(x[i]) : wave::sin(x[i]);
+}
+
 /// True when operand d is a value.
 LUNID_INLINE bool has_four(Code code) {
   return code == Code::mul_add_mul || code == Code::mul_sub_mul || code == Code::sub_sum;
@@ -76,6 +97,8 @@ LUNID_INLINE void run(std::size_t count, const Instruction& at, double* dst, con
     case Code::mul_sub_mul: LUNID_FOURS(A * B - C * D);
     case Code::sub_sum: LUNID_FOURS(D - (A * B + C));
     case Code::call: {
+      if (at.d == static_cast<std::uint32_t>(Op::sin)) return sines(count, dst, a, 0);
+      if (at.d == static_cast<std::uint32_t>(Op::cos)) return sines(count, dst, a, 1);
       const auto value = row_of(static_cast<Op>(at.d)).value;
       for (std::size_t i = 0; i < count; ++i) dst[i] = value(a[i], b[i], c[i]);
       return;

@@ -24,6 +24,21 @@ void Tape::run_lanes(double* const* place, int lanes) const noexcept {
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 
+void Tape::run_lanes_without_copies(double* const* place, int lanes) const noexcept {
+  execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place);
+  for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
+}
+
+int Tape::copy_of(int output) const {
+  const auto is_copy = [&](const Instruction& at) {
+    return at.code == Code::copy && at.a < program_->layout.inputs &&
+           static_cast<int>(at.dst) == output_place() + output;
+  };
+  const auto& code = program_->values.instructions;
+  const auto at = std::find_if(code.begin(), code.end(), is_copy);
+  return at == code.end() ? -1 : static_cast<int>(at->a);
+}
+
 bool Tape::reads(int input) const {
   const auto reads_input = [&](const Instruction& at) {
     const Value operands{at.code, at.a, at.b, at.c, at.d};

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "expr/derivative.hpp"
+#include "expr/sine.hpp"
 
 namespace lunid {
 namespace {
@@ -82,8 +83,8 @@ const std::array rows = {
         {bind::power, "$06^$14"}, {bind::power, "$06^{$10}"}, {bind::atom, "pow($00, $10)"}, {bind::power, "$06^$14"}},
   OpRow{Op::neg, "-", 1, O, VALUE(-a), SLOPE(negative(d[0])),
         {bind::unary, "-$04"}, {bind::unary, "-$05"}, {bind::unary, "-$04"}, {bind::unary, "-$04"}},
-  function_row(Op::sin, "sin", VALUE(std::sin(a)), SLOPE(times(call(Op::cos, x[0]), d[0]))),
-  function_row(Op::cos, "cos", VALUE(std::cos(a)), SLOPE(times(negative(call(Op::sin, x[0])), d[0]))),
+  function_row(Op::sin, "sin", VALUE(wave::sin(a)), SLOPE(times(call(Op::cos, x[0]), d[0]))),
+  function_row(Op::cos, "cos", VALUE(wave::cos(a)), SLOPE(times(negative(call(Op::sin, x[0])), d[0]))),
   function_row(Op::tan, "tan", VALUE(std::tan(a)), SLOPE(times(plus(one(f), square(f)), d[0]))),
   function_row(Op::asin, "asin", VALUE(std::asin(a)), SLOPE(over(d[0], call(Op::sqrt, minus(one(f), square(x[0]))))),
                {bind::power, "\\arcsin\\left($00\\right)"}),

@@ -113,6 +113,7 @@ struct Tape::Program {
   std::uint32_t outputs = 0;
   std::uint32_t registers = 0;
   Assembly values;    // the outputs
+  Assembly computed;  // the outputs that are not inputs
   Assembly complete;  // the outputs, then every g
   Assembly switches;  // every g
 };

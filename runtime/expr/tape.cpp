@@ -18,6 +18,9 @@ Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
   std::vector<Result> all = results;
   all.insert(all.end(), switches.begin(), switches.end());
   program->values = assemble(values, program->layout, results);
+  program->computed = program->values;
+  std::erase_if(program->computed.instructions,
+                [&](const Instruction& at) { return at.code == Code::copy && at.a < program->layout.inputs; });
   program->complete = assemble(values, program->layout, all);
   program->switches = assemble(values, program->layout, switches);
   program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers});

@@ -53,13 +53,16 @@ class Tape {
   int switch_place() const;
 
   /// Runs of points side by side, in lanes: place[i] is the first lane of register i (registers() of them). The caller
-  /// keeps inputs (registers 0 on), outputs (output_place() on) and the rest where it likes, on 64-byte lines for speed,
-  /// and may move inputs and outputs between runs. `lanes` is a multiple of lane_group; more of them share the cost of
-  /// an instruction. Each lane gets the bits of run_prepared on it alone. No allocation, no throw.
+  /// keeps inputs (registers 0 on), outputs (output_place() on) and the rest where it likes, on 64-byte lines for
+  /// speed, and may move inputs and outputs between runs. `lanes` is a multiple of lane_group; more of them share the
+  /// cost of an instruction. Each lane gets the bits of run_prepared on it alone. No allocation, no throw.
   static constexpr int lane_group = 8;
   void prepare_lanes(double* const* place, int lanes) const noexcept;  ///< once: constants
   void run_lanes(double* const* place, int lanes) const noexcept;
-  bool reads(int input) const;  ///< some output depends on this input
+  /// The same without writing outputs that are inputs (copy_of), which the caller has already.
+  void run_lanes_without_copies(double* const* place, int lanes) const noexcept;
+  int copy_of(int output) const;  ///< the input that an output is, or -1
+  bool reads(int input) const;    ///< some output depends on this input
 
   /// Column run, in blocks: in[i] points to `rows` values of input i (or to one value when stride[i] == 0);
   /// out[j] receives `rows` values. Same bits as run_point on each row. Allocates only its scratch.

@@ -31,8 +31,9 @@ struct Stepper {
   double** place;     ///< of the registers of the tape
   double **state_place, **rate_place;
   double** force_place;
-  double *x, *at, *k;         ///< states, those of a stage; rates of the stages, one after another
-  const double *t0, *dt, *h;  ///< of each lane
+  double* states[dp::stages];  ///< at each stage; the first are those of the run
+  double** rates;              ///< of state i at stage S: rates[S * n + i]. That of y is v at the stage, in its place
+  const double *t0, *dt, *h;   ///< of each lane
 };
 
 /// The exogenous inputs at a node of the stage grid, at `part` of the row's interval.
@@ -55,9 +56,10 @@ LUNID_INLINE void load_inputs(const Stepper& s, Index node, double part) {
   }
 }
 
-/// k = x' at the states x and the inputs that are loaded; time is that of step `step` and `part` steps more.
+/// The rates at stage S, at its states and the inputs that are loaded; time is that of step `step` and `part` steps
+/// more.
 template <int N>
-LUNID_INLINE void rate(const Stepper& s, double step, double part, double* x, double* k) {
+LUNID_INLINE void rate(const Stepper& s, double step, double part, int stage) {
   if (s.timed) {
     double* time = s.place[0];
     for (int l = 0; l < s.width; l += 4) {
@@ -67,29 +69,33 @@ LUNID_INLINE void rate(const Stepper& s, double step, double part, double* x, do
   }
   const int n = N > 0 ? N : s.n;
   for (int i = 0; i < n; ++i) {
-    s.state_place[i] = x + s.width * i;
-    s.rate_place[i] = k + s.width * i;
+    s.state_place[i] = s.states[stage] + s.width * i;
+    s.rate_place[i] = s.rates[stage * n + i];
   }
-  s.tape->run_lanes(s.place, s.width);
+  s.tape->run_lanes_without_copies(s.place, s.width);
 }
 
 /// out = x + h * (weights of stage S) . k, in the order of dormand_prince::stage_state.
 template <int S, int N>
 LUNID_INLINE void stage_state(const Stepper& s, double* out) {
   using dp::weight;
-  const int n = N > 0 ? N : s.n, size = s.width * n;
-  for (int i = 0; i < n; ++i)
+  const int n = N > 0 ? N : s.n;
+  for (int i = 0; i < n; ++i) {
+    const double* const* k = s.rates + i;
+    const double *const k0 = k[0], *const k1 = k[n], *const k2 = k[2 * n], *const k3 = k[3 * n], *const k4 = k[4 * n],
+                        *const k5 = k[5 * n];
+    const double* const x = s.states[0] + s.width * i;
+    double* const to = out + s.width * i;
     for (int l = 0; l < s.width; l += 4) {
-      const int at = s.width * i + l;
-      const double* k = s.k + at;
-      auto sum = weight[S][0] * quad(k);
-      if constexpr (S > 1 && weight[S][1] != 0) sum = sum + weight[S][1] * quad(k + size);
-      if constexpr (S > 2) sum = sum + weight[S][2] * quad(k + 2 * size);
-      if constexpr (S > 3) sum = sum + weight[S][3] * quad(k + 3 * size);
-      if constexpr (S > 4) sum = sum + weight[S][4] * quad(k + 4 * size);
-      if constexpr (S > 5) sum = sum + weight[S][5] * quad(k + 5 * size);
-      quad(out + at) = quad(s.x + at) + quad(s.h + l) * sum;
+      auto sum = weight[S][0] * quad(k0 + l);
+      if constexpr (S > 1 && weight[S][1] != 0) sum = sum + weight[S][1] * quad(k1 + l);
+      if constexpr (S > 2) sum = sum + weight[S][2] * quad(k2 + l);
+      if constexpr (S > 3) sum = sum + weight[S][3] * quad(k3 + l);
+      if constexpr (S > 4) sum = sum + weight[S][4] * quad(k4 + l);
+      if constexpr (S > 5) sum = sum + weight[S][5] * quad(k5 + l);
+      quad(to + l) = quad(x + l) + quad(s.h + l) * sum;
     }
+  }
 }
 
 /// One substep of all lanes; the rates at its start stand in k, and afterwards those at its end.
@@ -97,22 +103,21 @@ template <int N>
 LUNID_INLINE void substep(const Stepper& s, Index row, int j, int substeps, bool hold) {
   const Index step = row * substeps + j, node = dp::nodes * step;
   const double at = static_cast<double>(step), first = static_cast<double>(row);
-  const int size = s.width * (N > 0 ? N : s.n);
   const auto stage = [&]<int S>() __attribute__((always_inline)) {
-    stage_state<S, N>(s, s.at);
+    stage_state<S, N>(s, s.states[S]);
     load_inputs(s, node + S, first + (j + dp::place[S]) / substeps);
-    rate<N>(s, at, dp::place[S], s.at, s.k + S * size);
+    rate<N>(s, at, dp::place[S], S);
   };
   stage.template operator()<1>();
   stage.template operator()<2>();
   stage.template operator()<3>();
   stage.template operator()<4>();
-  stage_state<5, N>(s, s.at);
+  stage_state<5, N>(s, s.states[5]);
   const double end = j + 1 < substeps ? first + static_cast<double>(j + 1) / substeps : static_cast<double>(row + 1);
   load_inputs(s, hold ? node + dp::nodes - 1 : node + dp::nodes, end);
-  rate<N>(s, at, 1, s.at, s.k + 5 * size);
-  stage_state<6, N>(s, s.x);
-  rate<N>(s, at, 1, s.x, s.k);
+  rate<N>(s, at, 1, 5);
+  stage_state<6, N>(s, s.states[0]);  // y before v, whose old value is the first rate of y
+  rate<N>(s, at, 1, 0);
 }
 
 // Each works on a copy of its stepper, which no store through a pointer can change.
@@ -130,7 +135,7 @@ LUNID_WIDE void substep_of_three(Stepper s, Index row, int j, int substeps, bool
 LUNID_WIDE void start(Stepper s, Index row, int substeps) {
   const Index step = row * substeps;
   load_inputs(s, dp::nodes * step, static_cast<double>(row));
-  rate<0>(s, static_cast<double>(step), 0, s.x, s.k);
+  rate<0>(s, static_cast<double>(step), 0, 0);
 }
 
 /// True when every lane is finite and within its bound.
@@ -173,6 +178,7 @@ class BundleRun {
 
  private:
   void place_registers();
+  double* rate_row(int stage, int i) const;
   void load_lane(int lane);
   void repeat_lane(int from, int to);
   bool keep_going(Index row, std::span<FixedOutcome> outcomes);
@@ -186,7 +192,8 @@ class BundleRun {
   const int n_, count_, width_;
   AlignedMemory memory_;
   std::vector<double*> place_, force_place_;
-  double *previous_, *t0_, *dt_, *h_, *bound_;
+  std::vector<double*> rates_;
+  double *k_, *previous_, *t0_, *dt_, *h_, *bound_;
   std::vector<char> alive_, bound_known_;
   std::vector<int> source_;
   Stepper s_{};
@@ -219,14 +226,17 @@ void BundleRun::place_registers() {
   place_.resize(static_cast<std::size_t>(std::max(d_.rate.registers(), d_.inputs()) + 1));
   if (s_.force) force_place_.resize(static_cast<std::size_t>(std::max(s_.force->registers(), s_.force->inputs()) + 1));
   memory_.resize(static_cast<std::size_t>(width_) *
-                 (place_.size() + force_place_.size() + static_cast<std::size_t>(9 * n_ + 4)));
+                 (place_.size() + force_place_.size() + static_cast<std::size_t>(13 * n_ + 4)));
   double* at = memory_.data();
   const auto take = [&](int values) { return std::exchange(at, at + width_ * values); };
   for (double*& place : place_) place = take(1);
   for (double*& place : force_place_) place = take(1);
-  s_.x = take(n_);
-  s_.at = take(n_);
-  s_.k = take(6 * n_);
+  for (double*& states : s_.states) states = take(n_);
+  k_ = take(6 * n_);
+  rates_.resize(static_cast<std::size_t>(dp::stages * n_));
+  for (int stage = 0; stage < dp::stages; ++stage)
+    for (int i = 0; i < n_; ++i) rates_[static_cast<std::size_t>(stage * n_ + i)] = rate_row(stage, i);
+  s_.rates = rates_.data();
   previous_ = take(n_);
   s_.t0 = t0_ = take(1);
   s_.dt = dt_ = take(1);
@@ -243,6 +253,14 @@ void BundleRun::place_registers() {
     force_place_[static_cast<std::size_t>(s_.force->output_place() + i)] = place_[static_cast<std::size_t>(1 + i)];
 }
 
+/// Where the rate of state i at a stage is kept: that of a displacement is a speed, which stands there already.
+double* BundleRun::rate_row(int stage, int i) const {
+  const int speed = d_.rate.copy_of(i) - 1 - d_.exogenous;
+  const bool displacement = i < 2 * d_.degrees && i % 2 == 0;
+  if (displacement && speed > i && speed < n_) return s_.states[stage] + width_ * speed;
+  return k_ + width_ * (stage * n_ + i);
+}
+
 /// Lanes that nobody needs repeat the last one.
 void BundleRun::load_lane(int l) {
   const auto from = static_cast<std::size_t>(std::min(l, count_ - 1));
@@ -253,7 +271,7 @@ void BundleRun::load_lane(int l) {
   h_[l] = lane.dt / lane.substeps;
   bound_[l] = lane.bound > 0 ? lane.bound : std::numeric_limits<double>::infinity();
   alive_[static_cast<std::size_t>(l)] = l < count_;
-  for (int i = 0; i < n_; ++i) s_.x[width_ * i + l] = problem_.x0[from][i];
+  for (int i = 0; i < n_; ++i) s_.states[0][width_ * i + l] = problem_.x0[from][i];
   for (int i = 0; i < d_.p; ++i) s_.place[d_.inputs() - d_.p + i][l] = lane.theta[static_cast<std::size_t>(i)];
   if (s_.force)
     for (int i = 1; i < s_.force->inputs(); ++i) s_.force_place[i][l] = problem_.q[from][i - 1];
@@ -265,8 +283,8 @@ void BundleRun::load_lane(int l) {
 void BundleRun::repeat_lane(int from, int to) {
   const auto copy = [&](double* row) { row[to] = row[from]; };
   for (int i = 0; i < n_; ++i) {
-    copy(s_.x + width_ * i);
-    copy(s_.k + width_ * i);
+    copy(s_.states[0] + width_ * i);
+    copy(k_ + width_ * i);
   }
   for (double* row : {t0_, dt_, h_, bound_}) copy(row);
   for (int i = 0; i < d_.p; ++i) copy(s_.place[d_.inputs() - d_.p + i]);
@@ -277,7 +295,7 @@ void BundleRun::repeat_lane(int from, int to) {
 
 bool BundleRun::beyond(int lane) const {
   for (int i = 0; i < d_.degrees; ++i)
-    if (std::abs(s_.x[width_ * 2 * i + lane]) > bound_[lane]) return true;
+    if (std::abs(s_.states[0][width_ * 2 * i + lane]) > bound_[lane]) return true;
   return false;
 }
 
@@ -294,12 +312,12 @@ bool BundleRun::passes_bound(int lane) {
 
 /// Lanes that exploded within the row's interval stop; false when none is left.
 bool BundleRun::keep_going(Index row, std::span<FixedOutcome> outcomes) {
-  if (all_sound(s_.x, n_, d_.degrees, width_, bound_)) return true;
+  if (all_sound(s_.states[0], n_, d_.degrees, width_, bound_)) return true;
   int sound = -1;
   for (int l = 0; l < count_; ++l) {
     if (!alive_[static_cast<std::size_t>(l)]) continue;
     double sum = 0;
-    for (int i = 0; i < n_; ++i) sum += s_.x[width_ * i + l] * 0.0;
+    for (int i = 0; i < n_; ++i) sum += s_.states[0][width_ * i + l] * 0.0;
     if (sum == 0 && !(beyond(l) && passes_bound(l)))
       sound = l;
     else
@@ -332,9 +350,9 @@ void BundleRun::run(LaneSink& sink, std::span<FixedOutcome> outcomes) {
   start(s_, 0, substeps);
   for (Index row = 0; row < first_.rows; ++row) {
     if (hold && row > 0) start(s_, row, substeps);
-    sink.row(row, s_.x, s_.k);
+    sink.row(row, s_.states[0], k_);
     if (row + 1 == first_.rows) break;
-    std::copy_n(s_.x, width_ * n_, previous_);
+    std::copy_n(s_.states[0], width_ * n_, previous_);
     for (int j = 0; j < substeps; ++j) step(s_, row, j, substeps, hold);
     if (!keep_going(row, outcomes)) break;
     if (row % cancel_rows == 0) check_cancelled(first_.cancelled);

@@ -9,7 +9,8 @@
 namespace lunid {
 
 /// Receives the rows of a bundle: value i of lane l at [i * width + l], width being the lanes in whole groups of
-/// Tape::lane_group. `f` is x'.
+/// Tape::lane_group. `f` is x', but for
+/// the rates of displacements, which are speeds and stand among the states.
 struct LaneSink {
   virtual ~LaneSink() = default;
   virtual void row(Eigen::Index row, const double* x, const double* f) = 0;

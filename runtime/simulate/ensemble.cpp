@@ -80,7 +80,10 @@ class Job {
   }
   void keep_values(const LaneSummaries& summaries, Index member, int lane, const FixedProblem& problem,
                    const FixedOutcome& outcome) {
-    if (outcome.stop != Stop::none) return stop(member, outcome.stopped_at, stop_cause(system_, problem, outcome));
+    if (outcome.stop != Stop::none) {
+      const std::string fault = force_fault(member, outcome.stopped_at);
+      return stop(member, outcome.stopped_at, fault.empty() ? stop_cause(system_, problem, outcome) : fault);
+    }
     for (Index j = 0; j < result_.values.cols(); ++j)
       result_.values(member, j) = summaries.value(static_cast<int>(j), lane);
   }
@@ -133,6 +136,25 @@ class Job {
     int width;
     LaneSummaries summaries;
   };
+
+  /// An expression without a finite value within the last interval before a stop, or "".
+  std::string force_fault(Index member, double stopped_at) const {
+    const MemberForce& force = ensemble_.force;
+    if (!force.is_expression()) return "";
+    const Tape& tape = force.tape();
+    std::vector<double> in(static_cast<std::size_t>(tape.inputs())), scratch(tape.registers() + 1);
+    std::vector<double> out(force.channels().size());
+    std::copy_n(force.q(member), in.size() - 1, in.begin() + 1);
+    constexpr int looks = 8;
+    for (int i = looks; i >= 0; --i) {
+      in[0] = stopped_at - force.dt(member) * i / looks;
+      tape.run_point(in.data(), out.data(), scratch.data());
+      for (std::size_t j = 0; j < out.size(); ++j)
+        if (!std::isfinite(out[j]))
+          return "the excitation " + force.channels()[j] + " has no finite value at t = " + number(in[0]) + " s";
+    }
+    return "";
+  }
 
   /// The bound of simulate(), of which the peaks of the inputs on their samples are a part; taken on some samples only
   /// (stride > 1) it is a lower one.

@@ -10,15 +10,18 @@ namespace {
 
 using kernel::quad;
 
-/// Sums are of the distance to the first value, so that a small motion far from zero keeps its digits.
-LUNID_WIDE void add_row(std::size_t width, const double* x, double* const* part) {
-  const auto [least, greatest, first, last, sum, squares] =
-      std::array{part[0], part[1], part[2], part[3], part[4], part[5]};
+LUNID_WIDE void add_extremes(std::size_t width, const double* x, double* least, double* greatest) {
   for (std::size_t l = 0; l < width; l += 4) {
-    const auto value = quad(x + l), from = value - quad(first + l);
+    const auto value = quad(x + l);
     quad(least + l) = value < quad(least + l) ? value : quad(least + l);
     quad(greatest + l) = value > quad(greatest + l) ? value : quad(greatest + l);
-    quad(last + l) = value;
+  }
+}
+
+/// Sums are of the distance to the first value, so that a small motion far from zero keeps its digits.
+LUNID_WIDE void add_sums(std::size_t width, const double* x, const double* first, double* sum, double* squares) {
+  for (std::size_t l = 0; l < width; l += 4) {
+    const auto from = quad(x + l) - quad(first + l);
     quad(sum + l) = quad(sum + l) + from;
     quad(squares + l) = quad(squares + l) + from * from;
   }
@@ -33,6 +36,14 @@ LaneSummaries::LaneSummaries(std::span<const EnsembleOutput> outputs, int width)
     const auto known = std::find_if(signals_.begin(), signals_.end(), same);
     signal_of_.push_back(static_cast<std::size_t>(known - signals_.begin()));
     if (known == signals_.end()) signals_.push_back({output.state, output.rate, output.signal});
+    Signal& signal = signals_[signal_of_.back()];
+    switch (output.summary) {
+      case Summary::max:
+      case Summary::min:
+      case Summary::amplitude: signal.extremes = true; break;
+      case Summary::last: signal.last = true; break;
+      default: signal.sums = true;
+    }
   }
   memory_.resize(parts * signals_.size() * width_);
 }
@@ -40,11 +51,11 @@ LaneSummaries::LaneSummaries(std::span<const EnsembleOutput> outputs, int width)
 void LaneSummaries::add(const double* x, const double* f) noexcept {
   for (std::size_t s = 0; s < signals_.size(); ++s) {
     const double* values = (signals_[s].rate ? f : x) + width_ * static_cast<std::size_t>(signals_[s].state);
-    double* const all[parts] = {part(s, least), part(s, greatest), part(s, first),
-                                part(s, last),  part(s, sum),      part(s, squares)};
     if (rows_ == 0)
-      for (const Part p : {least, greatest, first}) std::copy_n(values, width_, all[p]);
-    add_row(width_, values, all);
+      for (const Part p : {least, greatest, first}) std::copy_n(values, width_, part(s, p));
+    if (signals_[s].extremes) add_extremes(width_, values, part(s, least), part(s, greatest));
+    if (signals_[s].sums) add_sums(width_, values, part(s, first), part(s, sum), part(s, squares));
+    if (signals_[s].last) std::copy_n(values, width_, part(s, last));
   }
   ++rows_;
 }

@@ -19,6 +19,7 @@ class LaneSummaries {
     int state;
     bool rate;
     std::string name;
+    bool extremes = false, sums = false, last = false;  ///< what the outputs need
   };
   const std::vector<Signal>& signals() const { return signals_; }
 

@@ -18,6 +18,7 @@ struct Work {
 std::vector<Work> free_run_works();
 std::vector<Work> trajectory_fit_works();
 std::vector<Work> regression_works();
+std::vector<Work> ensemble_works();
 /// Whole processes: `lunid` is the executable.
 std::vector<Work> process_works(const std::string& lunid);
 

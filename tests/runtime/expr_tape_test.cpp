@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "expr/tape.hpp"
+
+#include "expr/sine.hpp"
 #include "expr_random.hpp"
 
 namespace lunid {
@@ -137,6 +139,65 @@ TEST_F(TapeTest, lanes_have_the_bits_of_points) {
       }
     }
   }
+}
+
+// The library's functions in extended precision are the witness.
+TEST_F(TapeTest, sine_and_cosine_are_within_a_unit_in_the_last_place) {
+  std::mt19937 noise(9);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto units = [](double value, long double exact) {
+    const double ulp =
+        std::nextafter(std::abs(static_cast<double>(exact)), INFINITY) - std::abs(static_cast<double>(exact));
+    return static_cast<double>(std::abs(static_cast<long double>(value) - exact)) / ulp;
+  };
+  for (const double reach : {0.7, 4.0, 100.0, 1e5})
+    for (int i = 0; i < 100000; ++i) {
+      const double x = reach * uniform(noise);
+      ASSERT_LT(units(wave::sin(x), std::sin(static_cast<long double>(x))), 0.95) << x;
+      ASSERT_LT(units(wave::cos(x), std::cos(static_cast<long double>(x))), 0.95) << x;
+    }
+  EXPECT_EQ(wave::cos(0.0), 1);
+  EXPECT_EQ(wave::sin(0.0), 0);
+  EXPECT_EQ(wave::sin(1e300), std::sin(1e300));
+  EXPECT_TRUE(std::isnan(wave::sin(INFINITY)));
+  EXPECT_TRUE(std::isnan(wave::cos(std::nan(""))));
+}
+
+TEST_F(TapeTest, sines_of_lanes_have_the_bits_of_points_also_out_of_reach) {
+  const Expr outputs[] = {pool.apply(Op::sin, {inputs[0]}), pool.apply(Op::cos, {inputs[0]})};
+  const Tape tape(outputs, std::span(inputs).first(1));
+  constexpr int lanes = Tape::lane_group;
+  std::vector<double> memory(lanes * 8);
+  std::vector<double*> place;
+  for (int r = 0; r < tape.registers(); ++r) place.push_back(memory.data() + lanes * r);
+  const double values[lanes] = {-0.0, 1e-310, 3.0, -700.5, 4.9e6, -5.1e6, 1e22, std::nan("")};
+  for (int turn = 0; turn < lanes; ++turn) {
+    for (int l = 0; l < lanes; ++l) place[0][l] = values[(l * (turn + 1)) % lanes];
+    tape.prepare_lanes(place.data(), lanes);
+    tape.run_lanes(place.data(), lanes);
+    for (int l = 0; l < lanes; ++l) {
+      const double expected[] = {wave::sin(place[0][l]), wave::cos(place[0][l])};
+      for (int j = 0; j < 2; ++j)
+        EXPECT_TRUE(same_bits(place[static_cast<std::size_t>(tape.output_place() + j)][l], expected[j]));
+    }
+  }
+}
+
+TEST_F(TapeTest, outputs_that_are_inputs_may_be_left_out) {
+  const Expr outputs[] = {inputs[1], inputs[0] + inputs[1], inputs[3]};
+  const Tape tape(outputs, inputs);
+  EXPECT_EQ(tape.copy_of(0), 1);
+  EXPECT_EQ(tape.copy_of(1), -1);
+  EXPECT_EQ(tape.copy_of(2), 3);
+  constexpr int lanes = Tape::lane_group;
+  std::vector<double> memory(static_cast<std::size_t>(lanes * tape.registers()), 17);
+  std::vector<double*> place;
+  for (int r = 0; r < tape.registers(); ++r) place.push_back(memory.data() + lanes * r);
+  tape.prepare_lanes(place.data(), lanes);
+  tape.run_lanes_without_copies(place.data(), lanes);
+  place[1][2] = 18;
+  for (const int output : {0, 2}) EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place() + output)][2], 17);
+  EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place() + 1)][2], 34);
 }
 
 TEST_F(TapeTest, knows_which_inputs_it_reads) {

@@ -162,6 +162,22 @@ TEST(Ensemble, AMemberThatExplodesIsAResultAndLeavesTheOthersAlone) {
   EXPECT_EQ(run_ensemble(e, keeping(system, {"max_y"}, 2)).stopped(), 21);
 }
 
+TEST(Ensemble, AnExcitationWithoutAValueIsTheCause) {
+  const Model model = model_of("1", "k*y + c*v");
+  const System system(model);
+  Pool& pool = *model.pool;
+  const Expr t = pool.channel("t"), b = pool.parameter("b"), inputs[] = {t, b};
+  const Expr force = pool.apply(Op::sqrt, {b - t});
+  const MatrixXd q = Eigen::RowVectorXd::LinSpaced(9, 0.1, 0.9);
+  const Ensemble e =
+      spread(system, {9e3, 4}, 9,
+             MemberForce::of({"F"}, Tape(std::span(&force, 1), inputs), q, 0, VectorXd::Constant(9, 0.01), 51));
+  const EnsembleResult result = run_ensemble(e, keeping(system, {"max_y"}, 1));
+  EXPECT_EQ(result.stopped(), 4);  // b = 0.1 ... 0.4 end before 0.5 s
+  EXPECT_NEAR(result.stopped_at[1], 0.21, 1e-9);
+  EXPECT_EQ(result.cause[1], "the excitation F has no finite value at t = 0.20125 s");
+}
+
 TEST(Ensemble, AMassThatIsNotPositiveIsAResult) {
   const System system(model_of("m - 100*y", "k*y"));
   Ensemble e = spread(system, {1, 9e3}, 9, MemberForce::of(zero_force(0.1, 0.002)));
