@@ -52,7 +52,11 @@ void add_states(Model& model, const Declarations& declared, Expr expr) {
 
 /// One row per parameter, in order of first appearance, as declared.
 void add_parameters(Model& model, const Declarations& declared) {
-  std::vector<Expr> parts = {model.mass, model.restoring};
+  std::vector<Expr> parts;
+  for (int i = 0; i < model.degrees(); ++i) {
+    parts.push_back(model.coordinate(i).mass);
+    parts.push_back(model.coordinate(i).restoring);
+  }
   for (const InternalState& state : model.states) parts.insert(parts.end(), {state.rate, state.min, state.max});
   for (const Expr part : parts) {
     if (!part.valid()) continue;
@@ -68,18 +72,30 @@ void add_parameters(Model& model, const Declarations& declared) {
   }
 }
 
-/// model{mass=, restoring=, states = {z...}, imposed_motion=}
+/// model{mass = {m1...}, restoring = {f1...}, forces = {1...}, states = {z...}, imposed_motion=}
 int make_model(lua_State* L) {
   check_table(L, 1);
-  const Value mass = field_value(L, 1, "mass"), restoring = field_value(L, 1, "restoring");
-  if (!mass.expr.valid() || !restoring.expr.valid()) throw InputError("model: needs mass and restoring");
-  DeclarationsPtr declared = join(mass.declared, restoring.declared);
+  DeclarationsPtr declared;
+  std::vector<Expr> masses, restoring, listed;
+  for (const auto& [field, rows] : {std::pair{"mass", &masses}, std::pair{"restoring", &restoring}})
+    with_field(L, 1, field, [&, rows = rows] {
+      for_each(L, -1, [&](lua_Integer) {
+        const Value value = check_value(L, -1);
+        declared = join(declared, value.declared);
+        rows->push_back(value.expr);
+        listed.push_back(value.expr);
+      });
+    });
+  if (masses.empty() || masses.size() != restoring.size()) throw InputError("model: needs mass and restoring");
   Model model;
   model.pool = runtime(L).pool();
-  model.mass = mass.expr;
-  model.restoring = restoring.expr;
+  model.mass = masses[0];
+  model.restoring = restoring[0];
+  for (std::size_t i = 1; i < masses.size(); ++i) model.further.push_back({masses[i], restoring[i]});
+  with_field(L, 1, "forces", [&] {
+    for_each(L, -1, [&](lua_Integer) { model.driven.push_back(static_cast<int>(check_integer(L, -1)) - 1); });
+  });
   model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
-  std::vector<Expr> listed = {model.mass, model.restoring};
   with_field(L, 1, "states", [&] {
     for_each(L, -1, [&](lua_Integer) {
       const Value state = check_value(L, -1);
@@ -153,15 +169,45 @@ void push_states(lua_State* L, const Model& model) {
   }
 }
 
-/// Fields mass, restoring, states, parameters, imposed_motion; or a method.
+/// The masses or the restoring forces: of several coordinates a list.
+void push_rows(lua_State* L, const Model& model, Expr Coordinate::*part) {
+  const DeclarationsPtr declared = declarations_of(model);
+  if (model.degrees() == 1) {
+    push<Value>(L, {model.coordinate(0).*part, declared});
+    return;
+  }
+  lua_newtable(L);
+  for (int i = 0; i < model.degrees(); ++i) {
+    push<Value>(L, {model.coordinate(i).*part, declared});
+    lua_rawseti(L, -2, i + 1);
+  }
+}
+
+/// Fields mass, restoring, degrees, inputs, forces, states, parameters, imposed_motion; or a method.
 int get(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string key = check_string(L, 2);
   if (key == "mass")
-    push<Value>(L, {model.mass, declarations_of(model)});
+    push_rows(L, model, &Coordinate::mass);
   else if (key == "restoring")
-    push<Value>(L, {model.restoring, declarations_of(model)});
-  else if (key == "imposed_motion")
+    push_rows(L, model, &Coordinate::restoring);
+  else if (key == "degrees")
+    lua_pushinteger(L, model.degrees());
+  else if (key == "inputs") {
+    lua_newtable(L);
+    lua_Integer i = 0;
+    for (const std::string& input : model.inputs()) {
+      push_text(L, input);
+      lua_rawseti(L, -2, ++i);
+    }
+  } else if (key == "forces") {
+    lua_newtable(L);
+    lua_Integer i = 0;
+    for (const int coordinate : model.driven) {
+      lua_pushinteger(L, coordinate + 1);
+      lua_rawseti(L, -2, ++i);
+    }
+  } else if (key == "imposed_motion")
     lua_pushboolean(L, model.imposed_motion);
   else if (key == "parameters")
     push_parameters(L, model.parameters);
@@ -172,7 +218,9 @@ int get(lua_State* L) {
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
       throw InputError("a model has no '" + key +
-                       "' (fields: mass restoring states parameters imposed_motion; methods: equation with save)");
+                       "' (fields: mass restoring degrees inputs forces states parameters imposed_motion; methods: "
+                       "equation with save "
+                       "export)");
     }
   }
   return 1;

@@ -1,13 +1,13 @@
 // Free runs of a model, and fits on the trajectory.
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "runtime.hpp"
 #include "simulate/fit.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
-
-namespace {
 
 Interpolation interpolation_from(const std::string& name) {
   for (const Interpolation kind :
@@ -17,15 +17,13 @@ Interpolation interpolation_from(const std::string& name) {
   throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
 }
 
-Excitation of_record(const Record& record, Interpolation interpolation) {
-  return Excitation(record.start(), record.dt(), record["F"], interpolation);
-}
+namespace {
 
-/// F(t) as an expression of the time alone, evaluated exactly between samples. Lua is not called.
-Excitation of_expression(lua_State* L, const Value& force, double dt, double duration) {
+/// An input as an expression of the time alone, evaluated exactly between samples. Lua is not called.
+Excitation of_expression(lua_State* L, Expr f, double dt, double duration) {
   Pool& pool = *runtime(L).pool();
   const Expr inputs[] = {pool.channel("t")};
-  const Tape tape(std::span<const Expr>(&force.expr, 1), inputs);
+  const Tape tape(std::span<const Expr>(&f, 1), inputs);
   const auto at = [tape](double t) {
     std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
     double value = 0;
@@ -35,8 +33,32 @@ Excitation of_expression(lua_State* L, const Value& force, double dt, double dur
   return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, at);
 }
 
-/// simulate(model, {record=, force=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
-/// `record` (its F drives) or `force` (an expression of t). Without x0 the run starts at the record's motion.
+/// {F = expression, yb = expression...}: a velocity or acceleration of the base that is not given follows from the
+/// rest.
+Excitations of_expressions(lua_State* L, int index, const System& system, double dt, double duration) {
+  const Expr t = runtime(L).pool()->channel("t");
+  Excitations excitation;
+  std::map<std::string, Expr> given;
+  lua_pushnil(L);
+  while (lua_next(L, index)) {
+    const std::string channel = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : describe(L, -2);
+    given[channel] = check_value(L, -1).expr;
+    lua_pop(L, 1);
+  }
+  for (const auto& [channel, rate] : {std::pair{"yb", "vb"}, std::pair{"vb", "ab"}}) {
+    const bool needed = std::find(system.inputs().begin(), system.inputs().end(), "ab") != system.inputs().end() ||
+                        std::find(system.inputs().begin(), system.inputs().end(), rate) != system.inputs().end();
+    if (needed && given.contains(channel) && !given.contains(rate)) given[rate] = derivative(given[channel], t);
+  }
+  if (given.contains("vb") && std::find(system.inputs().begin(), system.inputs().end(), "vb") == system.inputs().end())
+    given.erase("vb");
+  for (const auto& [channel, f] : given) excitation.add(channel, of_expression(L, f, dt, duration));
+  return excitation;
+}
+
+/// simulate(model, {record=, signals=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
+/// `record` (its channels drive) or `signals` ({channel = expression of t}). Without x0 the run starts at the record's
+/// motion.
 int run(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   check_table(L, 2);
@@ -49,33 +71,38 @@ int run(lua_State* L) {
   options.cancelled = &runtime(L).cancelled();
 
   const System system(model);
-  std::optional<Excitation> excitation;
+  Excitations excitation;
   std::optional<Record> record;
   with_field(L, 2, "record", [&] {
     record = check<Record>(L, -1);
-    excitation = of_record(*record, interpolation);
+    excitation = excitations_of(system, *record, interpolation);
   });
-  if (!record) {
-    excitation = of_expression(L, field_value(L, 2, "force"), number_field(L, 2, "dt").value_or(1e-3),
-                               number_field(L, 2, "duration").value_or(1));
-  }
+  with_field(L, 2, "signals", [&] {
+    excitation = of_expressions(L, lua_gettop(L), system, number_field(L, 2, "dt").value_or(1e-3),
+                                number_field(L, 2, "duration").value_or(1));
+  });
   Eigen::VectorXd x0;
   with_field(L, 2, "x0", [&] { x0 = check_column(L, -1); });
   if (!x0.size()) x0 = measured_state(system, *record, 0);
   const Eigen::Index given = x0.size();
   x0.conservativeResize(system.states());  // internal states start at their own initial values
+  const Eigen::Index motion = 2 * system.degrees();
   for (Eigen::Index i = given; i < system.states(); ++i) {
-    x0[i] = i < 2 ? 0 : system.model().states[static_cast<std::size_t>(i - 2)].initial;
+    x0[i] = i < motion ? 0 : system.model().states[static_cast<std::size_t>(i - motion)].initial;
   }
 
   FreeRun result;
   result.name = record ? record->name() : "run";
-  result.run = simulate(system, system.model().values(), *excitation, x0, options);
-  result.force.resize(excitation->rows());
-  for (Eigen::Index i = 0; i < excitation->rows(); ++i) {
-    result.force[i] = excitation->at(excitation->t0() + static_cast<double>(i) * excitation->dt());
+  result.run = simulate(system, system.model().values(), excitation, x0, options);
+  excitation = excitation.of(system);
+  for (int k = 0; k < excitation.count(); ++k) {
+    Eigen::VectorXd values(excitation.rows());
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      values[i] = excitation[k].at(excitation.t0() + static_cast<double>(i) * excitation.dt());
+    result.inputs.emplace_back(excitation.channel(k), std::move(values));
   }
-  for (const InternalState& state : system.model().states) result.state_names.push_back(state.symbol.name());
+  result.states = system.dynamics().names;
+  for (int i = 0; i < system.degrees(); ++i) result.accelerations.push_back(system.model().channel('a', i));
   push<FreeRun>(L, std::move(result));
   return 1;
 }
@@ -85,48 +112,6 @@ int force_along(lua_State* L) {
   const System system(check<Model>(L, 1));
   push_column(L, imposed_force(system, system.model().values(), check<Record>(L, 2)));
   return 1;
-}
-
-/// fit(model, {records...}, {interpolation=, max_iterations=, segment=}) -> model, {converged=, stopped=, ...}
-int fit(lua_State* L) {
-  const System system(check<Model>(L, 1));
-  check_table(L, 2);
-  check_table(L, 3);
-  const Interpolation interpolation = interpolation_from(string_field(L, 3, "interpolation").value_or("linear"));
-  std::vector<FitData> data;
-  for_each(L, 2, [&](lua_Integer) {
-    const Record& record = check<Record>(L, -1);
-    data.push_back({record, of_record(record, interpolation), {}});
-  });
-  FitOptions options;
-  options.max_iterations = static_cast<int>(number_field(L, 3, "max_iterations").value_or(options.max_iterations));
-  options.cancelled = &runtime(L).cancelled();
-  validate(options);
-  Model model = system.model();
-  for (const Parameter& parameter : model.parameters) {
-    if (std::isnan(parameter.value)) {
-      throw InputError("fit: parameter '" + parameter.name + "' has no first guess; give it one");
-    }
-  }
-  const std::vector<double> start = model.values();
-  const FitResult result = fit_progressively(
-      system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), data, options);
-  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    model.parameters[i].value = result.theta[at];
-    if (result.covariance.rows() > at) model.parameters[i].std = std::sqrt(result.covariance(at, at));
-  }
-  push<Model>(L, std::move(model));
-  lua_newtable(L);
-  lua_pushboolean(L, result.converged);
-  lua_setfield(L, -2, "converged");
-  push_text(L, result.stopped);
-  lua_setfield(L, -2, "stopped");
-  lua_pushinteger(L, result.iterations);
-  lua_setfield(L, -2, "iterations");
-  lua_pushnumber(L, result.cost);
-  lua_setfield(L, -2, "cost");
-  return 2;
 }
 
 void push_summary(lua_State* L, const RunSummary& summary) {
@@ -158,14 +143,18 @@ Eigen::VectorXd channel_of(const FreeRun& free, const std::string& name) {
     return Eigen::VectorXd::NullaryExpr(run.x.rows(),
                                         [&](Eigen::Index i) { return run.t0 + run.dt * static_cast<double>(i); });
   }
-  if (name == "F") return free.force;
-  if (name == "y") return run.x.col(0);
-  if (name == "v") return run.x.col(1);
-  if (name == "a") return run.a;
-  std::string known = "t F y v a";
-  for (std::size_t i = 0; i < free.state_names.size(); ++i) {
-    if (name == free.state_names[i]) return run.x.col(static_cast<Eigen::Index>(i) + 2);
-    known += " " + free.state_names[i];
+  std::string known = "t";
+  for (const auto& [input, values] : free.inputs) {
+    if (name == input) return values;
+    known += " " + input;
+  }
+  for (std::size_t i = 0; i < free.states.size(); ++i) {
+    if (name == free.states[i]) return run.x.col(static_cast<Eigen::Index>(i));
+    known += " " + free.states[i];
+  }
+  for (std::size_t i = 0; i < free.accelerations.size(); ++i) {
+    if (name == free.accelerations[i]) return run.a.col(static_cast<Eigen::Index>(i));
+    known += " " + free.accelerations[i];
   }
   throw InputError("a run has no column '" + name + "'; it has " + known);
 }
@@ -188,11 +177,14 @@ int as_record(lua_State* L) {
     channel.values = channel_of(free, name).head(rows);
     channels.push_back(std::move(channel));
   };
-  add("F", "N");
-  add("y", "m");
-  add("v", "m/s");
-  add("a", "m/s^2");
-  for (const std::string& name : free.state_names) add(name, "");
+  const auto unit = [](char quantity) {
+    return quantity == 'F' ? "N" : quantity == 'y' ? "m" : quantity == 'v' ? "m/s" : "m/s^2";
+  };
+  const auto motion = 2 * free.accelerations.size();
+  for (const auto& [name, values] : free.inputs) add(name, unit(name[0]));
+  for (std::size_t i = 0; i < motion; ++i) add(free.states[i], unit(free.states[i][0]));
+  for (const std::string& name : free.accelerations) add(name, "m/s^2");
+  for (std::size_t i = motion; i < free.states.size(); ++i) add(free.states[i], "");
   push<Record>(L, Record(free.name, free.run.t0, free.run.dt, std::move(channels)));
   return 1;
 }
@@ -240,8 +232,7 @@ void open_runs(lua_State* L) {
   static constexpr Entry methods[] = {{"column", guarded<column>}, {"record", guarded<as_record>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<FreeRun>(L, methods, meta);
-  static constexpr Entry functions[] = {
-      {"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}, {"fit", guarded<fit>}};
+  static constexpr Entry functions[] = {{"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}};
   set_functions(L, functions);
 }
 

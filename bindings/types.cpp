@@ -8,6 +8,8 @@ void open_columns(lua_State* L);
 void open_records(lua_State* L);
 void open_models(lua_State* L);
 void open_runs(lua_State* L);
+void open_fits(lua_State* L);
+void open_responses(lua_State* L);
 void open_regressions(lua_State* L);
 void open_surfaces(lua_State* L);
 void open_discoveries(lua_State* L);
@@ -16,8 +18,9 @@ void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
   static constexpr Opener all[] = {open_files,       open_expressions, open_columns,     open_records,
-                                   open_models,      open_runs,        open_regressions, open_surfaces,
-                                   open_discoveries, open_figures,     open_doctor};
+                                   open_models,      open_runs,        open_fits,        open_responses,
+                                   open_regressions, open_surfaces,    open_discoveries, open_figures,
+                                   open_doctor};
   return all;
 }
 

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "record/record.hpp"
+#include "simulate/fit.hpp"
 #include "simulate/model.hpp"
+#include "simulate/response.hpp"
 #include "simulate/simulate.hpp"
 #include "support.hpp"
 
@@ -56,11 +58,28 @@ Eigen::VectorXd check_column(lua_State* L, int index);
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
-  Eigen::VectorXd force;
-  std::vector<std::string> state_names;  ///< of the internal states, in the order of the columns of x after y, v
+  std::vector<std::pair<std::string, Eigen::VectorXd>> inputs;  ///< F, or F1 F2 ..., yb vb ab
+  std::vector<std::string> states;                              ///< names of the columns of x: y v z..., or y1 v1 ...
+  std::vector<std::string> accelerations;                       ///< of the columns of a: a, or a1 a2 ...
   std::string name;
 };
 
+/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
+Interpolation interpolation_from(const std::string& name);
+
+/// A fit on the trajectory, with what its profiles need.
+struct TrajectoryFit {
+  std::shared_ptr<const System> system;
+  std::vector<FitData> data;
+  FitOptions options;
+  FitResult result;
+};
+
+template <>
+struct Bound<TrajectoryFit> {
+  static constexpr const char* key = "lunid.trajectory_fit";
+  static constexpr const char* words = "a trajectory fit";
+};
 template <>
 struct Bound<Value> {
   static constexpr const char* key = "lunid.expression";
@@ -85,6 +104,16 @@ template <>
 struct Bound<FreeRun> {
   static constexpr const char* key = "lunid.run";
   static constexpr const char* words = "a run";
+};
+template <>
+struct Bound<ResponseCurve> {
+  static constexpr const char* key = "lunid.response_curve";
+  static constexpr const char* words = "a response curve";
+};
+template <>
+struct Bound<Backbone> {
+  static constexpr const char* key = "lunid.backbone";
+  static constexpr const char* words = "a backbone";
 };
 
 /// Makes a type's metatable and adds its functions to the module table on top of the stack.

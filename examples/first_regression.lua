@@ -15,5 +15,5 @@ local fit = lunid.regress {
 }
 print(fit)
 
-local refined = lunid.fit { model = fit.model, record = record, interpolation = "band_limited" }
+local refined = lunid.fit_trajectory { model = fit.model, record = record, interpolation = "band_limited" }
 print(refined)

@@ -120,6 +120,22 @@ local map = schema.define({
   example = [[lunid.figure.residual_map(found):save "map.png"]],
 }, function(given) return require("lunid.pictures").residual_map(given.discovery) end)
 
+local response = schema.define({
+  name = "figure.response",
+  help = "A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.",
+  positional = { "response" },
+  fields = {
+    { "response", types.is("response", "lunid.frequency_response"), required = true, help = "what to draw" },
+    { "quantity", types.string, default = "amplitude", help = "a column of the response, such as \"amplitude_3\" or \"phase_1\"" },
+    { "state", types.string, help = "whose motion; else the first displacement" },
+    { "series", types.list(types.is("series", "lunid.figure.series")), default = {}, help = "curves to compare with" },
+    { "log", types.boolean, default = false, help = "logarithmic axis of the quantity" },
+    { "title", types.string, default = "", help = "above the chart" },
+  },
+  returns = "figure",
+  example = [[lunid.figure.response(response):save "frf.png"]],
+}, function(given) return require("lunid.response_figure").make(given) end)
+
 figures.public = { figure = schema.strict_table("lunid.figure", { series = series, lines = lines, surface = surface,
-  residual_map = map }) }
+  residual_map = map, response = response }) }
 return figures

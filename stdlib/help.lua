@@ -86,8 +86,8 @@ end
 function help.explain(topic)
   require "lunid"  -- all constructors declare themselves
   if not topic then return overview() end
-  if topic == "stubs" then
-    io.write(require("lunid.stubs").text())
+  if topic == "stubs" or topic == "manual" then  -- for the editor and for docs/language.md
+    io.write(require("lunid." .. topic).text())
     return
   end
   local definition = schema.definitions[topic:gsub("^lunid%.", "")]

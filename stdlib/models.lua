@@ -8,12 +8,64 @@ local types = schema.types
 
 local models = {}
 
+--- An expression for one coordinate, or one for each of several.
+local list = types.list(types.expression, 1)
+types.rows = { words = "an expression or a number, or a list of them", check = function(value)
+  local good, kept = types.expression.check(value)
+  if good then return true, kept end
+  good, kept = list.check(value)
+  return good, good and kept or types.rows.words
+end }
+
+--- The same, or the rows of a matrix.
+local rows = types.list(list, 1)
+types.mass = { words = "an expression or a number, a list of them, or the rows of a matrix", check = function(value)
+  local good, kept = types.rows.check(value)
+  if good then return true, kept end
+  good, kept = rows.check(value)
+  return good, good and kept or types.mass.words
+end }
+
+--- Rows of a mass matrix as the masses on its diagonal; what stands beside it joins the restoring forces.
+local function take_matrix(matrix, restoring)
+  local masses = {}
+  for i, row in ipairs(matrix) do
+    if #row ~= #matrix then
+      schema.fail("model: mass", ("row %d: expected %d entries, got %d"):format(i, #matrix, #row))
+    end
+    masses[i] = row[i]
+    for j, entry in ipairs(row) do
+      if j ~= i and entry ~= 0 then restoring[i] = restoring[i] + entry*core.channel("a" .. j) end
+    end
+  end
+  return masses
+end
+
+--- Lists of masses and restoring forces, one entry for each coordinate.
+local function take_rows(given)
+  local is_list = type(given.restoring) == "table" and not core.is_expression(given.restoring)
+  local restoring = is_list and given.restoring or { given.restoring }
+  local mass = given.mass
+  if type(mass) ~= "table" or core.is_expression(mass) then mass = { mass } end
+  if #mass ~= #restoring then
+    schema.fail("model: mass", ("expected %d %s, as many as restoring forces, got %d"):format(#restoring,
+      #restoring == 1 and "entry" or "entries", #mass))
+  end
+  local is_matrix = type(mass[1]) == "table" and not core.is_expression(mass[1])
+  given.mass, given.restoring = is_matrix and take_matrix(mass, restoring) or mass, restoring
+end
+
 models.model = schema.define({
   name = "model",
-  help = "The equation of motion m*a + restoring = F. With imposed motion, y and v drive it and F is its output.",
+  help = "The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed "
+    .. "motion, y and v drive it and F is its output.",
   fields = {
-    { "mass", types.expression, required = true, unit = "kg", help = "a number, a parameter, or an expression" },
-    { "restoring", types.expression, required = true, unit = "N", help = "restoring force; 0 for none" },
+    { "mass", types.mass, required = true, unit = "kg",
+      help = "a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix" },
+    { "restoring", types.rows, required = true, unit = "N",
+      help = "restoring force; 0 for none; for several coordinates a list" },
+    { "forces", types.list(types.integer { min = 1 }, 1),
+      help = "the coordinates that a force acts on, such as { 1 }; else all" },
     { "states", types.list(types.expression), default = {},
       help = "internal states that the restoring force does not name" },
     { "motion", types.choice { "free", "imposed" }, default = "free",
@@ -23,7 +75,55 @@ models.model = schema.define({
   example = [[local model = lunid.model { mass = 49, restoring = k*y + c*v }]],
 }, function(given)
   given.imposed_motion = given.motion == "imposed"
+  take_rows(given)
   return core.model(given)
+end)
+
+local wall = {}
+
+--- The force of the element between two neighbours; a wall stands still.
+local function element(given, index, left, right)
+  local function difference(quantity)
+    return left == wall and right[quantity] or right == wall and -left[quantity] or right[quantity] - left[quantity]
+  end
+  local force = given.element(difference "y", difference "v", index)
+  if not types.expression.check(force) then
+    schema.fail("chain: element", "expected the function to return an expression, got " .. core.describe(force))
+  end
+  return force
+end
+
+models.chain = schema.define({
+  name = "chain",
+  help = "Masses in a row with an element between neighbours: y1 ... yn, each element a function of its elongation and "
+    .. "the rate of it.",
+  fields = {
+    { "masses", types.list(types.expression, 1), required = true, unit = "kg", help = "one for each coordinate" },
+    { "element", types.callable, required = true, unit = "N",
+      help = "function(elongation, rate, index) that returns the force, positive in tension" },
+    { "ends", types.choice { "fixed", "left", "right", "free" }, default = "fixed",
+      help = "which ends an element ties to the ground: both, the first mass, the last, none" },
+    { "forces", types.list(types.integer { min = 1 }, 1), help = "the coordinates that a force acts on; else all" },
+  },
+  returns = "model",
+  example = [[local model = lunid.chain { masses = { 1, 1, 1 }, element = function(d, w) return 2e4*d + 3*w end }]],
+}, function(given)
+  local n, restoring = #given.masses, {}
+  local function place(i)
+    if i < 1 or i > n then return wall end
+    local number = n > 1 and i or ""
+    return { y = core.channel("y" .. number), v = core.channel("v" .. number) }
+  end
+  for i = 1, n do restoring[i] = 0 end
+  for i = 0, n do  -- element i + 1 stands between mass i and mass i + 1
+    local tied = i > 0 and i < n or given.ends == "fixed" or given.ends == (i == 0 and "left" or "right")
+    if tied then
+      local force = element(given, i + 1, place(i), place(i + 1))
+      if i > 0 then restoring[i] = restoring[i] - force end
+      if i < n then restoring[i + 1] = restoring[i + 1] + force end
+    end
+  end
+  return models.model { mass = given.masses, restoring = restoring, forces = given.forces }
 end)
 
 local function field(name, value)
@@ -45,19 +145,55 @@ local function state_text(state)
     state.name, state.name, state.rate:text "lua", core.number_text(state.initial), bound "min", bound "max")
 end
 
+--- Lua has room for 200 local names.
+local most_coordinates = 30
+
+local function channel_text(model)
+  local n = model.degrees
+  local text = "local t, yb, vb, ab = lunid.time, lunid.base_displacement, lunid.base_velocity, lunid.base_acceleration"
+  if n == 1 then
+    local base = table.concat(model.inputs, " "):match "b" and "\n" .. text:gsub("t, yb", "yb", 1):gsub("lunid.time, ", "", 1)
+      or ""
+    return "local y, v, a, t, F = lunid.displacement, lunid.velocity, lunid.acceleration, lunid.time, lunid.force" .. base
+  end
+  local lines = { text }
+  for letter, name in ("y displacements v velocities a accelerations F forces "):gmatch "(%a) (%a+) " do
+    local names = {}
+    for i = 1, n do names[i] = letter .. i end
+    lines[#lines + 1] = ("local %s = lunid.%s(%d)"):format(table.concat(names, ", "), name, n)
+  end
+  return table.concat(lines, "\n")
+end
+
+--- An expression, or a list of one for each coordinate.
+local function row_text(value)
+  if core.is_expression(value) then return value:text "lua" end
+  local texts = {}
+  for i, row in ipairs(value) do texts[i] = row:text "lua" end
+  return "{\n    " .. table.concat(texts, ",\n    ") .. ",\n  }"
+end
+
+local function forces_text(model)
+  if #model.forces == model.degrees then return "" end
+  return ("\n  forces = { %s },"):format(table.concat(model.forces, ", "))
+end
+
 --- Lua that loads again to the same model.
 function models.text(model)
+  if model.degrees > most_coordinates then
+    schema.fail("save", ("a model of %d coordinates cannot be written (at most %d): keep the study that makes it"):format(
+      model.degrees, most_coordinates))
+  end
   local lines = { "-- " .. model:equation():gsub("\n", "\n-- "), 'local lunid = require "lunid"' }
-  lines[#lines + 1] = "local y, v, a, t, F = lunid.displacement, lunid.velocity, lunid.acceleration, lunid.time, "
-    .. "lunid.force"
+  lines[#lines + 1] = channel_text(model)
   for _, row in ipairs(model.parameters) do lines[#lines + 1] = parameter_text(row) end
   local names = {}
   for i, state in ipairs(model.states) do
     names[i] = state.name
     lines[#lines + 1] = state_text(state)
   end
-  lines[#lines + 1] = ("return lunid.model {\n  mass = %s,\n  restoring = %s,%s%s\n}"):format(
-    model.mass:text "lua", model.restoring:text "lua",
+  lines[#lines + 1] = ("return lunid.model {\n  mass = %s,\n  restoring = %s,%s%s%s\n}"):format(
+    row_text(model.mass), row_text(model.restoring), model.imposed_motion and "" or forces_text(model),
     #names > 0 and ("\n  states = { %s },"):format(table.concat(names, ", ")) or "",
     model.imposed_motion and '\n  motion = "imposed",' or "")
   return table.concat(lines, "\n") .. "\n"

@@ -27,6 +27,7 @@ types.any = type_of("any value", function(value) return true, value end)
 local function range_words(range)
   if range.above and range.below then return ("> %g and < %g"):format(range.above, range.below) end
   if range.min and range.max then return ("%g to %g"):format(range.min, range.max) end
+  if range.min and range.below then return (">= %g and < %g"):format(range.min, range.below) end
   if range.above and range.max then return ("> %g and <= %g"):format(range.above, range.max) end
   if range.above then return ("> %g"):format(range.above) end
   if range.min then return (">= %g"):format(range.min) end

@@ -5,14 +5,17 @@ local types = schema.types
 
 local simulation = {}
 
-local solvers = { "auto", "fixed", "bdf", "adams", "explicit" }
+local solvers = { "auto", "fixed", "bdf", "adams", "rk23", "rk45", "rk78", "esdirk" }
 local interpolations = { "hold", "linear", "cubic", "band_limited" }
 simulation.solver_words = {
   auto = "fixed; BDF where stability limits the explicit path",
   fixed = "Runge-Kutta locked to the record's samples",
   bdf = "CVODE BDF, for stiff models and switches to tolerance",
   adams = "CVODE Adams",
-  explicit = "ARKODE explicit Runge-Kutta",
+  rk23 = "ARKODE explicit Runge-Kutta 3(2), Bogacki-Shampine",
+  rk45 = "ARKODE explicit Runge-Kutta 5(4), Dormand-Prince",
+  rk78 = "ARKODE explicit Runge-Kutta 8(7), Fehlberg",
+  esdirk = "ARKODE L-stable implicit Runge-Kutta, ESDIRK5(4)7L[2]SA",
 }
 simulation.solvers = solvers
 
@@ -26,15 +29,33 @@ local function start_of(given)
   return { 0, 0 }
 end
 
+--- The table of expressions by channel that an excitation stands for.
+local function signals_of(excitation)
+  if type(excitation) == "number" or core.is_expression(excitation) then return { F = excitation } end
+  if next(excitation) == nil then schema.fail("simulate", "excitation: the table is empty") end
+  for channel, value in pairs(excitation) do
+    if type(channel) ~= "string" then
+      schema.fail("simulate", "excitation: expected entries such as F1 = an expression, got " .. core.describe(value))
+    end
+    if type(value) ~= "number" and not core.is_expression(value) then
+      schema.fail("simulate: excitation", ("%s: expected an expression or a number, got %s"):format(channel,
+        core.describe(value)))
+    end
+  end
+  return excitation
+end
+
 local simulate = schema.define({
   name = "simulate",
   help = "Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.",
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "what moves" },
-    { "excitation", types.either(types.is("record", "lunid.read"), types.expression), required = true, unit = "N",
-      help = "a record, whose F drives the model, or an expression of lunid.time" },
+    { "excitation", types.either(types.is("record", "lunid.read"), types.expression, types.table), required = true,
+      unit = "N", help = "a record, whose channels drive the model, an expression of lunid.time (the force), or a table "
+        .. "of expressions by channel, such as { F1 = ..., yb = ... }" },
     { "from", types.either(types.choice { "record" }, types.list(types.number(), 2)),
-      help = "first state { y, v, ... }, or 'record': that of the record; else the record's, else rest" },
+      help = "first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, "
+        .. "else rest" },
     { "duration", types.number { above = 0 }, unit = "s", help = "length of the run, where the force is an expression" },
     { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result, where the force is an expression" },
     { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
@@ -48,7 +69,7 @@ local simulate = schema.define({
   if getmetatable(given.excitation) == "lunid.record" then
     given.record = given.excitation
   else
-    given.force = given.excitation
+    given.signals = signals_of(given.excitation)
     if not given.duration or not given.dt then
       schema.fail("simulate", "duration and dt are needed where the excitation is an expression")
     end
@@ -57,30 +78,38 @@ local simulate = schema.define({
   return core.simulate(given.model, given)
 end)
 
-local fit = schema.define({
-  name = "fit",
-  help = "Refines a model's parameters on the trajectory: least squares on the displacement of free runs.",
+local fit_trajectory = schema.define({
+  name = "fit_trajectory",
+  help = "Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first "
+    .. "states included.",
   fields = {
-    { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses" },
+    { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses and bounds" },
     { "record", types.either(types.is("record", "lunid.read"), types.list(types.is("record", "lunid.read"), 1)),
       required = true, help = "one record or several" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
+    { "channels", types.list(types.string, 1),
+      help = "the displacements and velocities to fit, each weighted by its noise; else the displacements" },
+    { "separate", types.list(types.string, 1), help = "names of parameters that each record has for itself" },
+    { "loss", types.choice { "squared", "huber" }, default = "squared",
+      help = "'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull" },
+    { "segment", types.number { above = 0 }, unit = "s",
+      help = "length of free runs with first states of their own (multiple shooting); else the whole record" },
     { "interpolation", types.choice(interpolations), default = "linear", help = "what the force does between samples" },
     { "max_iterations", types.integer { min = 1, max = 1000 }, default = 40, help = "of Levenberg-Marquardt" },
   },
-  returns = "model",
-  example = [[local fitted = lunid.fit { model = model, record = train }]],
+  returns = "trajectory_fit",
+  example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],
 }, function(given)
   local list = type(given.record) == "table" and given.record or { given.record }
   for i, record in ipairs(list) do
     list[i] = given.window and record:window(given.window.from, given.window.to) or record
   end
-  local model, summary = core.fit(given.model, list, given)
-  if not summary.converged then
-    print(("%s: fit: did not converge (%s)"):format(core.place(), summary.stopped))
+  local fit = core.fit_trajectory(given.model, list, given)
+  if not fit.summary.converged then
+    print(("%s: fit_trajectory: did not converge (%s)"):format(core.place(), fit.summary.stopped))
   end
-  return model
+  return fit
 end)
 
-simulation.public = { simulate = simulate, fit = fit }
+simulation.public = { simulate = simulate, fit_trajectory = fit_trajectory }
 return simulation

@@ -9,11 +9,35 @@ local symbols = {
   acceleration = core.channel "a",
   time = core.channel "t",
   force = core.channel "F",
+  base_displacement = core.channel "yb",
+  base_velocity = core.channel "vb",
+  base_acceleration = core.channel "ab",
   pi = math.pi,
 }
 
 --- sin cos ... where, and the conditions greater, less, greater_equal, less_equal.
 for name, f in pairs(core.functions) do symbols[name] = f end
+
+--- local y1, y2 = lunid.displacements(2)
+local function numbered(name, letter, words)
+  symbols[name] = schema.define({
+    name = name,
+    help = ("The %s of the coordinates of a model of several degrees of freedom, as so many values."):format(words),
+    style = "arguments",
+    positional = { "count" },
+    fields = { { "count", types.integer { min = 1, max = 100000 }, required = true, help = "number of coordinates" } },
+    returns = "expressions",
+    example = ("local %s1, %s2 = lunid.%s(2)"):format(letter, letter, name),
+  }, function(given)
+    local all = {}
+    for i = 1, given.count do all[i] = core.channel(letter .. i) end
+    return table.unpack(all)
+  end)
+end
+numbered("displacements", "y", "displacements")
+numbered("velocities", "v", "velocities")
+numbered("accelerations", "a", "accelerations")
+numbered("forces", "F", "forces")
 
 local keywords = {}
 for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true

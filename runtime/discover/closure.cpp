@@ -107,8 +107,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
     out.own.block(row, 0, n, p) = own[r].leftCols(p);
     out.own.block(row, state, n, mine) = own[r].rightCols(mine);
     out.extra.middleRows(row, n) = added[r];
-    for (Eigen::Index i = 0; i < n; ++i)
-      out.part.push_back(part_of(i, n, study.options->blocks));
+    for (Eigen::Index i = 0; i < n; ++i) out.part.push_back(part_of(i, n, study.options->blocks));
     row += n;
     state += mine;
   }

@@ -12,7 +12,8 @@ Whitening residual_colour(const Study& study, const Candidate& candidate);
 /// becomes the whitened fit, or a plain one where the whitened free run is clearly worse.
 void judge(const Study& study, Candidate& candidate, const Whitening& whitening);
 
-/// The left-out part that a row belongs to: three pieces all over the record each, so that a drift does not fall into one.
+/// The left-out part that a row belongs to: three pieces all over the record each, so that a drift does not fall into
+/// one.
 int part_of(Eigen::Index row, Eigen::Index rows, int parts);
 
 /// Sum of squares and root mean square of a fit's plain residual [m] ([N] with imposed motion), whatever its whitening.

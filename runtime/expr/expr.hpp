@@ -10,8 +10,9 @@
 // A comparison may stand in the first argument of where() and nowhere else; any other condition means `> 0`.
 //
 // NaN and infinity: simplification is only what is safe for them (constant folding, x+0, x*1, x/1, x^1, -(-x), signs
-// moved to the front: x + -k*y is x - k*y, -(k*y) is -k*y); never x/x -> 1 nor 0*x -> 0, except in the derivative
-// pass, which drops structural zeros. x^n with an integer |n| <= 16 is a product by binary powering, everywhere.
+// moved to the front: x + -k*y is x - k*y, -(k*y) is -k*y, k*-y is -k*y); never x/x -> 1 nor 0*x -> 0, except in the
+// derivative pass, which drops structural zeros. x^n with an integer |n| <= 16 is a product by binary powering,
+// everywhere.
 #include <compare>
 #include <cstdint>
 #include <span>

@@ -50,6 +50,7 @@ Expr simplify_product(Pool& pool, Op op, Expr a, Expr b) {
   if (b.is_constant(-1)) return -a;
   if (op == Op::mul && a.is_constant(1)) return b;
   if (op == Op::mul && a.is_constant(-1)) return -b;
+  if (b.op() == Op::neg) return pool.apply(op, {negate(pool, a), b.arguments()[0]});  // a*-b is -a*b, to the last bit
   return {};
 }
 

@@ -15,8 +15,8 @@ inline constexpr int max_inputs = 16;
 /// A surface g(t, u, x; theta) = 0 on which the right-hand side changes its branch.
 struct Surface {
   Expr g;
-  int switch_index = 0;     ///< the switch of rate() whose value is g
-  int component = -1;       ///< g is this state, up to a constant factor; -1: it is not a single state
+  int switch_index = 0;  ///< the switch of rate() whose value is g
+  int component = -1;    ///< g is this state, up to a constant factor; -1: it is not a single state
   /// g depends on displacements and t alone: its rate is continuous, and rest on it has g = dg/dt = 0
   bool positional = false;
 };

@@ -275,8 +275,8 @@ Excitations& Excitations::add(const std::string& channel, Excitation signal) {
   if (!empty()) {
     const double apart = std::max(std::abs(signal.t0() - t0()), std::abs(signal.dt() - dt()) * double(rows()));
     if (signal.rows() != rows() || !(apart <= 1e-6 * dt()))
-      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " + number(t0()) +
-             " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
+      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " +
+             number(t0()) + " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
              number(signal.t0()) + " s by " + number(signal.dt()) + " s");
     if ((signal.interpolation() == Interpolation::hold) != (interpolation() == Interpolation::hold))
       refuse("a held signal cannot be joined with one that is not held");
@@ -290,6 +290,23 @@ Excitations Excitations::part(Index first, Index count) const {
   Excitations cut = *this;
   for (Excitation& signal : cut.signals_) signal = signal.part(first, count);
   return cut;
+}
+
+Excitations excitations_of(const System& system, const Record& record, Interpolation interpolation) {
+  Excitations found;
+  std::string missing;
+  for (const std::string& input : system.inputs()) {
+    const bool alone = input == system.inputs().front() && !record.has(input) && record.has("F");
+    const std::string name = alone ? "F" : input;  // F is the force of the first driven coordinate
+    if (record.has(name))
+      found.add(input, Excitation(record.start(), record.dt(), record[name], interpolation));
+    else if (input[0] != 'F' || system.inputs().size() == 1)
+      missing = input;
+  }
+  if (found.empty() && missing.empty()) missing = system.inputs().front();
+  if (!missing.empty())
+    throw InputError("the record " + record.name() + " has no channel '" + missing + "', which drives the model");
+  return found;
 }
 
 Excitations Excitations::of(const System& system) const {

@@ -1,54 +1,9 @@
-#include "simulate/fit.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <algorithm>
-#include <cmath>
-#include <memory>
+#include "simulate/fit_problem.hpp"
 
 namespace lunid {
-
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int variance_blocks = 20;  // over which sums of scores are taken to be independent
-
-/// Normal equations over theta with each segment's first state eliminated.
-struct Normal {
-  double cost = infinity;
-  Eigen::Index rows = 0;
-  Eigen::MatrixXd a;  ///< theta x theta (before elimination)
-  Eigen::VectorXd b;
-  std::vector<Eigen::MatrixXd> ax, axx;  ///< per segment: theta x n, n x n
-  std::vector<Eigen::VectorXd> bx;
-  /// What the equations are made of, per segment.
-  struct Part {
-    Eigen::VectorXd residual;  ///< measured - model
-    Eigen::VectorXd error;     ///< the same, whitened
-    Eigen::MatrixXd columns;   ///< d model / d(theta, first state), whitened
-  };
-  std::vector<Part> parts;
-  std::string cause;  ///< why a run failed
-};
-
-/// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
-Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m, double tolerance = 1e-12) {
-  if (m.rows() == 0) return m;
-  Eigen::VectorXd scale = m.diagonal().cwiseMax(0).cwiseSqrt();
-  for (auto& s : scale) s = s > 0 ? 1 / s : 0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  Eigen::VectorXd inverse = eigen.eigenvalues();
-  const double largest = inverse.cwiseAbs().maxCoeff();
-  for (auto& value : inverse) value = value > tolerance * largest ? 1 / value : 0;
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-         scale.asDiagonal();
-}
-
-bool used(const FitData& data, Eigen::Index row) {
-  return data.use.empty() || data.use[static_cast<std::size_t>(row)] != 0;
-}
 
 std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& data, Eigen::Index length) {
   std::vector<FitSegment> segments;
@@ -64,411 +19,32 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
 }
 
 /// A measured channel that the fit looks at.
-struct Output {
-  int state;      ///< the state that it measures
-  std::string channel;
-  double weight;  ///< of its residual: the noise of the first over its own
-};
 
-double spread_of(std::span<const double> x) {
-  const Eigen::Map<const Eigen::ArrayXd> values(x.data(), static_cast<Eigen::Index>(x.size()));
-  return std::sqrt((values - values.mean()).square().mean());
+/// 1.4826 times the median of |residual|: the standard deviation of the rows that are no outliers.
+double robust_scale(const FitResult& result) {
+  std::vector<double> sizes;
+  for (const Eigen::VectorXd& r : result.residual)
+    for (const double e : r)
+      if (std::isfinite(e)) sizes.push_back(std::abs(e));
+  if (sizes.empty()) return 0;
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
+  return 1.4826 * sizes[sizes.size() / 2];
 }
 
-/// The place in the state of a channel such as y, v2; -1 when it is none.
-int state_of(const Model& model, const std::string& channel) {
-  for (int i = 0; i < model.degrees(); ++i) {
-    if (channel == model.channel('y', i)) return 2 * i;
-    if (channel == model.channel('v', i)) return 2 * i + 1;
+/// Huber's clip at 1.345 standard deviations (95 % of the efficiency for Gaussian noise), the deviation taken anew from
+/// each pass.
+FitResult refit_robustly(const System& system, const std::vector<FitData>& data, const FitOptions& options,
+                         FitResult result) {
+  constexpr int passes = 4;
+  constexpr double huber = 1.345;
+  for (int pass = 0; pass < passes && std::isfinite(result.cost); ++pass) {
+    const double scale = robust_scale(result);
+    if (!(scale > 0)) break;
+    const long runs = result.runs;
+    result = minimise(system, result.theta, data, options, result.segments, result.substeps, huber * scale);
+    result.runs += runs;
+    result.clip = huber * scale;
   }
-  return -1;
-}
-
-std::vector<Output> outputs_of(const Model& model, const Record& record, const std::vector<std::string>& channels) {
-  std::vector<Output> outputs;
-  if (model.imposed_motion) return outputs;
-  std::string wanted;
-  for (int i = 0; channels.empty() && i < model.degrees(); ++i) {
-    const std::string y = model.channel('y', i);
-    wanted += (wanted.empty() ? "" : ", ") + y;
-    if (record.has(y)) outputs.push_back({2 * i, y, 1});
-  }
-  for (const std::string& channel : channels) {
-    const int state = state_of(model, channel);
-    if (state < 0) throw InputError("fit_trajectory: channels: expected displacements or velocities of the model, got '" + channel + "'");
-    wanted += (wanted.empty() ? "" : ", ") + channel;
-    if (!record.has(channel))
-      throw InputError("fit_trajectory: the record " + record.name() + " has no channel '" + channel + "'");
-    outputs.push_back({state, channel, 1});
-  }
-  if (outputs.empty())
-    throw InputError("fit_trajectory: the record " + record.name() + " has none of the channels " + wanted);
-  const auto noise = [&](const Output& o) { return record.channel(o.channel).noise; };
-  for (Output& o : outputs) {
-    const bool known = noise(o) > 0 && noise(outputs[0]) > 0;
-    o.weight = known ? noise(outputs[0]) / noise(o)
-                     : spread_of(record[outputs[0].channel]) / std::max(spread_of(record[o.channel]), 1e-300);
-  }
-  outputs[0].weight = 1;
-  return outputs;
-}
-
-class Problem {
- public:
-  Problem(const System& system, const std::vector<FitData>& data, const FitOptions& options, int substeps)
-      : system_(system), data_(data), options_(options) {
-    run_options_.solver = Solver::fixed;
-    run_options_.substeps = substeps;
-    run_options_.cancelled = options.cancelled;
-    for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
-  }
-
-  bool imposed() const { return system_.model().imposed_motion; }
-
-  void prepare(const std::vector<FitSegment>& segments) {
-    excitations_.clear();
-    if (imposed()) return;
-    for (const auto& s : segments)
-      excitations_.push_back(data_[static_cast<std::size_t>(s.record)].excitation.part(s.first, s.count));
-  }
-
-  /// The cost at (theta, first states), and the normal equations when asked for.
-  Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives) {
-    Normal normal;
-    normal.cost = 0;
-    const Eigen::Index p = system_.parameters();
-    normal.a.setZero(p, p);
-    normal.b.setZero(p);
-    for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s)
-      add(theta, segments[s], s, derivatives, normal);
-    return normal;
-  }
-
-  long runs = 0;
-
- private:
-  void add(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives,
-           Normal& normal) {
-    const FitData& data = data_[static_cast<std::size_t>(segment.record)];
-    const Eigen::Index p = system_.parameters();
-    Normal::Part part;
-    if (!run(theta, segment, index, data, derivatives, part.residual, part.columns, normal)) return;
-    std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
-    for (Eigen::Index i = 0; i < segment.count; ++i) keep[static_cast<std::size_t>(i)] = used(data, segment.first + i);
-    const Eigen::Index channels = part.residual.size() / segment.count;
-    normal.rows += channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
-    whiten_channels(part.residual, keep, part.error);
-    normal.cost += part.error.squaredNorm();
-    if (!derivatives) return;
-    whiten_columns(keep, part.error.size(), part.columns);
-    const auto jt = part.columns.leftCols(p);
-    normal.a.noalias() += jt.transpose() * jt;
-    normal.b.noalias() += jt.transpose() * part.error;
-    if (!imposed()) {
-      const auto jx = part.columns.rightCols(part.columns.cols() - p);
-      normal.ax.push_back(jt.transpose() * jx);
-      normal.axx.push_back(jx.transpose() * jx);
-      normal.bx.push_back(jx.transpose() * part.error);
-    }
-    normal.parts.push_back(std::move(part));
-  }
-
-  /// A column of all channels, one after another, each whitened for itself.
-  void whiten_channels(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& keep,
-                       Eigen::VectorXd& out) const {
-    const auto rows = static_cast<Eigen::Index>(keep.size()), channels = column.size() / rows;
-    if (channels == 1) return whiten(column, keep, options_.whitening, out);
-    const Eigen::Index kept = rows / options_.whitening.average;
-    out.resize(channels * kept);
-    Eigen::VectorXd part;
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      whiten(column.segment(c * rows, rows), keep, options_.whitening, part);
-      out.segment(c * kept, kept) = part;
-    }
-  }
-
-  void whiten_columns(const std::vector<std::uint8_t>& keep, Eigen::Index rows, Eigen::MatrixXd& columns) const {
-    const bool all = std::find(keep.begin(), keep.end(), 0) == keep.end();
-    if (all && options_.whitening.average == 1 && options_.whitening.ar.empty()) return;
-    Eigen::MatrixXd out(rows, columns.cols());
-    Eigen::VectorXd column;
-    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-      whiten_channels(columns.col(j), keep, column);
-      out.col(j) = column;
-    }
-    columns = std::move(out);
-  }
-
-  /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); false when the run failed.
-  bool run(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, const FitData& data,
-           bool derivatives, Eigen::VectorXd& error, Eigen::MatrixXd& jacobian, Normal& normal) {
-    ++runs;
-    const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
-    if (imposed()) {
-      const auto force = data.record["F"];
-      const Eigen::VectorXd model =
-          imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr, run_options_.substeps);
-      error = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())) - model;
-      if (!error.allFinite()) return fail(normal, "the model's force is not finite");
-      return true;
-    }
-    const std::vector<Output>& outputs = outputs_[static_cast<std::size_t>(segment.record)];
-    if (derivatives) {
-      std::vector<int> wanted;
-      for (const Output& o : outputs) wanted.push_back(o.state);
-      SensitivityRun r =
-          simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_, wanted);
-      if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
-      error = difference(data.record, segment, outputs, r.run);
-      if (outputs.size() == 1) {
-        jacobian = std::move(r.dx[static_cast<std::size_t>(outputs[0].state)]);
-      } else {
-        jacobian.resize(error.size(), theta.size() + system_.states());
-        Eigen::Index row = 0;
-        for (const Output& o : outputs) {
-          jacobian.middleRows(row, segment.count) = o.weight * r.dx[static_cast<std::size_t>(o.state)];
-          row += segment.count;
-        }
-      }
-      if (!jacobian.allFinite()) return fail(normal, "the sensitivities are not finite");
-    } else {
-      const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
-      if (!r.summary.completed) return fail(normal, r.summary.cause);
-      error = difference(data.record, segment, outputs, r);
-    }
-    return true;
-  }
-
-  /// Measured - model, weighted, channel after channel.
-  static Eigen::VectorXd difference(const Record& record, const FitSegment& segment, const std::vector<Output>& outputs,
-                                    const Run& run) {
-    Eigen::VectorXd error(segment.count * static_cast<Eigen::Index>(outputs.size()));
-    Eigen::Index row = 0;
-    for (const Output& o : outputs) {
-      const Eigen::Map<const Eigen::VectorXd> measured(record[o.channel].data() + segment.first, segment.count);
-      error.segment(row, segment.count) = o.weight * (measured - run.x.col(o.state));
-      row += segment.count;
-    }
-    return error;
-  }
-
-  static bool fail(Normal& normal, std::string cause) {
-    normal.cost = infinity;
-    normal.cause = std::move(cause);
-    return false;
-  }
-
-  const System& system_;
-  const std::vector<FitData>& data_;
-  const FitOptions& options_;
-  SimulateOptions run_options_;
-  std::vector<Excitations> excitations_;
-  std::vector<std::vector<Output>> outputs_;  ///< per record
-};
-
-struct Step {
-  Eigen::VectorXd theta;
-  std::vector<Eigen::VectorXd> x0;
-};
-
-/// The damped Gauss-Newton step; rows of frozen parameters are left out.
-Step damped_step(const Normal& normal, double lambda, const std::vector<std::uint8_t>& frozen) {
-  Eigen::MatrixXd a = normal.a;
-  Eigen::VectorXd b = normal.b;
-  a.diagonal() *= 1 + lambda;
-  std::vector<Eigen::MatrixXd> inverse;
-  for (std::size_t s = 0; s < normal.axx.size(); ++s) {
-    Eigen::MatrixXd axx = normal.axx[s];
-    axx.diagonal() *= 1 + lambda;
-    inverse.push_back(pseudo_inverse(axx));
-    a.noalias() -= normal.ax[s] * inverse[s] * normal.ax[s].transpose();
-    b.noalias() -= normal.ax[s] * (inverse[s] * normal.bx[s]);
-  }
-  for (Eigen::Index i = 0; i < a.rows(); ++i)
-    if (frozen[static_cast<std::size_t>(i)]) {
-      a.row(i).setZero();
-      a.col(i).setZero();
-      b[i] = 0;
-    }
-  Step step;
-  step.theta = pseudo_inverse(a, 1e-13) * b;
-  for (std::size_t s = 0; s < normal.axx.size(); ++s)
-    step.x0.push_back(inverse[s] * (normal.bx[s] - normal.ax[s].transpose() * step.theta));
-  return step;
-}
-
-/// J'J of theta with first states projected out.
-Eigen::MatrixXd schur(const Normal& normal) {
-  Eigen::MatrixXd a = normal.a;
-  for (std::size_t s = 0; s < normal.axx.size(); ++s)
-    a.noalias() -= normal.ax[s] * pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose();
-  return a;
-}
-
-struct Bounds {
-  Eigen::VectorXd min, max;
-  explicit Bounds(const Model& model) {
-    const auto n = static_cast<Eigen::Index>(model.parameters.size());
-    min.resize(n);
-    max.resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& p = model.parameters[static_cast<std::size_t>(i)];
-      min[i] = p.min;
-      max[i] = p.max;
-    }
-  }
-};
-
-/// Parameters that may not move: fixed ones, and those at a bound that the gradient pushes against.
-std::vector<std::uint8_t> frozen(const Model& model, const Bounds& bounds, const Eigen::VectorXd& theta,
-                                 const Eigen::VectorXd& descent, std::vector<std::uint8_t>* at_bound) {
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(theta.size()), 0);
-  if (at_bound) at_bound->assign(out.size(), 0);
-  for (Eigen::Index i = 0; i < theta.size(); ++i) {
-    const bool held = (theta[i] <= bounds.min[i] && descent[i] <= 0) || (theta[i] >= bounds.max[i] && descent[i] >= 0);
-    if (held && at_bound) (*at_bound)[static_cast<std::size_t>(i)] = 1;
-    out[static_cast<std::size_t>(i)] = held || model.parameters[static_cast<std::size_t>(i)].fixed;
-  }
-  return out;
-}
-
-/// Widens a covariance where the residual is not white: A^-1 B A^-1 with B the sum over blocks of the squared sums of
-/// the scores (batch means: whatever the correlation within a block). Never narrows it.
-void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& inverse, Eigen::MatrixXd& covariance) {
-  Eigen::Index rows = 0;
-  for (const auto& s : scores) rows += s.rows();
-  const auto length = std::max<Eigen::Index>(1, rows / variance_blocks);
-  const Eigen::Index p = covariance.rows();
-  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(p, p);
-  double blocks = 0;
-  for (const auto& s : scores)
-    for (Eigen::Index first = 0; first + length <= s.rows(); first += length, ++blocks) {
-      const Eigen::VectorXd sum = s.middleRows(first, length).colwise().sum();
-      middle.noalias() += sum * sum.transpose();
-    }
-  if (blocks < variance_blocks / 2) return;
-  const Eigen::MatrixXd robust = inverse * middle * inverse * (blocks / (blocks - 1));
-  Eigen::VectorXd factor(p);
-  for (Eigen::Index i = 0; i < p; ++i)
-    factor[i] = covariance(i, i) > 0 ? std::sqrt(std::max(1.0, robust(i, i) / covariance(i, i))) : 1;
-  covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
-}
-
-/// Per row the gradient of half its squared error by theta, first states projected out; a matrix per segment.
-std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
-  const Eigen::Index p = normal.a.rows();
-  std::vector<Eigen::MatrixXd> scores;
-  for (std::size_t s = 0; s < normal.parts.size(); ++s) {
-    const auto& [residual, error, columns] = normal.parts[s];
-    Eigen::MatrixXd projected = columns.leftCols(p);
-    if (!normal.axx.empty())
-      projected -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
-    scores.push_back(error.asDiagonal() * projected);
-  }
-  return scores;
-}
-
-/// Covariance, ranks and residuals at the solution.
-void finish(const System& system, const std::vector<FitData>& data, const Normal& normal, FitResult& result) {
-  const Eigen::Index p = system.parameters();
-  result.rows = normal.rows;
-  for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
-  for (std::size_t s = 0; s < result.segments.size(); ++s) {
-    const FitSegment& segment = result.segments[s];
-    result.residual[static_cast<std::size_t>(segment.record)].segment(segment.first, segment.count) =
-        normal.parts[s].residual.head(segment.count);
-  }
-  result.information = schur(normal);
-  Eigen::VectorXd full = normal.a.diagonal();
-  result.unseen.assign(static_cast<std::size_t>(p), 0);
-  Eigen::MatrixXd information = result.information;
-  Eigen::Index free = 0;
-  for (Eigen::Index i = 0; i < p; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!(information(i, i) > 1e-10 * full[i])) result.unseen[k] = 1;
-    if (result.at_bound[k] || system.model().parameters[k].fixed) {
-      information.row(i).setZero();
-      information.col(i).setZero();
-    } else {
-      ++free;
-    }
-  }
-  const double states = system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2;
-  const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
-  const Eigen::MatrixXd inverse = pseudo_inverse(information);
-  result.covariance = inverse * (normal.cost / freedom);
-  widen(scores_of(normal), inverse, result.covariance);
-}
-
-FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
-                   const FitOptions& options, std::vector<FitSegment> segments, int substeps) {
-  const Bounds bounds(system.model());
-  Problem problem(system, data, options, substeps);
-  problem.prepare(segments);
-  FitResult result;
-  result.substeps = substeps;
-  result.theta = start.cwiseMax(bounds.min).cwiseMin(bounds.max);
-  result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
-  Normal normal = problem.evaluate(result.theta, segments, true);
-  double lambda = 1e-4;
-  result.stopped = "iterations";
-  if (!std::isfinite(normal.cost)) {
-    result.cost = infinity;
-    result.segments = std::move(segments);
-    result.stopped = "free run: " + normal.cause;
-    result.runs = problem.runs;
-    return result;
-  }
-  for (; result.iterations < options.max_iterations && !result.converged; ++result.iterations) {
-    bool improved = false;
-    for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
-      auto hold = frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
-      Step step = damped_step(normal, lambda, hold);
-      Eigen::VectorXd theta = (result.theta + step.theta).cwiseMax(bounds.min).cwiseMin(bounds.max);
-      if (!theta.allFinite()) {
-        lambda = lambda * 10 + 1e-6;
-        continue;
-      }
-      std::vector<FitSegment> trial = segments;
-      for (std::size_t s = 0; s < step.x0.size(); ++s) trial[s].x0 += step.x0[s];
-      bool finite = true;
-      for (const auto& t : trial) finite = finite && t.x0.allFinite();
-      if (!finite) {
-        lambda = lambda * 10 + 1e-6;
-        continue;
-      }
-      // The first step of an iteration is nearly always taken: its derivatives are computed along with its cost.
-      Normal full = problem.evaluate(theta, trial, attempt == 0);
-      if (full.cost < normal.cost) {
-        const double drop = (normal.cost - full.cost) / normal.cost;
-        if (attempt > 0) full = problem.evaluate(theta, trial, true);
-        if (!std::isfinite(full.cost)) {
-          lambda = lambda * 10 + 1e-6;
-          continue;
-        }
-        result.theta = std::move(theta);
-        segments = std::move(trial);
-        normal = std::move(full);
-        improved = true;
-        lambda = std::max(lambda * 0.1, 1e-12);
-        if (drop < options.tolerance) {
-          result.converged = true;
-          result.stopped = "relative drop of the cost below " + std::to_string(options.tolerance);
-        }
-      } else {
-        lambda = lambda * 10 + 1e-9;
-      }
-    }
-    if (!improved) {
-      result.converged = true;
-      result.stopped = "no step lowers the cost";
-    }
-  }
-  frozen(system.model(), bounds, result.theta, normal.b, &result.at_bound);
-  result.cost = normal.cost;
-  result.segments = std::move(segments);
-  finish(system, data, normal, result);
-  result.runs = problem.runs;
   return result;
 }
 
@@ -484,17 +60,23 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
     const double tolerance =
         std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
     const int chosen =
-        choose_substeps(system, {theta.data(), static_cast<std::size_t>(theta.size())}, d.excitation.part(first, rows),
-                        measured_state(system, d.record, first), tolerance);
+        choose_substeps(system, {theta.data(), static_cast<std::size_t>(system.parameters())},
+                        d.excitation.part(first, rows), measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, 64);
 }
 
-void check(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data) {
-  if (theta.size() != system.parameters())
+void check(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+           const FitOptions& options) {
+  const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
+  if (theta.size() != system.parameters() && theta.size() != layout.size())
     throw InputError("fit_trajectory: theta: expected " + std::to_string(system.parameters()) + " values, got " +
                      std::to_string(theta.size()));
+  for (const int i : options.separate)
+    if (i < 0 || i >= system.parameters())
+      throw InputError("fit_trajectory: separate: expected parameters from 0 to " +
+                       std::to_string(system.parameters() - 1) + ", got " + std::to_string(i));
   if (!theta.allFinite()) throw InputError("fit_trajectory: theta: every first guess must be a finite number");
   if (data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
   for (const auto& d : data)
@@ -503,36 +85,6 @@ void check(const System& system, const Eigen::VectorXd& theta, const std::vector
 }
 
 }  // namespace
-
-void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use, const Whitening& whitening,
-            Eigen::VectorXd& out) {
-  if (whitening.average == 1 && whitening.ar.empty()) {
-    out = column;
-    for (Eigen::Index i = 0; i < out.size(); ++i)
-      if (!use.empty() && !use[static_cast<std::size_t>(i)]) out[i] = 0;
-    return;
-  }
-  const Eigen::Index average = whitening.average, rows = column.size() / average;
-  const auto order = static_cast<Eigen::Index>(whitening.ar.size());
-  Eigen::VectorXd mean(rows);
-  std::vector<std::uint8_t> keep(static_cast<std::size_t>(rows), 1);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    mean[i] = column.segment(i * average, average).mean();
-    for (Eigen::Index j = 0; j < average && !use.empty(); ++j)
-      if (!use[static_cast<std::size_t>(i * average + j)]) keep[static_cast<std::size_t>(i)] = 0;
-  }
-  out.setZero(rows);
-  Eigen::Index history = 0;  // rows in use without a break before this one
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    if (!keep[static_cast<std::size_t>(i)]) {
-      history = 0;
-      continue;
-    }
-    if (history++ < order) continue;
-    out[i] = mean[i];
-    for (Eigen::Index j = 0; j < order; ++j) out[i] -= whitening.ar[static_cast<std::size_t>(j)] * mean[i - 1 - j];
-  }
-}
 
 void validate(const FitOptions& o) {
   auto refuse = [](const std::string& what) { throw InputError("fit_trajectory: " + what); };
@@ -565,15 +117,63 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
 FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                          const FitOptions& options) {
   validate(options);
-  check(system, theta, data);
+  check(system, theta, data, options);
   const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
-  return minimise(system, theta, data, options, cut(system, data, options.segment), substeps);
+  FitResult result = minimise(system, theta, data, options, cut(system, data, options.segment), substeps);
+  return options.loss == Loss::huber ? refit_robustly(system, data, options, std::move(result)) : result;
+}
+
+Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
+                           const FitOptions& given, int index) {
+  if (index < 0 || index >= result.theta.size() || !(result.covariance(index, index) > 0))
+    throw InputError("profile: the parameter has no standard deviation: it is fixed, sits at a bound, or is not seen");
+  constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
+  FitOptions options = given;
+  options.hold = index;
+  const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
+  const Bounds bounds(system.model(), layout, given);
+  const double centre = result.theta[index], std = std::sqrt(result.covariance(index, index));
+  // where the residual is not white, the covariance is wider than the curvature of the cost; so is the interval
+  const Eigen::MatrixXd white = pseudo_inverse(result.information) * (result.cost / result.freedom);
+  const double widening =
+      white(index, index) > 0 ? std::max(1.0, result.covariance(index, index) / white(index, index)) : 1;
+  const double unit = result.cost / result.freedom * widening;
+  Profile profile;
+  profile.points = {{centre, 0}};
+  for (const int side : {-1, 1}) {
+    double& end = side < 0 ? profile.low : profile.high;
+    end = side * infinity;
+    Eigen::VectorXd theta = result.theta;
+    std::vector<FitSegment> segments = result.segments;
+    double at = centre, drop = 0;
+    for (double k = step; k <= farthest; k += step) {
+      const double value = std::clamp(centre + side * k * std, bounds.min[index], bounds.max[index]);
+      if (value == at) break;  // the bound: open on this side
+      theta[index] = value;
+      const FitResult fit = minimise(system, theta, data, options, segments, result.substeps, result.clip);
+      if (!std::isfinite(fit.cost)) break;
+      theta = fit.theta;
+      segments = fit.segments;
+      const double next = std::max(0.0, (fit.cost - result.cost) / unit);
+      profile.points.push_back({value, next});
+      if (next > chi_squared) {  // the root of the drop is nearly straight
+        const double a = std::sqrt(drop), b = std::sqrt(next);
+        end = at + (value - at) * (std::sqrt(chi_squared) - a) / (b - a);
+        break;
+      }
+      at = value;
+      drop = next;
+    }
+  }
+  std::sort(profile.points.begin(), profile.points.end(),
+            [](const auto& a, const auto& b) { return a.value < b.value; });
+  return profile;
 }
 
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options) {
   validate(options);
-  check(system, theta, data);
+  check(system, theta, data, options);
   if (system.model().imposed_motion) return fit_trajectory(system, theta, data, options);
   Eigen::Index longest = 0, length = 0;
   for (const auto& d : data) {

@@ -28,6 +28,9 @@ struct Whitening {
 void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use, const Whitening& whitening,
             Eigen::VectorXd& out);
 
+/// Squared residuals, or Huber's: beyond 1.345 standard deviations a residual counts linearly.
+enum class Loss { squared, huber };
+
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
   int max_iterations = 40;   ///< >= 1
@@ -36,10 +39,31 @@ struct FitOptions {
   Whitening whitening;       ///< what is done to the residual before it is squared
   /// Displacements and velocities that are fitted, each weighted by its noise; empty: the displacements of the record
   std::vector<std::string> channels;
+  std::vector<int> separate;  ///< parameters (from 0) that each record has for itself
+  Loss loss = Loss::squared;
+  int hold = -1;  ///< an entry of the fitted vector that stays where it starts
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.
 void validate(const FitOptions& options);
+
+/// Where each parameter of each record stands in the vector that is fitted: first those of the first record, then for
+/// each further record the separate ones.
+class FitLayout {
+ public:
+  FitLayout(int parameters, int records, const std::vector<int>& separate);
+  int size() const { return static_cast<int>(parameter_.size()); }
+  bool shared() const { return size() == parameters_; }
+  int place(int record, int parameter) const;
+  int parameter(int place) const { return parameter_[static_cast<std::size_t>(place)]; }
+  Eigen::VectorXd of_record(const Eigen::VectorXd& theta, int record) const;
+  /// The start of all from that of one record.
+  Eigen::VectorXd expanded(const Eigen::VectorXd& theta) const;
+
+ private:
+  int parameters_;
+  std::vector<int> separate_, parameter_;
+};
 
 /// One free run of the fit and its first state.
 struct FitSegment {
@@ -49,12 +73,15 @@ struct FitSegment {
 };
 
 struct FitResult {
-  Eigen::VectorXd theta;
+  Eigen::VectorXd theta;  ///< as FitLayout has it
   std::vector<FitSegment> segments;
   /// per record: measured - model [m] of its first fitted channel (force [N] with imposed motion), rows out of use too
   std::vector<Eigen::VectorXd> residual;
-  double cost = 0;        ///< sum of squared (whitened) residuals
-  Eigen::Index rows = 0;  ///< rows in the cost
+  double cost = 0;              ///< sum of squared (whitened) residuals
+  Eigen::Index rows = 0;        ///< rows in the cost
+  double freedom = 1;           ///< rows less what was fitted
+  Eigen::Index outliers = 0;    ///< rows that count linearly (Loss::huber)
+  double clip = 0;              ///< beyond which they do
   Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost
   /// Pseudo-inverse of information times cost / degrees of freedom, widened where sums of the scores over blocks vary
   /// more (the residual is not white); 0 rows at bounds
@@ -79,6 +106,20 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
 /// wrong first guess does not lock into a neighbouring phase (multiple shooting; Bock 1983).
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options = {});
+
+/// The profile likelihood of one entry of the fitted vector: the other parameters fitted again while it is held at
+/// values on both sides (Venzon & Moolgavkar 1988, Appl. Statist. 37, 87). Throws InputError for an entry without a
+/// deviation.
+struct Profile {
+  struct Point {
+    double value;
+    double drop;  ///< of twice the log-likelihood
+  };
+  std::vector<Point> points;  ///< in order of value
+  double low = 0, high = 0;   ///< 95 % interval; infinite where it is open: at a bound, or beyond 10 deviations
+};
+Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
+                           const FitOptions& options, int index);
 
 /// First state estimated on the rows [first, first + count) alone with theta fixed.
 struct StateEstimate {

@@ -24,8 +24,8 @@ struct InertiaRow {
 /// One row per coordinate of the model. Throws InputError naming the part that is not affine in the accelerations.
 std::vector<InertiaRow> inertia_rows(const Model& model);
 
-/// The accelerations for given right-hand sides F - force, as expressions: a division where the mass matrix is diagonal,
-/// else Gaussian elimination by rows without pivoting (a mass matrix is positive definite), zeros left out.
+/// The accelerations for given right-hand sides F - force, as expressions: a division where the mass matrix is
+/// diagonal, else Gaussian elimination by rows without pivoting (a mass matrix is positive definite), zeros left out.
 std::vector<Expr> solve_accelerations(std::vector<InertiaRow> rows, std::vector<Expr> right);
 
 /// An expression as a list of summands: sums and differences taken apart, signs kept.

@@ -227,6 +227,21 @@ std::string state_line(const InternalState& z, Format format) {
 
 }  // namespace
 
+std::vector<std::string> Model::inputs() const {
+  std::vector<std::string> channels;
+  if (imposed_motion) return channels;
+  for (const int i : driven) channels.push_back(channel('F', i));
+  std::vector<Expr> parts;
+  for (int i = 0; i < degrees(); ++i) parts.push_back(coordinate(i).restoring);
+  for (const InternalState& z : states) parts.push_back(z.rate);
+  for (const char* base : {"yb", "vb", "ab"}) {
+    const Expr symbol = pool->channel(base);
+    if (std::any_of(parts.begin(), parts.end(), [&](Expr f) { return depends_on(f, symbol); }))
+      channels.emplace_back(base);
+  }
+  return channels;
+}
+
 const Parameter* Model::find(std::string_view name) const {
   const auto row = std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
   return row == parameters.end() ? nullptr : &*row;

@@ -41,8 +41,8 @@ struct Coordinate {
 /// y2 ... All may hold the motion of a base, yb vb ab. `motion imposed`: y and v are inputs, the output is the force.
 struct Model {
   std::shared_ptr<Pool> pool;
-  Expr mass;       ///< of the first coordinate; see Coordinate
-  Expr restoring;  ///< of the first coordinate
+  Expr mass;                        ///< of the first coordinate; see Coordinate
+  Expr restoring;                   ///< of the first coordinate
   std::vector<Coordinate> further;  ///< those of y2, y3 ...
   std::vector<int> driven;          ///< coordinates that a force acts on, from 0; empty: all
   std::vector<InternalState> states;
@@ -54,6 +54,10 @@ struct Model {
   /// "y" with one degree of freedom, else "y1", "y2" ...; the same for v, a, F. i counts from 0.
   std::string channel(char quantity, int i) const;
 
+  /// The channels that drive it: the forces of the driven coordinates, then those of yb vb ab that it holds. Of a
+  /// complete model (complete()).
+  std::vector<std::string> inputs() const;
+
   const Parameter* find(std::string_view name) const;
   Parameter* find(std::string_view name);
   std::vector<double> values() const;
@@ -63,8 +67,8 @@ struct Model {
 };
 
 /// Checks a model and completes its table: every parameter of its expressions gets a row (in order of appearance).
-/// Throws InputError: terms not affine in `a`, constant mass <= 0 without imposed motion, a channel of a coordinate that
-/// there is not, a parameter that no expression uses, bounds that cross, a first guess outside its bounds, a state
+/// Throws InputError: terms not affine in `a`, constant mass <= 0 without imposed motion, a channel of a coordinate
+/// that there is not, a parameter that no expression uses, bounds that cross, a first guess outside its bounds, a state
 /// without rate.
 Model complete(Model model);
 
@@ -97,8 +101,8 @@ class System {
   const Tape& rate_with_derivatives() const { return dynamics().derivatives; }
   /// outputs, for each switching surface: the derivative of g by every input of rate(), in their order
   const Tape& switch_gradients() const { return dynamics().gradients; }
-  /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base motion
-  /// that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
+  /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base
+  /// motion that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }
   /// outputs: that force, its derivatives by each z and by each theta; inputs as force()
   const Tape& force_with_derivatives() const { return force_with_derivatives_; }

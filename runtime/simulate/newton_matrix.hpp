@@ -1,6 +1,6 @@
 #pragma once
-// The matrix and the linear solver of SUNDIALS' Newton iterations: dense, banded or sparse by size and pattern. Internal
-// to this room.
+// The matrix and the linear solver of SUNDIALS' Newton iterations: dense, banded or sparse by size and pattern.
+// Internal to this room.
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
@@ -43,8 +43,8 @@ class NewtonMatrix {
   int n_;
   const std::vector<Dynamics::Entry>* pattern_;
   std::vector<double> entries_;
-  std::vector<int> place_;           ///< sparse: where entry i of the pattern stands in the columns
-  std::vector<long> start_, rows_;   ///< sparse: the columns
+  std::vector<int> place_;          ///< sparse: where entry i of the pattern stands in the columns
+  std::vector<long> start_, rows_;  ///< sparse: the columns
   SundialsHandle<SUNMatrix, MatrixDeleter> matrix_;
   SundialsHandle<SUNLinearSolver, LinearSolverDeleter> solver_;
 };

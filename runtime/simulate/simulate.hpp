@@ -87,6 +87,10 @@ class Excitations {
 /// automatic and fixed are ours; the rest is SUNDIALS': CVODE's BDF and Adams, ARKODE's explicit Runge-Kutta pairs 3(2)
 /// (Bogacki & Shampine), 5(4) (Dormand & Prince) and 8(7) (Fehlberg), and its L-stable ESDIRK5(4)7L[2]SA (Kennedy &
 /// Carpenter 2019).
+/// The channels of a record that drive the system. Throws InputError naming the channel that it lacks: the forces may
+/// be absent where others drive, but not all inputs.
+Excitations excitations_of(const System& system, const Record& record, Interpolation interpolation);
+
 enum class Solver { automatic, fixed, bdf, adams, rk23, rk45, rk78, esdirk };
 std::string to_string(Solver);
 /// All of them, in that order.

@@ -114,9 +114,28 @@ FixedOutcome run_smooth(const FixedProblem& problem, const Eigen::VectorXd& x0, 
   }
 }
 
-FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink) {
+namespace {
+
+/// s' = J s + (P, 0) of two states, with P parameters known to the compiler; rows as in sensitivity_rate().
+template <int P>
+void sensitivities_of_two(const double* __restrict jx, const double* __restrict jtheta, const double* __restrict s,
+                          double* __restrict out) noexcept {
+  constexpr int columns = P + 2;
+  for (int c = 0; c < columns; ++c) {
+    out[c] = jx[0] * s[c] + jx[1] * s[columns + c];
+    out[columns + c] = jx[2] * s[c] + jx[3] * s[columns + c];
+  }
+  for (int c = 0; c < P; ++c) {
+    out[c] += jtheta[c];
+    out[columns + c] += jtheta[P + c];
+  }
+}
+
+/// A run with sensitivities; P parameters of a system of two states where the compiler knows them, else P = -1.
+template <int P>
+FixedOutcome integrate_sensitivities(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink) {
   const Dynamics& d = *problem.dynamics;
-  const int n = d.n, p = d.p, size = n * (1 + p + n);
+  const int n = P < 0 ? d.n : 2, p = P < 0 ? d.p : P, size = n * (1 + p + n);
   std::vector<double> r = registers(problem, d.derivatives), start(size, 0.0);
   std::copy_n(x0.data(), n, start.data());
   for (int i = 0; i < n; ++i) start[n + i * (p + n) + p + i] = 1;
@@ -130,9 +149,26 @@ FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::
     for (int i = 0; i < n; ++i) state[i] = X[i];
     d.derivatives.run_prepared(r.data());
     for (int i = 0; i < n; ++i) K[i] = f[i];
-    sensitivity_rate(n, p, jx, jtheta, infinity, X + n, K + n);
+    if constexpr (P < 0)
+      sensitivity_rate(n, p, jx, jtheta, infinity, X + n, K + n);
+    else
+      sensitivities_of_two<P>(jx, jtheta, X + n, K + n);
   };
-  return integrate<0>(problem, size, start, rate, sink);
+  return integrate<(P < 0 ? 0 : 2 * (3 + P))>(problem, size, start, rate, sink);
+}
+
+}  // namespace
+
+FixedOutcome run_smooth_sensitivities(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink) {
+  if (problem.dynamics->n == 2) switch (problem.dynamics->p) {
+      case 1: return integrate_sensitivities<1>(problem, x0, sink);
+      case 2: return integrate_sensitivities<2>(problem, x0, sink);
+      case 3: return integrate_sensitivities<3>(problem, x0, sink);
+      case 4: return integrate_sensitivities<4>(problem, x0, sink);
+      case 5: return integrate_sensitivities<5>(problem, x0, sink);
+      default: break;
+    }
+  return integrate_sensitivities<-1>(problem, x0, sink);
 }
 
 }  // namespace lunid

@@ -20,9 +20,7 @@ SUNContext new_context() {
 }  // namespace
 
 SundialsBase::SundialsBase(Ode& ode, const Eigen::VectorXd& x0)
-    : ode_(ode),
-      context_(new_context()),
-      x_(N_VNew_Serial(x0.size(), context_.get())) {
+    : ode_(ode), context_(new_context()), x_(N_VNew_Serial(x0.size(), context_.get())) {
   check(x_.get(), "N_VNew_Serial");
   load(x0);
 }

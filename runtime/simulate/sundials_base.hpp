@@ -24,7 +24,9 @@ class SundialsBase : public Integrator {
 
   static void check(int flag, const char* call) { check_sundials(flag, call); }
   static void check(const void* handle, const char* call) { check_sundials(handle, call); }
-  void make_newton() { newton_ = std::make_unique<NewtonMatrix>(ode_.states(), ode_.pattern(), x_.get(), context_.get()); }
+  void make_newton() {
+    newton_ = std::make_unique<NewtonMatrix>(ode_.states(), ode_.pattern(), x_.get(), context_.get());
+  }
   /// Throws what a callback threw, once.
   void rethrow();
   void load(const Eigen::VectorXd& x) noexcept;

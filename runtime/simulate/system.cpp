@@ -22,20 +22,6 @@ void add_internal_states(DynamicsSource& source, const Model& model) {
   }
 }
 
-std::vector<std::string> input_channels(const Model& model) {
-  std::vector<std::string> channels;
-  for (const int i : model.driven) channels.push_back(model.channel('F', i));
-  std::vector<Expr> parts;
-  for (int i = 0; i < model.degrees(); ++i) parts.push_back(model.coordinate(i).restoring);
-  for (const InternalState& z : model.states) parts.push_back(z.rate);
-  for (const char* base : {"yb", "vb", "ab"}) {
-    const Expr symbol = model.pool->channel(base);
-    if (std::any_of(parts.begin(), parts.end(), [&](Expr f) { return depends_on(f, symbol); }))
-      channels.emplace_back(base);
-  }
-  return channels;
-}
-
 /// The time derivative of an input where it is another one, or an empty Expr.
 Expr input_rate(Pool& pool, const std::vector<std::string>& inputs, const std::string& name) {
   const std::string rate = name == "yb" ? "vb" : name == "vb" ? "ab" : "";
@@ -110,7 +96,7 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
   if (degrees_ == 1 && !rates_hold_input(model))
     imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
   if (!model.imposed_motion) {
-    inputs_ = input_channels(model);
+    inputs_ = model.inputs();
     free_ = std::make_shared<const Dynamics>(compile(free_motion(model, rows, inputs_)));
   } else if (!imposed_) {
     throw InputError("model: the rate of a state holds F, which is the output where the motion is imposed");

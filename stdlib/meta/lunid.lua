@@ -34,6 +34,26 @@ function lunid.read(fields) end
 ---@return lunid.window
 function lunid.window(fields) end
 
+---The displacements of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.displacements(count) end
+
+---The velocities of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.velocities(count) end
+
+---The accelerations of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.accelerations(count) end
+
+---The forces of the coordinates of a model of several degrees of freedom, as so many values.
+---@param count integer # number of coordinates
+---@return lunid.expressions
+function lunid.forces(count) end
+
 ---An unknown number to fit. It stands in expressions as a symbol.
 ---@class lunid.parameter.fields
 ---@field name string # how it is written in equations and results
@@ -126,11 +146,11 @@ function lunid.regress(fields) end
 ---Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.
 ---@class lunid.simulate.fields
 ---@field model lunid.model # what moves
----@field excitation any # a record, whose F drives the model, or an expression of lunid.time
----@field from? "record"|table # first state { y, v, ... }, or 'record': that of the record; else the record's, else rest
+---@field excitation any # a record, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
+---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run, where the force is an expression
 ---@field dt? number # sample time of the result, where the force is an expression
----@field solver? "auto"|"fixed"|"bdf"|"adams"|"explicit" # how to integrate
+---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field substeps? integer # of the fixed path, per sample; else chosen
@@ -138,26 +158,41 @@ function lunid.regress(fields) end
 ---@return lunid.run
 function lunid.simulate(fields) end
 
----Refines a model's parameters on the trajectory: least squares on the displacement of free runs.
----@class lunid.fit.fields
----@field model lunid.model # with first guesses
+---Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included.
+---@class lunid.fit_trajectory.fields
+---@field model lunid.model # with first guesses and bounds
 ---@field record any # one record or several
 ---@field window? lunid.window # part of the records
+---@field channels? table # the displacements and velocities to fit, each weighted by its noise; else the displacements
+---@field separate? table # names of parameters that each record has for itself
+---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
+---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples
 ---@field max_iterations? integer # of Levenberg-Marquardt
----@param fields lunid.fit.fields
----@return lunid.model
-function lunid.fit(fields) end
+---@param fields lunid.fit_trajectory.fields
+---@return lunid.trajectory_fit
+function lunid.fit_trajectory(fields) end
 
----The equation of motion m*a + restoring = F. With imposed motion, y and v drive it and F is its output.
+---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
----@field mass number|lunid.expression # a number, a parameter, or an expression
----@field restoring number|lunid.expression # restoring force; 0 for none
+---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
+---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
+---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
 ---@field states? table # internal states that the restoring force does not name
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0
 ---@param fields lunid.model.fields
 ---@return lunid.model
 function lunid.model(fields) end
+
+---Masses in a row with an element between neighbours: y1 ... yn, each element a function of its elongation and the rate of it.
+---@class lunid.chain.fields
+---@field masses table # one for each coordinate
+---@field element function # function(elongation, rate, index) that returns the force, positive in tension
+---@field ends? "fixed"|"left"|"right"|"free" # which ends an element ties to the ground: both, the first mass, the last, none
+---@field forces? table # the coordinates that a force acts on; else all
+---@param fields lunid.chain.fields
+---@return lunid.model
+function lunid.chain(fields) end
 
 ---Loads a model that model:save wrote, or that is written by hand in the same form.
 ---@class lunid.load.fields
@@ -238,6 +273,18 @@ function lunid.figure.surface(fields) end
 ---@return lunid.figure
 function lunid.figure.residual_map(fields) end
 
+---A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.
+---@class lunid.figure.response.fields
+---@field response lunid.response # what to draw
+---@field quantity? string # a column of the response, such as "amplitude_3" or "phase_1"
+---@field state? string # whose motion; else the first displacement
+---@field series? table # curves to compare with
+---@field log? boolean # logarithmic axis of the quantity
+---@field title? string # above the chart
+---@param fields lunid.figure.response.fields
+---@return lunid.figure
+function lunid.figure.response(fields) end
+
 ---Bilinear interpolation between the corners of equal cells; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
@@ -258,6 +305,54 @@ function lunid.grid(fields) end
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end
+
+---The periodic answers of a model to a harmonic excitation over a range of frequencies: stable and unstable branches by continuation, or what a stepped or swept sine shows.
+---@class lunid.frequency_response.fields
+---@field model lunid.model # what is driven
+---@field amplitude number # of the force amplitude*cos(2*pi*f*t), or of the base's displacement in m; a list gives a curve for each
+---@field input? string # the force that acts, such as 'F2', or 'base'; else the model's first input
+---@field from number # lowest frequency
+---@field to number # highest frequency
+---@field method? "auto"|"harmonic_balance"|"shooting"|"stepped_up"|"stepped_down"|"swept_up"|"swept_down" # 'auto': harmonic balance, and shooting where the model has switches or bounds
+---@field harmonics? integer # of harmonic balance; else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, and of steadiness, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of a branch
+---@field stability? boolean # find the Floquet multipliers of each point
+---@field points? integer # frequencies of a stepped sine
+---@field max_periods? integer # in which a stepped sine must become steady
+---@field rate? number # of a swept sine
+---@param fields lunid.frequency_response.fields
+---@return lunid.response
+function lunid.frequency_response(fields) end
+
+---The free motions that grow out of a mode: frequency and damping ratio over amplitude.
+---@class lunid.backbone.fields
+---@field model lunid.model # its damping is made up for, its forces are 0
+---@field from number # smallest amplitude of the displacement that moves most
+---@field to number # largest amplitude
+---@field mode? integer # counted from the lowest frequency
+---@field harmonics? integer # else as many as are needed, up to 63
+---@field accuracy? number # of harmonics left out, over the amplitude
+---@field max_step? number # largest relative change of motion and frequency from point to point
+---@field max_points? integer # of the curve
+---@param fields lunid.backbone.fields
+---@return lunid.backbone
+function lunid.backbone(fields) end
+
+---The states of a free run once per period of its excitation.
+---@class lunid.poincare.fields
+---@field model lunid.model # what moves
+---@field excitation number|lunid.expression # an expression of lunid.time, or a table of them by channel, as of lunid.simulate
+---@field period number # of the excitation
+---@field from? table # first state { y, v, ... }
+---@field points? integer # periods shown
+---@field transient? integer # periods before them that are left out
+---@field phase? number # part of the period at which to look
+---@field samples? integer # of a period; each is two steps
+---@param fields lunid.poincare.fields
+---@return lunid.section
+function lunid.poincare(fields) end
 
 ---Where a model and its records disagree, what effect is missing, and how far the gap shrinks with it.
 ---@class lunid.discover.fields

@@ -29,7 +29,8 @@ spec.case("a value of another type", function()
   line_3("lunid.lasso { lambda = {} }",
     "study.lua:3: lasso: lambda: expected a number > 0 or 'cross-validate', got a table")
   line_3("lunid.model { mass = 'heavy', restoring = y }",
-    "study.lua:3: model: mass: expected an expression or a number, got the string 'heavy'")
+    "study.lua:3: model: mass: expected an expression or a number, a list of them, or the rows of a matrix, "
+      .. "got the string 'heavy'")
   line_3("lunid.model { mass = 1, restoring = y, motion = 'imposd' }",
     "study.lua:3: model: motion: expected 'free' or 'imposed', got the string 'imposd', did you mean 'imposed'?")
   line_3("lunid.model { mass = 1, restoring = y, states = { y, 'z' } }",
@@ -37,7 +38,8 @@ spec.case("a value of another type", function()
 end)
 
 spec.case("a required field that is missing", function()
-  line_3("lunid.model { mass = 1 }", "study.lua:3: model: missing field 'restoring': an expression or a number")
+  line_3("lunid.model { mass = 1 }", "study.lua:3: model: missing field 'restoring': an expression or a number, "
+    .. "or a list of them")
 end)
 
 spec.case("a call without its table", function()
@@ -90,6 +92,25 @@ end)
 spec.case("a model that cannot be", function()
   line_3("lunid.model { mass = -2, restoring = y }", "study.lua:3: model: mass: expected > 0, got -2 (a mass of 0 needs imposed "
     .. "motion)")
+  line_3("lunid.model { mass = { 1, 2 }, restoring = y }",
+    "study.lua:3: model: mass: expected 1 entry, as many as restoring forces, got 2")
+  line_3("lunid.model { mass = { { 1, 2 }, { 1 } }, restoring = { y, v } }",
+    "study.lua:3: model: mass: row 2: expected 2 entries, got 1")
+  line_3("lunid.model { mass = { 1, 1 }, restoring = { lunid.displacements(2), y } }",
+    "study.lua:3: model: restoring of y2: cannot hold the channel 'y' (it may hold y1 y2 v1 v2 a1 a2 t yb vb ab)")
+  line_3("lunid.model { mass = { 1, 1 }, restoring = { 1, 2 }, forces = { 3 } }",
+    "study.lua:3: model: forces: expected coordinates from 1 to 2, got 3")
+  line_3("lunid.chain { masses = { 1 }, element = function() end }",
+    "study.lua:3: chain: element: expected the function to return an expression, got nothing")
+end)
+
+spec.case("an excitation that does not fit the model", function()
+  local simulate = "lunid.simulate { model = lunid.model { mass = 1, restoring = y }, duration = 1, dt = 0.01, "
+  line_3(simulate .. "excitation = { yb = 1 } }",
+    "study.lua:3: excitation: yb: drives nothing in this model; its inputs are F")
+  line_3(simulate .. "excitation = {} }", "study.lua:3: simulate: excitation: the table is empty")
+  line_3(simulate .. "excitation = { F = 'big' } }",
+    "study.lua:3: simulate: excitation: F: expected an expression or a number, got the string 'big'")
 end)
 
 spec.case("a guess of the user's own effect that fails", function()

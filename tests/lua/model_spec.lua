@@ -6,7 +6,10 @@ local y, v, a, t = lunid.displacement, lunid.velocity, lunid.acceleration, lunid
 
 --- Everything that can be seen of a model, as text.
 local function seen(model)
-  local lines = { tostring(model), tostring(model.mass), tostring(model.restoring), tostring(model.imposed_motion) }
+  local lines = { tostring(model), tostring(model.imposed_motion), table.concat(model.forces, " ") }
+  for _, part in ipairs { model.mass, model.restoring } do
+    for _, row in ipairs(model.degrees > 1 and part or { part }) do lines[#lines + 1] = tostring(row) end
+  end
   for _, row in ipairs(model.parameters) do
     lines[#lines + 1] = ("%s %a %a %a %a %s %s"):format(row.name, row.value or 0, row.min or -1, row.max or -1,
       row.std or -1, row.unit, row.fixed)
@@ -52,6 +55,50 @@ spec.case("imposed motion, no first guess", function()
 end)
 
 spec.case("terms in a", function() round_trip(lunid.model { mass = 3, restoring = 2*a + 5*y }, "inertia") end)
+
+spec.case("several coordinates, a full mass matrix, a moving base", function()
+  local y1, y2 = lunid.displacements(2)
+  local k = lunid.parameter { "k", 3 }
+  round_trip(lunid.model { mass = { { 2, 0.5 }, { 0.5, 1 } }, forces = { 2 },
+    restoring = { k*(y1 - lunid.base_displacement), k*(y2 - y1)^3 } }, "coordinates")
+  round_trip(lunid.model { mass = 1, restoring = k*(y - lunid.base_displacement) + 2*(v - lunid.base_velocity) }, "base")
+end)
+
+spec.case("a chain and what it stands for", function()
+  local k, c = lunid.parameter { "k", 3 }, lunid.parameter { "c", 1 }
+  local function element(d, w, index) return index*k*d + c*w end
+  local chain = lunid.chain { masses = { 1, 2 }, element = element, ends = "left" }
+  local y1, y2 = lunid.displacements(2)
+  local v1, v2 = lunid.velocities(2)
+  local same = lunid.model { mass = { 1, 2 },
+    restoring = { k*y1 + c*v1 - (2*k*(y2 - y1) + c*(v2 - v1)), 2*k*(y2 - y1) + c*(v2 - v1) } }
+  spec.equal(chain:equation(), same:equation())
+  round_trip(lunid.chain { masses = { 1, 2, 1 }, element = element, forces = { 1 } }, "chain")
+  spec.equal(lunid.chain { masses = { 4 }, element = function(d) return k*d end, ends = "right" }:equation(),
+    "4*a + k*y = F")
+end)
+
+spec.case("a run has a column for each coordinate", function()
+  local k = lunid.parameter { "k", 100 }
+  local model = lunid.chain { masses = { 1, 1 }, element = function(d) return k*d end }
+  -- symmetric start: both masses swing as one on k, w^2 = 100
+  local run = lunid.simulate { model = model, excitation = { F1 = 0 }, from = { 0.1, 0, 0.1, 0 }, duration = 1, dt = 0.01 }
+  for _, name in ipairs { "y1", "y2" } do
+    assert(math.abs(run:column(name)[101] - 0.1*math.cos(10)) < 1e-6, run:column(name)[101])
+  end
+  assert(math.abs(run:column "a2"[1] + 10) < 1e-9)
+  local names = {}
+  for i, channel in ipairs(run:record().channels) do names[i] = channel.name end
+  spec.equal(table.concat(names, " "), "F1 F2 y1 v1 y2 v2 a1 a2")
+end)
+
+spec.case("a base that moves slowly carries the mass along", function()
+  local yb, t = lunid.base_displacement, lunid.time
+  local model = lunid.model { mass = 1, restoring = 1e4*(y - yb) + 200*(v - lunid.base_velocity) }
+  spec.equal(table.concat(model.inputs, " "), "F yb vb")
+  local run = lunid.simulate { model = model, excitation = { yb = 0.01*lunid.sin(2*t) }, duration = 3, dt = 0.01 }
+  assert(math.abs(run:column "y"[301] - 0.01*math.sin(6)) < 1e-5)
+end)
 
 spec.clean()
 spec.finish()

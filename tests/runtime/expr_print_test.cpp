@@ -28,7 +28,7 @@ TEST(Print, four_formats) {
       {"y^-2", "y^{-2}", "pow(y, -2.0)", "y^-2"},
       {"(-3)^y", "\\left(-3\\right)^{y}", "pow(-3.0, y)", "(-3)^y"},
       {"-y^2", "-y^{2}", "-pow(y, 2.0)", "-y^2"},
-      {"y*-v", "y \\, \\left(-v\\right)", "y*-v", "y*-v"},
+      {"-y*v", "-y \\, v", "-y*v", "-y*v"},
       {"sin(y)^2", "\\left(\\sin\\left(y\\right)\\right)^{2}", "pow(sin(y), 2.0)", "lunid.sin(y)^2"},
       {"asin(y) + log(y)", "\\arcsin\\left(y\\right) + \\ln\\left(y\\right)", "asin(y) + log(y)",
        "lunid.asin(y) + lunid.log(y)"},

@@ -1,0 +1,225 @@
+// Fits on the trajectory.
+#include <cmath>
+
+#include "runtime.hpp"
+#include "types.hpp"
+
+namespace lunid::lua {
+
+namespace {
+
+std::vector<FitData> data_of(lua_State* L, int index, const System& system, Interpolation interpolation) {
+  std::vector<FitData> data;
+  for_each(L, index, [&](lua_Integer) {
+    const Record& record = check<Record>(L, -1);
+    const bool imposed = system.model().imposed_motion;
+    data.push_back({record, imposed ? Excitations() : excitations_of(system, record, interpolation), {}});
+  });
+  return data;
+}
+
+int parameter_index(const Model& model, const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    if (model.parameters[i].name == name) return static_cast<int>(i);
+    names.push_back(model.parameters[i].name);
+  }
+  const std::string near = nearest_word(name, names);
+  throw InputError(where + ": the model has no parameter '" + name + "'" +
+                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+}
+
+FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
+  FitOptions options;
+  options.max_iterations = static_cast<int>(number_field(L, index, "max_iterations").value_or(options.max_iterations));
+  options.cancelled = &runtime(L).cancelled();
+  options.channels = strings_field(L, index, "channels");
+  options.loss = string_field(L, index, "loss").value_or("squared") == "huber" ? Loss::huber : Loss::squared;
+  options.segment = std::llround(number_field(L, index, "segment").value_or(0) / dt);
+  for (const std::string& name : strings_field(L, index, "separate"))
+    options.separate.push_back(parameter_index(model, name, "fit_trajectory: separate"));
+  validate(options);
+  return options;
+}
+
+/// fit_trajectory(model, {records...}, {interpolation=, max_iterations=, channels=, separate=, loss=, segment=})
+int fit(lua_State* L) {
+  TrajectoryFit fit;
+  fit.system = std::make_shared<const System>(check<Model>(L, 1));
+  check_table(L, 2);
+  check_table(L, 3);
+  fit.data = data_of(L, 2, *fit.system, interpolation_from(string_field(L, 3, "interpolation").value_or("linear")));
+  if (fit.data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
+  const Model& model = fit.system->model();
+  fit.options = options_of(L, 3, model, fit.data[0].record.dt());
+  for (const Parameter& parameter : model.parameters)
+    if (std::isnan(parameter.value))
+      throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess; give it one");
+  const std::vector<double> start = model.values();
+  fit.result = fit_progressively(
+      *fit.system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), fit.data,
+      fit.options);
+  push<TrajectoryFit>(L, std::move(fit));
+  return 1;
+}
+
+FitLayout layout_of(const TrajectoryFit& fit) {
+  return {fit.system->parameters(), static_cast<int>(fit.data.size()), fit.options.separate};
+}
+
+double deviation(const FitResult& result, int place) {
+  return result.covariance.rows() > place ? std::sqrt(result.covariance(place, place)) : std::nan("");
+}
+
+/// The model with the values found for a record, counted from 0.
+Model model_of(const TrajectoryFit& fit, int record) {
+  Model model = fit.system->model();
+  const FitLayout layout = layout_of(fit);
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const int place = layout.place(record, static_cast<int>(i));
+    model.parameters[i].value = fit.result.theta[place];
+    model.parameters[i].std = deviation(fit.result, place);
+  }
+  return model;
+}
+
+void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
+  const FitResult& r = fit.result;
+  lua_newtable(L);
+  lua_pushboolean(L, r.converged);
+  lua_setfield(L, -2, "converged");
+  push_text(L, r.stopped);
+  lua_setfield(L, -2, "stopped");
+  for (const auto& [field, value] : {std::pair{"iterations", static_cast<long>(r.iterations)}, std::pair{"runs", r.runs},
+                                     std::pair{"rows", static_cast<long>(r.rows)},
+                                     std::pair{"outliers", static_cast<long>(r.outliers)},
+                                     std::pair{"substeps", static_cast<long>(r.substeps)}}) {
+    lua_pushinteger(L, value);
+    lua_setfield(L, -2, field);
+  }
+  lua_pushnumber(L, r.cost);
+  lua_setfield(L, -2, "cost");
+  lua_pushnumber(L, std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))));
+  lua_setfield(L, -2, "rmse");
+}
+
+/// The correlations between what was fitted, as rows; 0 where there is no deviation.
+void push_correlation(lua_State* L, const FitResult& result) {
+  const Eigen::Index n = result.covariance.rows();
+  lua_newtable(L);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    lua_newtable(L);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double scale = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
+      lua_pushnumber(L, scale > 0 ? result.covariance(i, j) / scale : 0);
+      lua_rawseti(L, -2, j + 1);
+    }
+    lua_rawseti(L, -2, i + 1);
+  }
+}
+
+/// fit:profile(name, record = 1) -> {value = {...}, drop = {...}, low=, high=}
+int profile(lua_State* L) {
+  const TrajectoryFit& fit = check<TrajectoryFit>(L, 1);
+  const int parameter = parameter_index(fit.system->model(), check_string(L, 2), "profile");
+  const auto record = lua_isnoneornil(L, 3) ? 1 : check_integer(L, 3);
+  if (record < 1 || record > static_cast<long long>(fit.data.size()))
+    throw InputError("profile: record: expected 1 to " + std::to_string(fit.data.size()) + ", got " +
+                     std::to_string(record));
+  const Profile found = profile_likelihood(*fit.system, fit.result, fit.data, fit.options,
+                                           layout_of(fit).place(static_cast<int>(record) - 1, parameter));
+  lua_newtable(L);
+  for (const auto& [field, member] :
+       {std::pair{"value", &Profile::Point::value}, std::pair{"drop", &Profile::Point::drop}}) {
+    lua_newtable(L);
+    for (std::size_t i = 0; i < found.points.size(); ++i) {
+      lua_pushnumber(L, found.points[i].*member);
+      lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+    }
+    lua_setfield(L, -2, field);
+  }
+  for (const auto& [field, value] : {std::pair{"low", found.low}, std::pair{"high", found.high}}) {
+    lua_pushnumber(L, value);
+    lua_setfield(L, -2, field);
+  }
+  return 1;
+}
+
+/// fit:residual(record = 1) -> column: measured - model of its first fitted channel
+int residual(lua_State* L) {
+  const TrajectoryFit& fit = check<TrajectoryFit>(L, 1);
+  const auto record = lua_isnoneornil(L, 2) ? 1 : check_integer(L, 2);
+  if (record < 1 || record > static_cast<long long>(fit.data.size()))
+    throw InputError("residual: record: expected 1 to " + std::to_string(fit.data.size()) + ", got " +
+                     std::to_string(record));
+  push_column(L, fit.result.residual[static_cast<std::size_t>(record) - 1]);
+  return 1;
+}
+
+/// Fields model, models, summary, correlation; or a method.
+int get(lua_State* L) {
+  const TrajectoryFit& fit = check<TrajectoryFit>(L, 1);
+  const std::string key = check_string(L, 2);
+  if (key == "model") {
+    push<Model>(L, model_of(fit, 0));
+  } else if (key == "models") {
+    lua_newtable(L);
+    for (std::size_t r = 0; r < fit.data.size(); ++r) {
+      push<Model>(L, model_of(fit, static_cast<int>(r)));
+      lua_rawseti(L, -2, static_cast<lua_Integer>(r) + 1);
+    }
+  } else if (key == "summary") {
+    push_fit_summary(L, fit);
+  } else if (key == "correlation") {
+    push_correlation(L, fit.result);
+  } else {
+    luaL_getmetafield(L, 1, "__methods");
+    lua_getfield(L, -1, key.c_str());
+    if (lua_isnil(L, -1))
+      throw InputError("a trajectory fit has no '" + key +
+                       "' (fields: model models summary correlation; methods: profile residual)");
+  }
+  return 1;
+}
+
+int to_string(lua_State* L) {
+  const TrajectoryFit& fit = check<TrajectoryFit>(L, 1);
+  const FitResult& r = fit.result;
+  char text[200];
+  std::snprintf(text, sizeof text, "fit of %zu %s, %lld rows: RMSE %.4g after %d iterations, %s", fit.data.size(),
+                fit.data.size() == 1 ? "record" : "records", static_cast<long long>(r.rows),
+                std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))), r.iterations,
+                r.converged ? "converged" : "not converged");
+  std::string all = text;
+  if (r.outliers > 0) all += "; " + std::to_string(r.outliers) + " rows count as outliers";
+  const FitLayout layout = layout_of(fit);
+  for (int place = 0; place < layout.size(); ++place) {
+    const auto i = static_cast<std::size_t>(layout.parameter(place));
+    const Parameter& parameter = fit.system->model().parameters[i];
+    const int further = place - fit.system->parameters();
+    const bool own = std::find(fit.options.separate.begin(), fit.options.separate.end(), static_cast<int>(i)) !=
+                     fit.options.separate.end();
+    const int record = further < 0 ? 1 : 2 + further / static_cast<int>(fit.options.separate.size());
+    std::snprintf(text, sizeof text, "\n  %s = %.6g +- %.2g", parameter.name.c_str(), r.theta[place],
+                  deviation(r, place));
+    all += text + (parameter.unit.empty() ? "" : " " + parameter.unit);
+    if (own) all += " (record " + std::to_string(record) + ")";
+    if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])
+      all += " (at its bound)";
+    if (parameter.fixed) all += " (fixed)";
+  }
+  push_text(L, all);
+  return 1;
+}
+
+}  // namespace
+
+void open_fits(lua_State* L) {
+  static constexpr Entry methods[] = {{"profile", guarded<profile>}, {"residual", guarded<residual>}};
+  static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
+  make_type<TrajectoryFit>(L, methods, meta);
+  static constexpr Entry functions[] = {{"fit_trajectory", guarded<fit>}};
+  set_functions(L, functions);
+}
+
+}  // namespace lunid::lua

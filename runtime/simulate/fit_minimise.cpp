@@ -1,0 +1,207 @@
+// Levenberg-Marquardt on free runs, and what is known of the solution.
+#include "simulate/fit_problem.hpp"
+
+namespace lunid {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int variance_blocks = 20;  // over which sums of scores are taken to be independent
+
+/// J'J of theta with first states projected out.
+Eigen::MatrixXd schur(const Normal& normal) {
+  Eigen::MatrixXd a = normal.a;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s)
+    a.noalias() -= normal.ax[s] * pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose();
+  return a;
+}
+
+/// What each entry of the fitted vector may be.
+
+/// Parameters that may not move: fixed ones, and those at a bound that the gradient pushes against.
+std::vector<std::uint8_t> frozen(const Bounds& bounds, const Eigen::VectorXd& theta, const Eigen::VectorXd& descent,
+                                 std::vector<std::uint8_t>* at_bound) {
+  std::vector<std::uint8_t> out = bounds.fixed;
+  if (at_bound) at_bound->assign(out.size(), 0);
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    const bool held = (theta[i] <= bounds.min[i] && descent[i] <= 0) || (theta[i] >= bounds.max[i] && descent[i] >= 0);
+    if (held && at_bound) (*at_bound)[static_cast<std::size_t>(i)] = 1;
+    if (held) out[static_cast<std::size_t>(i)] = 1;
+  }
+  return out;
+}
+
+/// Widens a covariance where the residual is not white: A^-1 B A^-1 with B the sum over blocks of the squared sums of
+/// the scores (batch means: whatever the correlation within a block). Never narrows it.
+void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& inverse, Eigen::MatrixXd& covariance) {
+  Eigen::Index rows = 0;
+  for (const auto& s : scores) rows += s.rows();
+  const auto length = std::max<Eigen::Index>(1, rows / variance_blocks);
+  const Eigen::Index p = covariance.rows();
+  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(p, p);
+  double blocks = 0;
+  for (const auto& s : scores)
+    for (Eigen::Index first = 0; first + length <= s.rows(); first += length, ++blocks) {
+      const Eigen::VectorXd sum = s.middleRows(first, length).colwise().sum();
+      middle.noalias() += sum * sum.transpose();
+    }
+  if (blocks < variance_blocks / 2) return;
+  const Eigen::MatrixXd robust = inverse * middle * inverse * (blocks / (blocks - 1));
+  Eigen::VectorXd factor(p);
+  for (Eigen::Index i = 0; i < p; ++i)
+    factor[i] = covariance(i, i) > 0 ? std::sqrt(std::max(1.0, robust(i, i) / covariance(i, i))) : 1;
+  covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
+}
+
+/// Per row the gradient of half its squared error by theta, first states projected out; a matrix per segment.
+std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
+  const Eigen::Index p = normal.a.rows();
+  std::vector<Eigen::MatrixXd> scores;
+  for (std::size_t s = 0; s < normal.parts.size(); ++s) {
+    const auto& [residual, error, columns] = normal.parts[s];
+    Eigen::MatrixXd projected = columns.leftCols(p);
+    if (!normal.axx.empty())
+      projected -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
+    scores.push_back(error.asDiagonal() * projected);
+  }
+  return scores;
+}
+
+/// Covariance, ranks and residuals at the solution.
+void finish(const System& system, const std::vector<FitData>& data, const Bounds& bounds, const Normal& normal,
+            FitResult& result) {
+  const Eigen::Index p = result.theta.size();
+  result.rows = normal.rows;
+  result.outliers = normal.outliers;
+  for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
+  for (std::size_t s = 0; s < result.segments.size(); ++s) {
+    const FitSegment& segment = result.segments[s];
+    result.residual[static_cast<std::size_t>(segment.record)].segment(segment.first, segment.count) =
+        normal.parts[s].residual.head(segment.count);
+  }
+  result.information = schur(normal);
+  Eigen::VectorXd full = normal.a.diagonal();
+  result.unseen.assign(static_cast<std::size_t>(p), 0);
+  Eigen::MatrixXd information = result.information;
+  Eigen::Index free = 0;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!(information(i, i) > 1e-10 * full[i])) result.unseen[k] = 1;
+    if (result.at_bound[k] || bounds.fixed[k]) {
+      information.row(i).setZero();
+      information.col(i).setZero();
+    } else {
+      ++free;
+    }
+  }
+  const double states = system.model().imposed_motion
+                            ? 0
+                            : static_cast<double>(result.segments.size()) * 2 * system.degrees();
+  const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
+  const Eigen::MatrixXd inverse = pseudo_inverse(information);
+  result.freedom = freedom;
+  result.covariance = inverse * (normal.cost / freedom);
+  widen(scores_of(normal), inverse, result.covariance);
+}
+
+}  // namespace
+
+Step damped_step(const Normal& normal, double lambda, const std::vector<std::uint8_t>& frozen) {
+  Eigen::MatrixXd a = normal.a;
+  Eigen::VectorXd b = normal.b;
+  a.diagonal() *= 1 + lambda;
+  std::vector<Eigen::MatrixXd> inverse;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s) {
+    Eigen::MatrixXd axx = normal.axx[s];
+    axx.diagonal() *= 1 + lambda;
+    inverse.push_back(pseudo_inverse(axx));
+    a.noalias() -= normal.ax[s] * inverse[s] * normal.ax[s].transpose();
+    b.noalias() -= normal.ax[s] * (inverse[s] * normal.bx[s]);
+  }
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    if (frozen[static_cast<std::size_t>(i)]) {
+      a.row(i).setZero();
+      a.col(i).setZero();
+      b[i] = 0;
+    }
+  Step step;
+  step.theta = pseudo_inverse(a, 1e-13) * b;
+  for (std::size_t s = 0; s < normal.axx.size(); ++s)
+    step.x0.push_back(inverse[s] * (normal.bx[s] - normal.ax[s].transpose() * step.theta));
+  return step;
+}
+
+FitResult minimise(const System& system, const Eigen::VectorXd& given, const std::vector<FitData>& data,
+                   const FitOptions& options, std::vector<FitSegment> segments, int substeps, double clip) {
+  Problem problem(system, data, options, substeps);
+  problem.clip = clip;
+  problem.prepare(segments);
+  const Bounds bounds(system.model(), problem.layout(), options);
+  const Eigen::VectorXd start = problem.layout().expanded(given);
+  FitResult result;
+  result.substeps = substeps;
+  result.theta = start.cwiseMax(bounds.min).cwiseMin(bounds.max);
+  result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
+  Normal normal = problem.evaluate(result.theta, segments, true);
+  double lambda = 1e-4;
+  result.stopped = "iterations";
+  if (!std::isfinite(normal.cost)) {
+    result.cost = infinity;
+    result.segments = std::move(segments);
+    result.stopped = "free run: " + normal.cause;
+    result.runs = problem.runs;
+    return result;
+  }
+  for (; result.iterations < options.max_iterations && !result.converged; ++result.iterations) {
+    bool improved = false;
+    for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
+      auto hold = frozen(bounds, result.theta, normal.b, &result.at_bound);
+      Step step = damped_step(normal, lambda, hold);
+      Eigen::VectorXd theta = (result.theta + step.theta).cwiseMax(bounds.min).cwiseMin(bounds.max);
+      if (!theta.allFinite()) {
+        lambda = lambda * 10 + 1e-6;
+        continue;
+      }
+      std::vector<FitSegment> trial = segments;
+      for (std::size_t s = 0; s < step.x0.size(); ++s) trial[s].x0 += step.x0[s];
+      bool finite = true;
+      for (const auto& t : trial) finite = finite && t.x0.allFinite();
+      if (!finite) {
+        lambda = lambda * 10 + 1e-6;
+        continue;
+      }
+      // The first step of an iteration is nearly always taken: its derivatives are computed along with its cost.
+      Normal full = problem.evaluate(theta, trial, attempt == 0);
+      if (full.cost < normal.cost) {
+        const double drop = (normal.cost - full.cost) / normal.cost;
+        if (attempt > 0) full = problem.evaluate(theta, trial, true);
+        if (!std::isfinite(full.cost)) {
+          lambda = lambda * 10 + 1e-6;
+          continue;
+        }
+        result.theta = std::move(theta);
+        segments = std::move(trial);
+        normal = std::move(full);
+        improved = true;
+        lambda = std::max(lambda * 0.1, 1e-12);
+        if (drop < options.tolerance) {
+          result.converged = true;
+          result.stopped = "relative drop of the cost below " + std::to_string(options.tolerance);
+        }
+      } else {
+        lambda = lambda * 10 + 1e-9;
+      }
+    }
+    if (!improved) {
+      result.converged = true;
+      result.stopped = "no step lowers the cost";
+    }
+  }
+  frozen(bounds, result.theta, normal.b, &result.at_bound);
+  result.cost = normal.cost;
+  result.segments = std::move(segments);
+  finish(system, data, bounds, normal, result);
+  result.runs = problem.runs;
+  return result;
+}
+
+}  // namespace lunid

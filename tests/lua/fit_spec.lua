@@ -1,0 +1,50 @@
+-- lunid.fit_trajectory: what a fit tells, and its faults.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local record = lunid.read "../data/spring_multisine.csv"
+local y, v = lunid.displacement, lunid.velocity
+local k = lunid.parameter { "k", 7e5, min = 0, unit = "N/m" }
+local c = lunid.parameter { "c", 300, min = 0 }
+local k3 = lunid.parameter { "k3", 9e9 }
+local model = lunid.model { mass = 49, restoring = k*y + c*v + k3*y^3 }
+
+spec.case("a fit tells values, deviations, correlations and intervals", function()
+  local fit = lunid.fit_trajectory { model = model, record = record, interpolation = "band_limited" }
+  assert(fit.summary.converged and fit.summary.rows == record.rows)
+  local row = fit.model.parameters.k3
+  assert(math.abs(row.value - 1.1607e10) < 4*row.std, tostring(fit))  -- tests/data/README: the truth
+  assert(math.abs(fit.correlation[1][1] - 1) < 1e-12 and math.abs(fit.correlation[1][2] - fit.correlation[2][1]) < 1e-12)
+  local profile = fit:profile "k3"
+  assert(profile.low < row.value and row.value < profile.high)
+  spec.equal(#profile.value, #profile.drop)
+  assert(math.abs(fit:residual():std() - fit.summary.rmse) < 0.01*fit.summary.rmse)
+  spec.contains(tostring(fit), "k3 = ")
+end)
+
+spec.case("separate parameters, one model for each record", function()
+  local fit = lunid.fit_trajectory { model = model, record = { record:window(0, 3), record:window(3, 6) },
+    separate = { "c" }, interpolation = "band_limited" }
+  spec.equal(#fit.models, 2)
+  spec.equal(fit.models[1].parameters.k.value, fit.models[2].parameters.k.value)
+  assert(fit.models[1].parameters.c.value ~= fit.models[2].parameters.c.value)
+  spec.contains(tostring(fit), "(record 2)")
+end)
+
+local function fault(run, message)
+  local good, said = pcall(run)
+  assert(not good, "no error")
+  spec.contains(tostring(said), message)
+end
+
+spec.case("faults", function()
+  fault(function() lunid.fit_trajectory { model = model, record = record, separate = { "kk" } } end,
+    "fit_trajectory: separate: the model has no parameter 'kk', did you mean 'k'?")
+  fault(function() lunid.fit_trajectory { model = model, record = record, channels = { "x" } } end,
+    "fit_trajectory: channels: expected displacements or velocities of the model, got 'x'")
+  fault(function() lunid.fit_trajectory { model = model, record = record, los = "huber" } end,
+    "fit_trajectory: unknown field 'los', did you mean 'loss'?")
+end)
+
+spec.clean()
+spec.finish()

@@ -1,0 +1,223 @@
+// Fits on the trajectory: several channels, records and coordinates, outliers, profiles. The truth comes from a hand-written
+// Runge-Kutta method at a sixteenth of the sample time, not from the code under test.
+#include <array>
+#include <random>
+
+#include "simulate/fit.hpp"
+#include "simulate_models.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::fault_of;
+using testing::model_of;
+using testing::model_of_many;
+
+constexpr double dt = 0.002;
+constexpr int rows = 1500;
+
+double push(double t) { return 60 * std::sin(31 * t) + 40 * std::sin(73 * t + 1); }
+
+/// x' = f(t, x) of the hand-written truth, sampled at dt.
+template <std::size_t N, class Rate>
+std::vector<std::array<double, N>> truth(std::array<double, N> x, Rate rate) {
+  std::vector<std::array<double, N>> out{x};
+  constexpr int substeps = 16;
+  const double h = dt / substeps;
+  const auto moved = [](const auto& a, const auto& d, double s) {
+    auto b = a;
+    for (std::size_t i = 0; i < N; ++i) b[i] += s * d[i];
+    return b;
+  };
+  for (int i = 1; i < rows; ++i) {
+    for (int j = 0; j < substeps; ++j) {
+      const double t = dt * (i - 1) + h * j;
+      const auto k1 = rate(t, x), k2 = rate(t + h / 2, moved(x, k1, h / 2));
+      const auto k3 = rate(t + h / 2, moved(x, k2, h / 2)), k4 = rate(t + h, moved(x, k3, h));
+      for (std::size_t n = 0; n < N; ++n) x[n] += h / 6 * (k1[n] + 2 * k2[n] + 2 * k3[n] + k4[n]);
+    }
+    out.push_back(x);
+  }
+  return out;
+}
+
+auto duffing(double k, double c, double k3) {
+  return truth<2>({0.001, 0}, [=](double t, const std::array<double, 2>& x) {
+    return std::array<double, 2>{x[1], push(t) - k * x[0] - c * x[1] - k3 * x[0] * x[0] * x[0]};
+  });
+}
+
+/// A record of the truth with noise of a standard deviation per channel.
+template <std::size_t N>
+Record record_of(const std::vector<std::array<double, N>>& x, const std::vector<std::string>& names,
+                 const std::vector<double>& noise, unsigned seed, const std::string& force = "F") {
+  std::mt19937_64 bits(seed);
+  std::normal_distribution<double> normal(0, 1);
+  std::vector<Channel> channels;
+  const auto add = [&](const std::string& name, auto value, double std) {
+    Channel c;
+    c.name = name;
+    c.values.resize(rows);
+    for (int i = 0; i < rows; ++i) c.values[i] = value(i) + std * normal(bits);
+    c.noise = std;
+    channels.push_back(std::move(c));
+  };
+  add(force, [](int i) { return push(dt * i); }, 0);
+  for (std::size_t n = 0; n < names.size(); ++n)
+    if (!names[n].empty()) add(names[n], [&](int i) { return x[i][n]; }, noise[n]);
+  return derive_motion(Record("truth", 0, dt, std::move(channels)));
+}
+
+FitData data_of(const System& system, const Record& record) {
+  return {record, excitations_of(system, record, Interpolation::cubic), {}};
+}
+
+Eigen::VectorXd vector(std::initializer_list<double> values) { return testing::state(values); }
+
+TEST(FitTrajectory, OfDisplacementAndVelocityIsSharperThanOfEither) {
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const Record record = record_of(duffing(2e4, 10, 1e8), {"y", "v"}, {2e-5, 3e-3}, 1);
+  const std::vector<FitData> data{data_of(system, record)};
+  std::vector<FitResult> fits;
+  for (const std::vector<std::string>& channels :
+       {std::vector<std::string>{"y"}, std::vector<std::string>{"v"}, std::vector<std::string>{"y", "v"}}) {
+    FitOptions options;
+    options.channels = channels;
+    fits.push_back(fit_trajectory(system, vector({1.95e4, 14, 0.9e8}), data, options));
+    ASSERT_TRUE(fits.back().converged) << fits.back().stopped;
+    for (int i = 0; i < 3; ++i) {
+      const double expected[] = {2e4, 10, 1e8};
+      EXPECT_NEAR(fits.back().theta[i], expected[i], 4 * std::sqrt(fits.back().covariance(i, i))) << i;
+    }
+  }
+  EXPECT_EQ(fits[2].rows, 2 * rows);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT(fits[2].covariance(i, i), 1.1 * std::min(fits[0].covariance(i, i), fits[1].covariance(i, i))) << i;
+}
+
+TEST(FitTrajectory, OfTwoRecordsSharesWhatIsNotSeparate) {
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 1)),
+                                  data_of(system, record_of(duffing(2e4, 25, 1e8), {"y"}, {2e-5}, 2))};
+  FitOptions options;
+  options.separate = {1};
+  const FitResult fit = fit_trajectory(system, vector({1.95e4, 15, 0.9e8}), data, options);
+  ASSERT_TRUE(fit.converged) << fit.stopped;
+  ASSERT_EQ(fit.theta.size(), 4);  // k, c of the first, k3, c of the second
+  const double expected[] = {2e4, 10, 1e8, 25};
+  for (int i = 0; i < 4; ++i) {
+    const double std = std::sqrt(fit.covariance(i, i));
+    EXPECT_NEAR(fit.theta[i], expected[i], 4 * std) << i;
+    EXPECT_LT(std, 0.02 * expected[i]) << i;
+  }
+  const FitLayout layout(3, 2, options.separate);
+  EXPECT_EQ(layout.of_record(fit.theta, 1)[1], fit.theta[3]);
+  EXPECT_EQ(layout.of_record(fit.theta, 1)[2], fit.theta[2]);
+}
+
+// One row in twenty is off by 40 standard deviations, always upwards.
+TEST(FitTrajectory, WithHubersLossIsNotPulledByOutliers) {
+  const System system(model_of("1", "k*y + c*v"));
+  Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 3);
+  Channel y = record.channel("y");
+  for (int i = 7; i < rows; i += 20) y.values[i] += 8e-4;
+  Record spoiled("spoiled", 0, dt, {record.channel("F"), y});
+  const std::vector<FitData> data{data_of(system, derive_motion(spoiled))};
+  FitOptions options;
+  options.loss = Loss::huber;
+  const FitResult robust = fit_trajectory(system, vector({1.95e4, 14}), data, options);
+  const FitResult plain = fit_trajectory(system, vector({1.95e4, 14}), data);
+  ASSERT_TRUE(robust.converged && plain.converged);
+  EXPECT_GE(robust.outliers, rows / 20 - 1);
+  EXPECT_LT(robust.outliers, rows / 4);  // of a Gaussian 18 % lie beyond 1.345 deviations
+  EXPECT_LT(robust.covariance(0, 0), 0.2 * plain.covariance(0, 0));
+  EXPECT_NEAR(robust.theta[0], 2e4, 4 * std::sqrt(robust.covariance(0, 0)));
+  EXPECT_NEAR(robust.theta[1], 10, 4 * std::sqrt(robust.covariance(1, 1)));
+}
+
+TEST(FitTrajectory, ProfileIsTheNormalIntervalWhereTheModelIsNearlyLinear) {
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 4))};
+  const FitResult fit = fit_trajectory(system, vector({1.95e4, 14, 0.9e8}), data);
+  for (int i = 0; i < 3; ++i) {
+    const Profile profile = profile_likelihood(system, fit, data, {}, i);
+    const double std = std::sqrt(fit.covariance(i, i));
+    EXPECT_NEAR(profile.low, fit.theta[i] - 1.96 * std, 0.1 * std) << i;
+    EXPECT_NEAR(profile.high, fit.theta[i] + 1.96 * std, 0.1 * std) << i;
+    ASSERT_GE(profile.points.size(), 7u);
+    for (std::size_t k = 1; k < profile.points.size(); ++k)
+      EXPECT_LT(profile.points[k - 1].value, profile.points[k].value);
+  }
+}
+
+TEST(FitTrajectory, ProfileIsOpenAtABound) {
+  const Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 5);
+  const System free(model_of("1", "k*y + c*v"));
+  const FitResult first = fit_trajectory(free, vector({1.99e4, 12}), {data_of(free, record)});
+  Model model = model_of("1", "k*y + c*v");
+  Parameter k, c;
+  k.name = "k";
+  c.name = "c";
+  c.min = first.theta[1] - std::sqrt(first.covariance(1, 1));
+  model.parameters = {k, c};
+  const System system(model);
+  const std::vector<FitData> data{data_of(system, record)};
+  const FitResult fit = fit_trajectory(system, vector({1.99e4, 12}), data);
+  const Profile profile = profile_likelihood(system, fit, data, {}, 1);
+  EXPECT_EQ(profile.low, -std::numeric_limits<double>::infinity());
+  EXPECT_LT(profile.high, 3 * std::sqrt(fit.covariance(1, 1)) + fit.theta[1]);
+  FitOptions held;
+  held.hold = 1;
+  const FitResult still = fit_trajectory(system, vector({1.99e4, 12}), data, held);
+  EXPECT_EQ(still.theta[1], 12);
+  EXPECT_EQ(fault_of([&] { profile_likelihood(system, still, data, {}, 1); }),
+            "profile: the parameter has no standard deviation: it is fixed, sits at a bound, or is not seen");
+}
+
+// 60 periods, k 30 % off: one long run would lock into a neighbouring phase.
+TEST(FitTrajectory, FromFarGrowsTheRuns) {
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 6))};
+  const FitResult fit = fit_progressively(system, vector({1.4e4, 40, 0.1e8}), data);
+  ASSERT_TRUE(fit.converged) << fit.stopped;
+  EXPECT_NEAR(fit.theta[0], 2e4, 4 * std::sqrt(fit.covariance(0, 0)));
+  EXPECT_NEAR(fit.theta[2], 1e8, 4 * std::sqrt(fit.covariance(2, 2)));
+}
+
+TEST(FitTrajectory, OfTwoCoordinatesUsesBothSensors) {
+  const auto x = truth<4>({0, 0, 0, 0}, [](double t, const std::array<double, 4>& s) {
+    const double d = s[2] - s[0], inner = 1e4 * d + 5e8 * d * d * d;
+    return std::array<double, 4>{s[1], push(t) - 2e4 * s[0] - 8 * s[1] + inner, s[3], (-inner - 3 * s[3]) / 0.5};
+  });
+  const System system(
+      model_of_many({{"1", "k*y1 + c*v1 - (kc*(y2 - y1) + k3*(y2 - y1)^3)"}, {"0.5", "kc*(y2 - y1) + k3*(y2 - y1)^3 + 3*v2"}}));
+  const Record record = record_of(x, {"y1", "", "y2"}, {2e-5, 0, 2e-5}, 7, "F1");
+  const std::vector<FitData> data{data_of(system, record)};
+  const std::vector<double> start = testing::theta_of(system, {{"k", 1.9e4}, {"c", 10}, {"kc", 1.05e4}, {"k3", 4e8}});
+  const std::vector<double> expected = testing::theta_of(system, {{"k", 2e4}, {"c", 8}, {"kc", 1e4}, {"k3", 5e8}});
+  const FitResult fit = fit_progressively(system, Eigen::Map<const Eigen::VectorXd>(start.data(), 4), data);
+  ASSERT_TRUE(fit.converged) << fit.stopped;
+  EXPECT_EQ(fit.rows, 2 * rows);
+  for (int i = 0; i < 4; ++i) {
+    const double std = std::sqrt(fit.covariance(i, i));
+    EXPECT_NEAR(fit.theta[i], expected[i], 4 * std) << system.model().parameters[i].name;
+    EXPECT_LT(std, 0.05 * expected[i]) << system.model().parameters[i].name;
+  }
+}
+
+TEST(FitTrajectory, FaultsNameTheChannel) {
+  const System system(model_of("1", "k*y + c*v"));
+  const Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 1);
+  const std::vector<FitData> data{data_of(system, record)};
+  FitOptions options;
+  options.channels = {"a"};
+  EXPECT_EQ(fault_of([&] { fit_trajectory(system, vector({2e4, 10}), data, options); }),
+            "fit_trajectory: channels: expected displacements or velocities of the model, got 'a'");
+  options.channels = {};
+  options.separate = {2};
+  EXPECT_EQ(fault_of([&] { fit_trajectory(system, vector({2e4, 10}), data, options); }),
+            "fit_trajectory: separate: expected parameters from 0 to 1, got 2");
+}
+
+}  // namespace
+}  // namespace lunid
