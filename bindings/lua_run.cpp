@@ -75,8 +75,9 @@ int run(lua_State* L) {
     excitation = excitations_of(system, *record, interpolation);
   });
   with_field(L, 2, "signals", [&] {
-    excitation = of_expressions(L, lua_gettop(L), system, number_field(L, 2, "dt").value_or(1e-3),
-                                number_field(L, 2, "duration").value_or(1));
+    const double dt = number_field(L, 2, "dt").value_or(1e-3), duration = number_field(L, 2, "duration").value_or(1);
+    check_memory("simulate", duration / dt + 1, run_values(system));
+    excitation = of_expressions(L, lua_gettop(L), system, dt, duration);
   });
   Eigen::VectorXd x0;
   with_field(L, 2, "x0", [&] { x0 = check_column(L, -1); });

@@ -56,7 +56,7 @@ local simulate = schema.define({
     { "from", types.either(types.choice { "record" }, types.list(types.number(), 2)),
       help = "first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, "
         .. "else rest" },
-    { "duration", types.number { above = 0 }, unit = "s", help = "length of the run, where the force is an expression" },
+    { "duration", types.number { above = 0 }, unit = "s", help = "length of the run; of a record, else all" },
     { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result, where the force is an expression" },
     { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
     { "interpolation", types.choice(interpolations),
@@ -70,6 +70,14 @@ local simulate = schema.define({
 }, function(given)
   if getmetatable(given.excitation) == "lunid.record" then
     given.record = given.excitation
+    if given.duration then
+      local record = given.record
+      local span = (record.rows - 1) * record.dt
+      if given.duration > span + record.dt / 2 then
+        schema.fail("simulate", ("duration: the excitation lasts %.6g s, got %.6g s"):format(span, given.duration))
+      end
+      given.record = record:window(record.start, record.start + given.duration)
+    end
   else
     given.signals = signals_of(given.excitation)
     if not given.duration or not given.dt then

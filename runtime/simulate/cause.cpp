@@ -107,6 +107,33 @@ std::string mass_fault(const System& system, std::span<const double> theta, doub
   return "";
 }
 
+std::string start_fault(const System& system, std::span<const double> theta, const Excitations& excitation,
+                        const Eigen::VectorXd& x0) {
+  const double t = excitation.t0();
+  if (std::string fault = mass_fault(system, theta, t, x0); !fault.empty()) return fault;
+  const Dynamics& d = system.dynamics();
+  std::vector<double> in(d.inputs(), 0.0), out(d.rate.outputs()), scratch(d.rate.registers() + 1);
+  in[0] = t;
+  for (int i = 0; i < d.exogenous; ++i) in[1 + i] = excitation[i].at(t);
+  std::copy(x0.begin(), x0.end(), in.begin() + 1 + d.exogenous);
+  std::copy(theta.begin(), theta.end(), in.end() - d.p);
+  d.rate.run_point(in.data(), out.data(), scratch.data());
+  for (int i = 0; i < d.n; ++i) {
+    if (std::isfinite(out[i])) continue;
+    const int coordinate = i < 2 * d.degrees ? i / 2 : 0;
+    const std::string place =
+        " at the start, t = " + short_number(t) + " s, " + place_words(system.model(), x0, coordinate);
+    if (i >= 2 * d.degrees) return "the rate of the state " + d.names[i] + " has no finite value" + place;
+    Terms terms(system, theta, coordinate);
+    terms.sum(t, x0);
+    for (std::size_t k = 0; k < terms.values.size(); ++k)
+      if (!std::isfinite(terms.values[k]))
+        return "the term " + to_text(terms.expressions[k]) + " has no finite value" + place;
+    return "the rate of " + d.names[i] + " has no finite value" + place;
+  }
+  return "";
+}
+
 std::string explosion_cause(const System& system, std::span<const double> theta, double t, Eigen::VectorXd x,
                             double dt) {
   x = x.cwiseMin(huge).cwiseMax(-huge);

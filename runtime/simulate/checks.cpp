@@ -1,5 +1,8 @@
+#include <unistd.h>
+
 #include <cmath>
 
+#include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -17,9 +20,14 @@ std::string parameter_names(const System& system) {
   return text.empty() ? "none" : text;
 }
 
+/// A step's error is a difference of numbers with this many roundings in them.
+constexpr double least_rtol = 100 * std::numeric_limits<double>::epsilon();
+
 void check_options(const std::string& caller, const SimulateOptions& o) {
   const auto refuse = [&](const std::string& what) { throw InputError(caller + ": " + what); };
   if (!(o.rtol > 0) || !(o.rtol < 1)) refuse("rtol: expected > 0 and < 1, got " + number(o.rtol));
+  if (o.rtol < least_rtol)
+    refuse("rtol: " + number(o.rtol) + " is below what rounding leaves; the least is " + number(least_rtol));
   if (!(o.atol >= 0)) refuse("atol: expected >= 0, got " + number(o.atol));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
   if (!(o.bound >= 0)) refuse("bound: expected >= 0, got " + number(o.bound));
@@ -88,6 +96,22 @@ void check_run(const char* caller, const System& system, std::span<const double>
                        number(x0[i]));
   if (excitation.empty() || excitation.rows() < 2) throw InputError(name + ": the excitation is empty");
   check_options(name, options);
+  check_memory(name, excitation.rows(), run_values(system));
+}
+
+int run_values(const System& system) {
+  constexpr int coarse_and_fine = 3;  // substeps of the two grids of an input that every automatic run makes
+  const int inputs = static_cast<int>(system.inputs().size());
+  return 2 * (system.states() + system.degrees()) + inputs * (1 + coarse_and_fine * dormand_prince::nodes);
+}
+
+void check_memory(const std::string& caller, double rows, int values) {
+  const double needed = rows * values * sizeof(double);
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed <= there) return;
+  throw InputError(caller + ": " + number(rows) + " output points need " + number(std::round(needed / 1e9)) +
+                   " GB of memory, this machine has " + number(std::round(there / 1e9)) +
+                   "; take a longer dt or a shorter duration");
 }
 
 Run empty_run(const System& system, const Excitations& excitation) {

@@ -7,9 +7,6 @@
 namespace lunid {
 namespace {
 
-/// Steps within one sample after which the integrator gives up.
-constexpr long max_steps_per_sample = 200000;
-
 struct MemoryDeleter {
   void operator()(void* memory) const noexcept { CVodeFree(&memory); }
 };
@@ -24,7 +21,7 @@ class Cvode : public SundialsBase {
     check(CVodeInit(m, rate, t0, x_.get()), "CVodeInit");
     check(CVodeSetUserData(m, static_cast<SundialsBase*>(this)), "CVodeSetUserData");
     check(CVodeWFtolerances(m, weights), "CVodeWFtolerances");
-    check(CVodeSetMaxNumSteps(m, max_steps_per_sample), "CVodeSetMaxNumSteps");
+    check(CVodeSetMaxNumSteps(m, steps_per_pause), "CVodeSetMaxNumSteps");
     check(CVodeSetMaxStep(m, max_step), "CVodeSetMaxStep");
     make_newton();
     check(CVodeSetLinearSolver(m, newton_->solver(), newton_->matrix()), "CVodeSetLinearSolver");
@@ -41,6 +38,7 @@ class Cvode : public SundialsBase {
     flag_ = CVode(memory_.get(), to, x_.get(), &t, CV_NORMAL);
     rethrow();
     store(x);
+    if (flag_ == CV_TOO_MUCH_WORK) return Result::paused;
     return flag_ == CV_ROOT_RETURN ? Result::event : flag_ >= 0 ? Result::reached : Result::failed;
   }
 

@@ -214,6 +214,7 @@ Excitation::Excitation(double t0, double dt, Index rows, std::function<double(do
 Excitation::Excitation(double t0, double dt, Index rows, TimeFunction force)
     : t0_(t0), dt_(dt), rows_(rows), interpolation_(Interpolation::cubic), source_(std::make_shared<Source>()) {
   check(t0, dt, rows_);
+  check_memory("excitation", static_cast<double>(rows), 1);
   if (!force) throw InputError("excitation: no function of time is given");
   source_->t0 = t0;
   source_->dt = dt;

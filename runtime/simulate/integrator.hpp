@@ -26,10 +26,13 @@ struct Ode {
   virtual void error_weights(const double* x, double* w) = 0;              ///< 1 / (tolerated error of each state)
 };
 
+/// Steps after which the integrator pauses, and those within one sample after which it is given up.
+inline constexpr long steps_per_pause = 20000, max_steps_per_sample = 200000;
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  enum class Result { reached, event, failed };
+  enum class Result { reached, event, paused, failed };
   /// Integrates x from t towards `to`; stops at the first fall of an event function below zero. t and x are updated.
   virtual Result advance(double to, double& t, Eigen::VectorXd& x) = 0;
   /// Begins anew at t, x: after an event.
@@ -49,6 +52,10 @@ std::unique_ptr<Integrator> make_arkode(Solver method, Ode& ode, double t0, cons
 
 /// What the method is called in SUNDIALS: "CVODE BDF", "ARKODE ERK Dormand-Prince 5(4)" ...
 std::string sundials_name(Solver method);
+/// True where no equation is solved in a step. Adams solves one, and falls back on its A-stable second order.
+inline bool is_explicit(Solver method) {
+  return method == Solver::rk23 || method == Solver::rk45 || method == Solver::rk78;
+}
 /// True for the Runge-Kutta methods, which are ARKODE's.
 bool is_runge_kutta(Solver method);
 

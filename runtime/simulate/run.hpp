@@ -32,6 +32,9 @@ std::string mass_fault(const System& system, std::span<const double> theta, doub
 /// its root.
 std::string explosion_cause(const System& system, std::span<const double> theta, double t, Eigen::VectorXd x,
                             double dt);
+/// Why there is no motion from x0: "" when mass and rates have finite values there.
+std::string start_fault(const System& system, std::span<const double> theta, const Excitations& excitation,
+                        const Eigen::VectorXd& x0);
 /// What chatters.
 std::string chatter_cause(const Dynamics& dynamics, int event, long max_events);
 
@@ -45,10 +48,24 @@ std::string stop_cause(const System& system, const FixedProblem& problem, const 
 Run run_free(const System& system, std::span<const double> theta, const Excitations& excitation,
              const Eigen::VectorXd& x0, int substeps, const SimulateOptions& options);
 
+/// The fastest motion of the linearisation.
+struct Fastest {
+  double rate = 0;      ///< |eigenvalue| [1/s]; 0 where the Jacobian is not finite
+  bool decays = false;  ///< it dies away faster than it swings; never said of more than Dynamics::dense_limit states
+};
+Fastest fastest_motion(const System& system, std::span<const double> theta, const Excitations& excitation, double t,
+                       const Eigen::VectorXd& x);
+/// Substeps per sample without which the linearisation at x0 is unstable on a side of a switch: a contact that is made
+/// later in the run. 1 without switches and with more than Dynamics::dense_limit states.
+double contact_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
+                        const Eigen::VectorXd& x0);
+/// What to do where steps are too small for an explicit method.
+inline constexpr const char* take_implicit = "take solver = \"bdf\" or \"esdirk\"";
+
 /// Largest |a - b| of the displacement over the standard deviation of b; infinite when only one of them completed.
 double relative_change(const Run& a, const Run& b);
 
-/// Substeps found by halving.
+/// Substeps found by halving from at_least on.
 struct StepChoice {
   int substeps = 1;
   double change = 0;     ///< of y on halving, over std(y)
@@ -56,7 +73,8 @@ struct StepChoice {
   Run finer;             ///< the run with 2 * substeps
 };
 StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
-                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options);
+                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options,
+                             double at_least = 1);
 
 /// Ends a run where options.stop_when first rises above 0; the place is found by runs within the sample interval.
 /// Throws InputError when the condition holds a symbol that is no part of the system.

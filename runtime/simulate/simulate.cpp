@@ -59,8 +59,9 @@ void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutc
 }
 
 /// A run that cannot begin, or nothing.
-bool refuse_mass(const System& system, std::span<const double> theta, const VectorXd& x0, Run& run) {
-  const std::string fault = mass_fault(system, theta, run.t0, x0);
+bool refuse_start(const System& system, std::span<const double> theta, const Excitations& excitation,
+                  const VectorXd& x0, Run& run) {
+  const std::string fault = start_fault(system, theta, excitation, x0);
   if (fault.empty()) return false;
   run.summary.completed = false;
   run.summary.stopped_at = run.t0;
@@ -68,17 +69,19 @@ bool refuse_mass(const System& system, std::span<const double> theta, const Vect
   return true;
 }
 
-/// BDF where explicit steps are too many, or where they exploded, which may have been the method and not the model: the
-/// implicit run then replaces `run` if it completes.
+/// BDF where explicit steps are too many, or where they exploded or did not converge, which may have been the method
+/// and not the model: the implicit run then replaces `run` if it completes.
 void try_implicit(const System& system, std::span<const double> theta, const Excitations& excitation,
-                  const VectorXd& x0, SimulateOptions options, bool exploded, Run& run) {
+                  const VectorXd& x0, SimulateOptions options, const StepChoice& choice, Run& run) {
   options.solver = Solver::bdf;
   Run implicit = run_sundials(system, theta, excitation, x0, options);
-  if (exploded && !implicit.summary.completed) return;
+  if (choice.reached && !implicit.summary.completed) return;
+  const bool exploded = !run.summary.completed;
   run = std::move(implicit);
   run.summary.solver +=
-      exploded ? " (auto: explicit steps explode)"
-               : " (auto: explicit steps would need more than " + std::to_string(explicit_limit) + " per sample)";
+      !choice.reached ? " (auto: explicit steps would need more than " + std::to_string(explicit_limit) + " per sample)"
+      : exploded      ? " (auto: explicit steps explode)"
+                      : " (auto: halving explicit steps does not converge)";
 }
 
 }  // namespace
@@ -125,18 +128,23 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   const Excitations excitation = given.of(system);
   const Clock clock;
   Run run = empty_run(system, excitation);
-  if (refuse_mass(system, theta, x0, run)) return run;
+  if (refuse_start(system, theta, excitation, x0, run)) return run;
 
   const bool automatic = options.solver == Solver::automatic;
   if ((automatic || options.solver == Solver::fixed) && options.substeps > 0) {
     run = run_free(system, theta, excitation, x0, options.substeps, options);
   } else if (automatic || options.solver == Solver::fixed) {
-    StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance,
-                                          automatic ? explicit_limit : fixed_limit, options);
+    const int limit = automatic ? explicit_limit : fixed_limit;
+    StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, limit, options);
+    if (choice.finer.summary.events > 0) {  // two runs whose steps are too long for a contact can agree by chance
+      const double contact = contact_substeps(system, theta, excitation, x0);
+      if (choice.substeps < contact)
+        choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, limit, options, contact);
+    }
     run = std::move(choice.finer);
     run.summary.error = choice.change;
-    if (automatic && !(choice.reached && run.summary.completed))
-      try_implicit(system, theta, excitation, x0, options, choice.reached, run);
+    if (automatic && !(choice.change < default_tolerance && run.summary.completed))
+      try_implicit(system, theta, excitation, x0, options, choice, run);
   } else {
     run = run_sundials(system, theta, excitation, x0, options);
   }
@@ -164,7 +172,7 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   out.dx.resize(static_cast<std::size_t>(system.states()));
   for (const int state : states)
     out.dx.at(state).setConstant(excitation.rows(), columns, std::numeric_limits<double>::quiet_NaN());
-  if (refuse_mass(system, theta, x0, out.run)) return out;
+  if (refuse_start(system, theta, excitation, x0, out.run)) return out;
 
   RunSummary& summary = out.run.summary;
   int substeps = options.substeps;

@@ -113,7 +113,7 @@ Solver solver_from(std::string_view name);
 
 struct SimulateOptions {
   Solver solver = Solver::automatic;  ///< automatic: fixed; BDF where the explicit path is limited by stability
-  double rtol = 1e-8;                 ///< SUNDIALS, > 0
+  double rtol = 1e-8;                 ///< SUNDIALS, < 1 and at least 100 roundings, 2.3e-14
   double atol = 0;                    ///< SUNDIALS, >= 0; 0: rtol times the scale of each state
   int substeps = 0;                   ///< fixed path, per sample; 0: chosen by halving
   double bound = 0;                   ///< |y| beyond which a run counts as exploded; 0: 1e6 times the motion's scale
@@ -147,6 +147,12 @@ struct Run {
   Eigen::MatrixXd a;  ///< rows x coordinates: acceleration [m/s^2]
   RunSummary summary;
 };
+
+/// Numbers that a run keeps per row, those of its excitation included.
+int run_values(const System& system);
+/// Throws InputError, naming `caller`, when `rows` of `values` numbers each exceed the memory of this machine. For
+/// callers that make an excitation of a given length; simulate() asks it by itself.
+void check_memory(const std::string& caller, double rows, int values);
 
 /// Integrates from x0 (size states()) over the excitation. theta has parameters() values.
 /// Throws InputError for wrong sizes or non-finite values; a failed run is a result.

@@ -32,25 +32,52 @@ double spectral_radius(const Dynamics& d, const std::vector<double>& entries) {
   return std::exp(growth / power_counted);
 }
 
-/// Substeps without which the linearisation at x0 is unstable.
-double stable_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
-                       const Eigen::VectorXd& x0) {
+}  // namespace
+
+Fastest fastest_motion(const System& system, std::span<const double> theta, const Excitations& excitation, double t,
+                       const Eigen::VectorXd& x) {
   const Dynamics& d = system.dynamics();
   std::vector<double> in(d.inputs(), 0.0), entries(d.jacobian.outputs()), scratch(d.jacobian.registers() + 1);
+  in[0] = t;
+  for (int i = 0; i < d.exogenous; ++i) in[1 + i] = excitation[i].at(t);
+  std::copy(x.begin(), x.end(), in.begin() + 1 + d.exogenous);
+  std::copy(theta.begin(), theta.end(), in.end() - d.p);
+  d.jacobian.run_point(in.data(), entries.data(), scratch.data());
+  for (const double entry : entries)
+    if (!std::isfinite(entry)) return {};
+  if (!d.dense()) return {spectral_radius(d, entries), false};
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(d.n, d.n);
+  for (std::size_t e = 0; e < entries.size(); ++e) jacobian(d.pattern[e].row, d.pattern[e].column) = entries[e];
+  const Eigen::VectorXcd eigenvalues = jacobian.eigenvalues();
+  Eigen::Index place = 0;
+  const double rate = eigenvalues.cwiseAbs().maxCoeff(&place);
+  return {rate, eigenvalues[place].real() < -std::abs(eigenvalues[place].imag())};
+}
+
+double contact_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
+                        const Eigen::VectorXd& x0) {
+  const Dynamics& d = system.dynamics();
+  if (!d.dense() || d.surfaces.empty()) return 1;
+  std::vector<double> in(d.inputs(), 0.0), out(d.derivatives.outputs()), scratch(d.derivatives.registers() + 1);
   in[0] = excitation.t0();
   for (int i = 0; i < d.exogenous; ++i) in[1 + i] = excitation[i].at(excitation.t0());
   std::copy(x0.begin(), x0.end(), in.begin() + 1 + d.exogenous);
   std::copy(theta.begin(), theta.end(), in.end() - d.p);
-  d.jacobian.run_point(in.data(), entries.data(), scratch.data());
-  for (const double entry : entries)
-    if (!std::isfinite(entry)) return 1;
-  if (!d.dense()) return excitation.dt() * spectral_radius(d, entries) / stability;
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(d.n, d.n);
-  for (std::size_t e = 0; e < entries.size(); ++e) jacobian(d.pattern[e].row, d.pattern[e].column) = entries[e];
-  return excitation.dt() * jacobian.eigenvalues().cwiseAbs().maxCoeff() / stability;
+  double fastest = 0;
+  const auto& switches = d.derivative_switches;
+  std::vector<std::int8_t> mode(switches.surface.size());
+  for (std::size_t s = 0; s < d.surfaces.size(); ++s)
+    for (const int side : {1, -1}) {
+      for (std::size_t i = 0; i < mode.size(); ++i)  // 0: by the sign of the switch itself
+        mode[i] =
+            static_cast<std::int8_t>(switches.surface[i] == static_cast<int>(s) ? side * switches.orientation[i] : 0);
+      d.derivatives.run_frozen(in.data(), mode.data(), out.data(), nullptr, scratch.data());
+      using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Map<const Matrix> jacobian(out.data() + d.n, d.n, d.n);
+      if (jacobian.allFinite()) fastest = std::max(fastest, jacobian.eigenvalues().cwiseAbs().maxCoeff());
+    }
+  return std::max(1.0, excitation.dt() * fastest / stability);
 }
-
-}  // namespace
 
 double relative_change(const Run& a, const Run& b) {
   const auto infinite = std::numeric_limits<double>::infinity();
@@ -73,15 +100,19 @@ double relative_change(const Run& a, const Run& b) {
 }
 
 StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
-                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options) {
+                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options,
+                             double at_least) {
   StepChoice choice;
-  const double least = stable_substeps(system, theta, excitation, x0);
+  // substeps without which the linearisation at x0 is unstable
+  const double least = std::max(
+      at_least, excitation.dt() * fastest_motion(system, theta, excitation, excitation.t0(), x0).rate / stability);
   if (least > limit) {
     choice.substeps = limit;
     choice.change = std::numeric_limits<double>::infinity();
     choice.finer = empty_run(system, excitation);
     choice.finer.summary.completed = false;
-    choice.finer.summary.cause = "steps of 1/" + std::to_string(limit) + " sample are unstable";
+    choice.finer.summary.cause =
+        "steps of 1/" + std::to_string(limit) + " sample are unstable: the model is stiff; " + take_implicit;
     return choice;
   }
   while (choice.substeps < least) choice.substeps *= 2;

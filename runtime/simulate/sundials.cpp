@@ -1,5 +1,6 @@
 // Free runs by SUNDIALS: from event to event in frozen modes, by the same ModeMachine as the fixed path.
 #include <cmath>
+#include <optional>
 
 #include "simulate/integrator.hpp"
 #include "simulate/modes.hpp"
@@ -17,12 +18,22 @@ constexpr double reached_fraction = 1e-10;
 constexpr double rest_speed = 1e-12;
 /// |y| beyond this many times its largest value on the samples counts as an explosion when the integrator gives up.
 constexpr double runaway = 100;
+/// An explicit method is looked at after this many steps in samples that take more than crowded_sample of them each;
+/// after stiff_looks in a row at which stability holds its steps down the run stops. Hairer & Wanner, Solving ODEs II,
+/// IV.2, do so in their DOPRI5.
+constexpr long crowded_sample = 64, look_after = 4000;
+constexpr int stiff_looks = 5;
+/// Steps that are longer than this over the fastest decay are not those that accuracy asks for: it has long died away.
+constexpr double held_by_stability = 1;
 
-/// Thrown out of the integrator when the displacement passes the bound.
-struct Exploded {
+/// Where the integrator asked for the rate at a displacement beyond the bound.
+struct Beyond {
   double t;
   VectorXd x;
+  int times;
 };
+/// Steps that were too long are shortened in fewer tries than this; a motion that explodes asks again and again.
+constexpr int tries_beyond = 50;
 
 /// A model in its present mode.
 class ModalOde : public Ode {
@@ -36,9 +47,10 @@ class ModalOde : public Ode {
         observation_(modes.observation()),
         scale_(n_, 0.0),
         in_(system.dynamics().inputs()),
-        scratch_(system.dynamics().jacobian.registers() + 1) {
+        scratch_(std::max(system.dynamics().jacobian.registers(), system.dynamics().rate.registers()) + 1) {
     std::copy(theta.begin(), theta.end(), in_.end() - static_cast<std::ptrdiff_t>(theta.size()));
-    first_scales(x0);
+    const double fastest = fastest_motion(system, theta, excitation, excitation.t0(), x0).rate;
+    first_scales(x0, std::min(excitation.dt(), 1 / fastest));
   }
 
   int states() const override { return n_; }
@@ -59,7 +71,13 @@ class ModalOde : public Ode {
   void rate(double t, const double* x, double* f) override {
     if ((++calls_ & (cancel_interval - 1)) == 0) check_cancelled(options_.cancelled);
     for (int i = 0; bound > 0 && i < modes.dynamics().degrees; ++i)
-      if (!(std::abs(x[2 * i]) <= bound)) throw Exploded{t, Eigen::Map<const VectorXd>(x, n_)};
+      if (!(std::abs(x[2 * i]) <=
+            bound)) {  // a step too long, perhaps: no value there, and SUNDIALS tries a shorter one
+        beyond = Beyond{t, Eigen::Map<const VectorXd>(x, n_), beyond ? beyond->times + 1 : 1};
+        if (beyond->times > tries_beyond) throw *beyond;
+        std::fill_n(f, n_, std::numeric_limits<double>::quiet_NaN());
+        return;
+      }
     modes.rate(drive(t), x, f);
   }
 
@@ -100,6 +118,7 @@ class ModalOde : public Ode {
 
   ModeMachine modes;
   double bound = 0;                                             ///< on |y|; 0: none
+  std::optional<Beyond> beyond;                                 ///< since it was last reset
   double hold_until = std::numeric_limits<double>::infinity();  ///< no sample of a held force is used beyond this
 
  private:
@@ -113,26 +132,34 @@ class ModalOde : public Ode {
     }
   }
 
-  /// The size of each state before there is motion to read it off: what a sample's time makes of the first rates.
-  void first_scales(const VectorXd& x0) {
+  /// |x'| with every switch on its own side: no mode is known yet, and a contact not made must not count.
+  void free_rates(const Drive& d, const VectorXd& x, VectorXd& out) {
+    in_[0] = d.t;
+    std::copy_n(d.u, modes.dynamics().exogenous, in_.begin() + 1);
+    std::copy(x.begin(), x.end(), in_.begin() + 1 + modes.dynamics().exogenous);
+    modes.dynamics().rate.run_point(in_.data(), out.data(), scratch_.data());
+    out = out.array().isFinite().select(out.cwiseAbs(), 0);
+  }
+
+  /// The size of each state before there is motion to read it off: what the first rates make in a time, that of a
+  /// sample or of the fastest motion, whichever is less.
+  void first_scales(const VectorXd& x0, double time) {
     const int degrees = modes.dynamics().degrees;
     Drive d(excitation_.t0(), excitation_.count());
-    const double dt = excitation_.dt();
-    VectorXd x = x0, reach(n_);
+    VectorXd x = x0, rates(modes.dynamics().rate.outputs());
     for (const double side : {0.0, 1.0, -1.0}) {
       for (int i = 0; i < excitation_.count(); ++i) d.u[i] = side * excitation_[i].peak();
-      modes.rate(d, x.data(), reach.data());
-      for (int i = 0; i < n_; ++i)
-        if (std::isfinite(reach[i])) scale_[i] = std::max({scale_[i], std::abs(x0[i]), std::abs(reach[i]) * dt});
+      free_rates(d, x, rates);
+      for (int i = 0; i < n_; ++i) scale_[i] = std::max({scale_[i], std::abs(x0[i]), rates[i] * time});
     }
     for (int i = 0; i < degrees; ++i) {
-      scale_[2 * i] = std::max(scale_[2 * i], scale_[2 * i + 1] * dt);
+      scale_[2 * i] = std::max(scale_[2 * i], scale_[2 * i + 1] * time);
       x[2 * i] += scale_[2 * i];
       x[2 * i + 1] += scale_[2 * i + 1];
     }
-    modes.rate(d, x.data(), reach.data());
+    free_rates(d, x, rates);
     for (int i = 0; i < n_; ++i) {
-      if (std::isfinite(reach[i])) scale_[i] = std::max(scale_[i], std::abs(reach[i]) * dt);
+      scale_[i] = std::max(scale_[i], rates[i] * time);
       if (!(scale_[i] > 0)) scale_[i] = 1e-9;
     }
   }
@@ -170,7 +197,9 @@ class SundialsRun {
     put_row(0);
     for (Index row = 1; row < excitation_.rows(); ++row) {
       begin_interval(row - 1);
+      const double from = t_;
       if (!reach(excitation_.t0() + excitation_.dt() * static_cast<double>(row))) break;
+      if (!look_for_stiffness(from)) break;
       begin_interval(row);
       put_row(row);
     }
@@ -208,10 +237,8 @@ class SundialsRun {
   bool reach(double to) {
     try {
       return reach_through_events(to);
-    } catch (const Exploded& place) {
-      t_ = place.t;
-      x_ = place.x;
-      return explode();
+    } catch (const Beyond&) {
+      return fail();
     }
   }
 
@@ -220,9 +247,14 @@ class SundialsRun {
     while (to - t_ > reached_fraction * excitation_.dt()) {
       const double from = t_;
       const bool sliding = ode_.modes.sliding();
+      ode_.beyond.reset();
       const Integrator::Result result = integrator_->advance(to, t_, x_);
       if (sliding) run_.summary.stuck += t_ - from;
       if (result == Integrator::Result::failed) return fail();
+      if (result == Integrator::Result::paused) {
+        if (!go_on()) return false;
+        continue;
+      }
       if (result == Integrator::Result::reached) break;
       if (!happen(integrator_->fired())) return false;
     }
@@ -267,8 +299,48 @@ class SundialsRun {
   bool explode() { return stop(explosion_cause(system_, theta_, t_, x_, excitation_.dt())); }
 
   bool fail() {
+    if (ode_.beyond) {
+      t_ = ode_.beyond->t;
+      x_ = ode_.beyond->x;
+      return explode();
+    }
     if (!x_.allFinite() || displacement() > runaway * largest_) return explode();
     return stop(integrator_->failure());
+  }
+
+  /// After many steps within one sample.
+  bool go_on() {
+    const long taken = integrator_->steps() - steps_;
+    if (stability_holds((t_ - sample_) / static_cast<double>(taken))) return stop(stiff_cause());
+    if (taken < max_steps_per_sample) return true;
+    const bool implicit = options_.solver == Solver::bdf || options_.solver == Solver::esdirk;
+    return stop("more than " + std::to_string(max_steps_per_sample) + " steps of " + run_.summary.solver +
+                " within one sample; take a shorter dt" + (implicit ? "" : std::string(", or ") + take_implicit));
+  }
+
+  /// After each sample; false when the run stops because the method is explicit and the model is not for it.
+  bool look_for_stiffness(double from) {
+    const long taken = integrator_->steps() - steps_;
+    steps_ += taken;
+    sample_ = t_;
+    if (!is_explicit(options_.solver) || taken <= crowded_sample) return true;
+    crowded_ += taken;
+    if (crowded_ < look_after) return true;
+    crowded_ = 0;
+    stiff_ = stability_holds((t_ - from) / static_cast<double>(taken)) ? stiff_ + 1 : 0;
+    return stiff_ < stiff_looks || stop(stiff_cause());
+  }
+
+  bool stability_holds(double step) {
+    if (!is_explicit(options_.solver)) return false;
+    fastest_ = fastest_motion(system_, theta_, excitation_, t_, x_);
+    step_ = step;
+    return fastest_.decays && fastest_.rate * step > held_by_stability;
+  }
+
+  std::string stiff_cause() const {
+    return "the model is stiff: its fastest decay, " + number(1 / fastest_.rate) + " s, holds the steps of " +
+           run_.summary.solver + " down to " + number(step_) + " s; " + take_implicit;
   }
 
   const System& system_;
@@ -280,6 +352,11 @@ class SundialsRun {
   Observation now_;
   Run run_;
   double t_, largest_ = 0;
+  double sample_ = t_;            ///< the last sample reached
+  long steps_ = 0, crowded_ = 0;  ///< up to there; of them those not yet looked at
+  int stiff_ = 0;                 ///< looks in a row that found stability at work
+  Fastest fastest_;               ///< at the last look
+  double step_ = 0;
   std::unique_ptr<Integrator> integrator_;
 };
 

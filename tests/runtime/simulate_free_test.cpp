@@ -221,7 +221,7 @@ TEST(FreeRun, TakesTheImplicitMethodWhereTheModelIsStiff) {
 
 // A state that becomes stiff half-way: at the start nothing tells of it, and explicit steps explode there.
 TEST(FreeRun, TakesTheImplicitMethodWhereExplicitStepsExplode) {
-  const System system(model_of("1", "4*y + s", {{"s", "where(t > 0.5, rate*(5*y - s), 0)", "", ""}}));
+  const System system(model_of("1", "4*y + s", {{"s", "rate*(1 + tanh(1000*(t - 0.5)))*(5*y - s)", "", ""}}));
   const auto theta = theta_of(system, {{"rate", 1e7}});
   const lunid::Run run = simulate(system, theta, zero_force(2, 0.01), state({1, 0, 0}));
   ASSERT_TRUE(run.summary.completed) << run.summary.cause;
@@ -229,7 +229,7 @@ TEST(FreeRun, TakesTheImplicitMethodWhereExplicitStepsExplode) {
   const double y = std::cos(1), v = -2 * std::sin(1);  // at t = 0.5; from there on the stiffness is 4 + 5
   for (Eigen::Index i = 51; i < run.x.rows(); ++i) {
     const double t = 0.01 * static_cast<double>(i) - 0.5;
-    EXPECT_NEAR(run.x(i, 0), y * std::cos(3 * t) + v / 3 * std::sin(3 * t), 1e-5);
+    EXPECT_NEAR(run.x(i, 0), y * std::cos(3 * t) + v / 3 * std::sin(3 * t), 0.03);  // it begins 8 ms earlier
   }
 }
 
