@@ -111,6 +111,11 @@ TEST(Excitation, FaultsNameTheValue) {
   EXPECT_EQ(fault_of([&] { Excitation(0, 1, good).part(1, 3); }), "excitation: rows 2 to 4 are not within its 3 rows");
 }
 
+/// f at many times at once.
+TimeFunction by_columns(std::function<double(double)> f) {
+  return [f](std::span<const double> t, std::span<double> out) { std::transform(t.begin(), t.end(), out.begin(), f); };
+}
+
 // A formula between the samples, and what the samples have beyond it interpolated.
 TEST(Excitation, FormulaIsExactBetweenTheSamples) {
   const auto formula = [](double t) { return std::sin(40 * t); };
@@ -119,9 +124,9 @@ TEST(Excitation, FormulaIsExactBetweenTheSamples) {
   const double dt = 0.01;
   const auto pure = samples_of(formula, rows, dt);
   const auto both = samples_of([&](double t) { return formula(t) + rest(t); }, rows, dt);
-  const Excitation exact(0, dt, pure, Interpolation::band_limited, formula);
+  const Excitation exact(0, dt, pure, Interpolation::band_limited, by_columns(formula));
   EXPECT_TRUE(exact.analytic());
-  const Excitation sum(0, dt, both, Interpolation::linear, formula);
+  const Excitation sum(0, dt, both, Interpolation::linear, by_columns(formula));
   EXPECT_FALSE(sum.analytic());
   const Eigen::VectorXd grid = sum.refined(2);
   for (int i = 0; i < grid.size(); ++i) {
@@ -136,14 +141,14 @@ TEST(Excitation, FormulaIsExactBetweenTheSamples) {
   // a part of it is the same force
   EXPECT_NEAR(sum.part(30, 50).at(0.7012), sum.at(0.7012), 1e-12);
   // held values beside a formula run straight
-  EXPECT_NEAR(Excitation(0, dt, both, Interpolation::hold, formula).at(0.495), formula(0.495) + 2, 1e-12);
+  EXPECT_NEAR(Excitation(0, dt, both, Interpolation::hold, by_columns(formula)).at(0.495), formula(0.495) + 2, 1e-12);
 }
 
 TEST(Excitation, BandLimitedRestBesideAFormula) {
   const auto formula = [](double t) { return 5 * std::cos(7 * t); };
   const auto wave = [](double t) { return std::sin(2 * std::numbers::pi * t / 0.035); };  // 3.5 samples a period
   const auto force = samples_of([&](double t) { return formula(t) + wave(t); }, 400, 0.01);
-  const Excitation sum(0, 0.01, force, Interpolation::band_limited, formula);
+  const Excitation sum(0, 0.01, force, Interpolation::band_limited, by_columns(formula));
   for (double t = 1; t < 3; t += 0.0037) EXPECT_NEAR(sum.at(t), formula(t) + wave(t), 2e-6);
 }
 
