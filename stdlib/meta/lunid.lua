@@ -148,7 +148,7 @@ function lunid.regress(fields) end
 ---@field model lunid.model # what moves
 ---@field excitation any # a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
 ---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
----@field duration? number # length of the run, where the force is an expression
+---@field duration? number # length of the run; of a record, else all
 ---@field dt? number # sample time of the result, where the force is an expression
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines

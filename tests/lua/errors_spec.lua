@@ -119,13 +119,13 @@ spec.case("a run that cannot be", function()
     "study.lua:3: simulate: rtol: 1e-15 is below what rounding leaves; the least is 2.22045e-14")
   local said, code = spec.study(head .. "lunid.simulate { model = " .. model
     .. ", excitation = lunid.time, duration = 1e6, dt = 1e-9 }\n")
-  spec.contains(said, "study.lua:3: simulate: 1e+15 output points need 176000000 GB of memory, this machine has ")
+  spec.contains(said, "study.lua:3: simulate: 1e+15 output points need 1.76e+08 GB of memory, this machine has ")
   spec.contains(said, "; take a longer dt or a shorter duration")
   spec.equal(code, 1)
-  spec.write("short.csv", "t,F,y\n0,0,0\n0.1,1,0\n0.2,1,0\n0.3,1,0\n0.4,1,0\n")
+  spec.write("short.csv", "t,F,y\n0,0,0\n0.1,1,0\n0.2,1,0\n0.3,1,0\n0.4,1,0\n0.5,1,0\n")
   line_3("lunid.simulate { model = " .. model .. ", excitation = lunid.read 'short.csv', duration = 2 }",
-    "study.lua:3: simulate: duration: the excitation lasts 0.4 s, got 2 s")
-  line_3("lunid.model { restoring = y }", "study.lua:3: model: missing field 'mass': an expression or a number")
+    "study.lua:3: simulate: duration: the excitation lasts 0.5 s, got 2 s")
+  line_3("lunid.model { restoring = y }", "study.lua:3: model: missing field 'mass': an expression or a number, a list of them, or the rows of a matrix")
   line_3("lunid.model { mass = 1, restoring = y + lunid.tanh(lunid.acceleration) }",
     "study.lua:3: model: restoring: terms in a must be a times something without a, got tanh(a)")
 end)
