@@ -8,10 +8,10 @@ namespace lunid {
 namespace {
 
 constexpr const char* words_of_c[] = {
-    "auto",   "break",  "case",     "char",   "const",  "continue", "default",  "do",     "double",   "else",  "enum",
-    "extern", "float",  "for",      "goto",   "if",     "inline",   "int",      "long",   "register", "restrict",
-    "return", "short",  "signed",   "sizeof", "static", "struct",   "switch",   "typedef", "union",   "unsigned",
-    "void",   "volatile", "while",  "x",      "u",      "p",        "dx"};
+    "auto",     "break",  "case",     "char",   "const",  "continue", "default", "do",     "double",  "else",
+    "enum",     "extern", "float",    "for",    "goto",   "if",       "inline",  "int",    "long",    "register",
+    "restrict", "return", "short",    "signed", "sizeof", "static",   "struct",  "switch", "typedef", "union",
+    "unsigned", "void",   "volatile", "while",  "x",      "u",        "p",       "dx"};
 
 void check_name(const std::string& name) {
   for (const char* word : words_of_c)
@@ -46,8 +46,8 @@ std::string c_code(const System& system) {
     throw InputError("export: the state '" + s.states[s.bounds[0].state].name() +
                      "' has a bound, which a right-hand side in C cannot hold");
   std::string text = "/* " + model.equation() + "\n";
-  text += "   x' = f(t, u, x, p)   x: " + names(s.states) + "   u: " + names(s.exogenous) + "   p: " +
-          names(s.parameters) + " */\n#include <math.h>\n\n";
+  text += "   x' = f(t, u, x, p)   x: " + names(s.states) + "   u: " + names(s.exogenous) +
+          "   p: " + names(s.parameters) + " */\n#include <math.h>\n\n";
   text += "enum { states = " + std::to_string(s.states.size()) + ", inputs = " + std::to_string(s.exogenous.size()) +
           ", parameters = " + std::to_string(s.parameters.size()) + " };\n\n";
   if (!model.parameters.empty()) {

@@ -93,9 +93,8 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
       ++free;
     }
   }
-  const double states = system.model().imposed_motion
-                            ? 0
-                            : static_cast<double>(result.segments.size()) * 2 * system.degrees();
+  const double states =
+      system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2 * system.degrees();
   const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
   const Eigen::MatrixXd inverse = pseudo_inverse(information);
   result.freedom = freedom;

@@ -86,9 +86,13 @@ class Problem {
     const FitData& data = data_[static_cast<std::size_t>(segment.record)];
     const Eigen::Index p = layout_.size();
     Normal::Part part;
-    if (!run(layout_.of_record(theta, segment.record), segment, index, data, derivatives, part.residual, part.columns, normal)) return;
+    if (!run(layout_.of_record(theta, segment.record), segment, index, data, derivatives, part.residual, part.columns,
+             normal))
+      return;
     std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
-    for (Eigen::Index i = 0; i < segment.count; ++i) keep[static_cast<std::size_t>(i)] = (data.use.empty() || data.use[static_cast<std::size_t>(segment.first + i)] != 0);
+    for (Eigen::Index i = 0; i < segment.count; ++i)
+      keep[static_cast<std::size_t>(i)] =
+          (data.use.empty() || data.use[static_cast<std::size_t>(segment.first + i)] != 0);
     const Eigen::Index channels = part.residual.size() / segment.count;
     normal.rows += channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
     whiten_channels(part.residual, keep, part.error);

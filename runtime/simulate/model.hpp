@@ -134,8 +134,9 @@ class System {
   bool needs_acceleration_ = true;
 };
 
-/// The rates x' = f(t, u, x, p) of a free motion as a function in C, with the names of all it takes. Throws InputError for
-/// an imposed motion, a bounded state (a mode that a plain right-hand side cannot hold) or a name that is a word of C.
+/// The rates x' = f(t, u, x, p) of a free motion as a function in C, with the names of all it takes. Throws InputError
+/// for an imposed motion, a bounded state (a mode that a plain right-hand side cannot hold) or a name that is a word of
+/// C.
 std::string c_code(const System& system);
 
 }  // namespace lunid

@@ -118,7 +118,8 @@ struct SimulateOptions {
   int substeps = 0;                   ///< fixed path, per sample; 0: chosen by halving
   double bound = 0;                   ///< |y| beyond which a run counts as exploded; 0: 1e6 times the motion's scale
   int max_events = 1000000;           ///< switches in a run; beyond it the run stops with a message
-  Expr stop_when;  ///< of t, the inputs, the states and the parameters: the run ends where it rises above 0; empty: never
+  Expr stop_when;  ///< of t, the inputs, the states and the parameters: the run ends where it rises above 0; empty:
+                   ///< never
   const std::atomic<bool>* cancelled = nullptr;  ///< set by Ctrl-C; throws InputError(Fault::interrupted)
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "expr/error.hpp"
-#include "statistics/correlation.hpp"
 #include "record/random.hpp"
+#include "statistics/correlation.hpp"
 
 namespace lunid {
 namespace {

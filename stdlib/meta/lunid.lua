@@ -154,6 +154,7 @@ function lunid.regress(fields) end
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field substeps? integer # of the fixed path, per sample; else chosen
+---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1
 ---@param fields lunid.simulate.fields
 ---@return lunid.run
 function lunid.simulate(fields) end

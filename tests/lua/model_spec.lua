@@ -100,5 +100,67 @@ spec.case("a base that moves slowly carries the mass along", function()
   assert(math.abs(run:column "y"[301] - 0.01*math.sin(6)) < 1e-5)
 end)
 
+spec.case("stop_when ends a run where its condition is met", function()
+  -- y = 0.1 cos(10 t) falls below -0.05 at t = 2 pi/30
+  local model = lunid.model { mass = 2, restoring = 200*y }
+  for _, solver in ipairs { "auto", "fixed", "bdf", "rk78" } do
+    local run = lunid.simulate { model = model, excitation = 0, from = { 0.1, 0 }, duration = 1, dt = 0.01,
+      stop_when = -y - 0.05, solver = solver, rtol = 1e-10 }
+    spec.near(run.summary.ended_at, 2*math.pi/30, 1e-7)
+    spec.near(run.summary.ended_in[2], -math.sin(2*math.pi/3), 1e-5)
+    spec.equal(run:record().rows, 21)
+    spec.contains(tostring(run), "ended by stop_when at t = 0.20943")
+  end
+  local whole = lunid.simulate { model = model, excitation = 0, from = { 0.1, 0 }, duration = 1, dt = 0.01, stop_when = y - 1 }
+  assert(whole.summary.completed and not whole.summary.ended_at)
+end)
+
+spec.case("a model as C computes the same rates", function()
+  local k, c = lunid.parameter { "k", 20000.25, unit = "N/m" }, lunid.parameter { "c", 3 }
+  local y1, y2 = lunid.displacements(2)
+  local v1, v2 = lunid.velocities(2)
+  local z = lunid.state { "z", rate = v1 - 2*lunid.abs(v2) }
+  local model = lunid.model { mass = { { 2, 0.5 }, { 0.5, 1 } },
+    restoring = { k*y1^3 + c*lunid.sign(v1) + z, k*(y2 - y1) + c*lunid.max(v2, 0) } }
+  spec.equal(model:export(spec.folder .. "/model.c"), spec.folder .. "/model.c")
+  spec.write("main.c", [=[
+#include <stdio.h>
+#include "model.c"
+int main(void) {
+  const double u[] = {7, -3}, x[] = {0.1, -2, 0.3, 4, 5};
+  double dx[states];
+  rate(0, u, x, parameter_values, dx);
+  for (int i = 0; i < states; ++i) printf("%.17g\n", dx[i]);
+  return 0;
+}
+]=])
+  local said = spec.shell("cc -std=c99 -Wall -Werror main.c -lm -o rates && ./rates")
+  local got = {}
+  for number in said:gmatch "%S+" do got[#got + 1] = tonumber(number) end
+  -- 2 a1 + a2/2 = 7 - f1, a1/2 + a2 = -3 - f2
+  local r1 = 7 - (20000.25*0.1^3 - 3 + 5)
+  local r2 = -3 - (20000.25*(0.3 - 0.1) + 3*4)
+  local expected = { -2, (r1 - r2/2)/1.75, 4, (2*r2 - r1/2)/1.75, -2 - 8 }
+  spec.equal(#got, 5)
+  for i, value in ipairs(expected) do spec.near(got[i], value, 1e-9*math.abs(value)) end
+end)
+
+spec.case("a model as LaTeX, and what cannot be exported", function()
+  local k = lunid.parameter { "k", 3, unit = "N/m" }
+  local model = lunid.model { mass = 1, restoring = k*y }
+  local path = spec.folder .. "/model.tex"
+  spec.equal(model:export(path), path)
+  local file = assert(io.open(path))
+  local text = file:read "a"
+  file:close()
+  spec.contains(text, "\\begin{gather*}\na + k \\, y = F\n\\end{gather*}")
+  spec.contains(text, "$k = 3$\\,N/m")
+  local good, said = pcall(model.export, model, "model.f90")
+  spec.contains(tostring(said), "export: expected a path that ends in .c or .tex, got 'model.f90'")
+  local r = lunid.state { "r", rate = 9*v, min = -1, max = 1 }
+  good, said = pcall(model.export, lunid.model { mass = 1, restoring = r }, "model.c")
+  spec.contains(tostring(said), "export: the state 'r' has a bound, which a right-hand side in C cannot hold")
+end)
+
 spec.clean()
 spec.finish()

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "discover_catalogue.hpp"
-#include "statistics/moments.hpp"
 #include "record/random.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {

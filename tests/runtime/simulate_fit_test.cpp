@@ -1,5 +1,5 @@
-// Fits on the trajectory: several channels, records and coordinates, outliers, profiles. The truth comes from a hand-written
-// Runge-Kutta method at a sixteenth of the sample time, not from the code under test.
+// Fits on the trajectory: several channels, records and coordinates, outliers, profiles. The truth comes from a
+// hand-written Runge-Kutta method at a sixteenth of the sample time, not from the code under test.
 #include <array>
 #include <random>
 
@@ -62,9 +62,12 @@ Record record_of(const std::vector<std::array<double, N>>& x, const std::vector<
     c.noise = std;
     channels.push_back(std::move(c));
   };
-  add(force, [](int i) { return push(dt * i); }, 0);
+  add(
+      force, [](int i) { return push(dt * i); }, 0);
   for (std::size_t n = 0; n < names.size(); ++n)
-    if (!names[n].empty()) add(names[n], [&](int i) { return x[i][n]; }, noise[n]);
+    if (!names[n].empty())
+      add(
+          names[n], [&](int i) { return x[i][n]; }, noise[n]);
   return derive_motion(Record("truth", 0, dt, std::move(channels)));
 }
 
@@ -189,8 +192,8 @@ TEST(FitTrajectory, OfTwoCoordinatesUsesBothSensors) {
     const double d = s[2] - s[0], inner = 1e4 * d + 5e8 * d * d * d;
     return std::array<double, 4>{s[1], push(t) - 2e4 * s[0] - 8 * s[1] + inner, s[3], (-inner - 3 * s[3]) / 0.5};
   });
-  const System system(
-      model_of_many({{"1", "k*y1 + c*v1 - (kc*(y2 - y1) + k3*(y2 - y1)^3)"}, {"0.5", "kc*(y2 - y1) + k3*(y2 - y1)^3 + 3*v2"}}));
+  const System system(model_of_many(
+      {{"1", "k*y1 + c*v1 - (kc*(y2 - y1) + k3*(y2 - y1)^3)"}, {"0.5", "kc*(y2 - y1) + k3*(y2 - y1)^3 + 3*v2"}}));
   const Record record = record_of(x, {"y1", "", "y2"}, {2e-5, 0, 2e-5}, 7, "F1");
   const std::vector<FitData> data{data_of(system, record)};
   const std::vector<double> start = testing::theta_of(system, {{"k", 1.9e4}, {"c", 10}, {"kc", 1.05e4}, {"k3", 4e8}});
@@ -211,11 +214,15 @@ TEST(FitTrajectory, FaultsNameTheChannel) {
   const std::vector<FitData> data{data_of(system, record)};
   FitOptions options;
   options.channels = {"a"};
-  EXPECT_EQ(fault_of([&] { fit_trajectory(system, vector({2e4, 10}), data, options); }),
+  EXPECT_EQ(fault_of([&] {
+              fit_trajectory(system, vector({2e4, 10}), data, options);
+            }),
             "fit_trajectory: channels: expected displacements or velocities of the model, got 'a'");
   options.channels = {};
   options.separate = {2};
-  EXPECT_EQ(fault_of([&] { fit_trajectory(system, vector({2e4, 10}), data, options); }),
+  EXPECT_EQ(fault_of([&] {
+              fit_trajectory(system, vector({2e4, 10}), data, options);
+            }),
             "fit_trajectory: separate: expected parameters from 0 to 1, got 2");
 }
 
