@@ -201,9 +201,11 @@ int to_string(lua_State* L) {
     const bool own = std::find(fit.options.separate.begin(), fit.options.separate.end(), static_cast<int>(i)) !=
                      fit.options.separate.end();
     const int record = further < 0 ? 1 : 2 + further / static_cast<int>(fit.options.separate.size());
-    std::snprintf(text, sizeof text, "\n  %s = %.6g +- %.2g", parameter.name.c_str(), r.theta[place],
-                  deviation(r, place));
-    all += text + (parameter.unit.empty() ? "" : " " + parameter.unit);
+    std::snprintf(text, sizeof text, "\n  %s = %.6g", parameter.name.c_str(), r.theta[place]);
+    all += text;
+    std::snprintf(text, sizeof text, " +- %.2g", deviation(r, place));
+    if (deviation(r, place) > 0) all += text;
+    all += (parameter.unit.empty() ? "" : " " + parameter.unit);
     if (own) all += " (record " + std::to_string(record) + ")";
     if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])
       all += " (at its bound)";

@@ -57,6 +57,7 @@ void add_parameters(Model& model, const Declarations& declared) {
     parts.push_back(model.coordinate(i).mass);
     parts.push_back(model.coordinate(i).restoring);
   }
+  parts.push_back(model.delay);
   for (const InternalState& state : model.states) parts.insert(parts.end(), {state.rate, state.min, state.max});
   for (const Expr part : parts) {
     if (!part.valid()) continue;
@@ -95,6 +96,9 @@ int make_model(lua_State* L) {
   with_field(L, 1, "forces", [&] {
     for_each(L, -1, [&](lua_Integer) { model.driven.push_back(static_cast<int>(check_integer(L, -1)) - 1); });
   });
+  const Value delay = field_value(L, 1, "delay");
+  declared = join(declared, delay.declared);
+  model.delay = delay.expr;
   model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
   with_field(L, 1, "states", [&] {
     for_each(L, -1, [&](lua_Integer) {
@@ -199,7 +203,12 @@ int get(lua_State* L) {
     push_rows(L, model, &Coordinate::restoring);
   else if (key == "degrees")
     lua_pushinteger(L, model.degrees());
-  else if (key == "inputs") {
+  else if (key == "delay") {
+    if (model.delay.valid())
+      push<Value>(L, {model.delay, declarations_of(model)});
+    else
+      lua_pushnil(L);
+  } else if (key == "inputs") {
     lua_newtable(L);
     lua_Integer i = 0;
     for (const std::string& input : model.inputs()) {
@@ -223,10 +232,11 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a model has no '" + key +
-                       "' (fields: mass restoring degrees inputs forces states parameters imposed_motion; methods: "
-                       "equation with save "
-                       "export)");
+      throw InputError(
+          "a model has no '" + key +
+          "' (fields: mass restoring degrees inputs forces delay states parameters imposed_motion; methods: "
+          "equation with save "
+          "export)");
     }
   }
   return 1;

@@ -92,7 +92,7 @@ int run(lua_State* L) {
   FreeRun result;
   result.name = record ? record->name() : "run";
   result.run = simulate(system, system.model().values(), excitation, x0, options);
-  excitation = excitation.of(system);
+  excitation = excitation.ordered(system);
   for (int k = 0; k < excitation.count(); ++k)
     result.inputs.emplace_back(excitation.channel(k), excitation[k].samples());
   result.states = system.dynamics().names;

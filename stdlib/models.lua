@@ -66,6 +66,8 @@ models.model = schema.define({
       help = "restoring force; 0 for none; for several coordinates a list" },
     { "forces", types.list(types.integer { min = 1 }, 1),
       help = "the coordinates that a force acts on, such as { 1 }; else all" },
+    { "delay", types.expression, unit = "s",
+      help = "the forces act so much later than they are recorded; a number or a parameter, >= 0" },
     { "states", types.list(types.expression), default = {},
       help = "internal states that the restoring force does not name" },
     { "motion", types.choice { "free", "imposed" }, default = "free",
@@ -193,7 +195,8 @@ function models.text(model)
     lines[#lines + 1] = state_text(state)
   end
   lines[#lines + 1] = ("return lunid.model {\n  mass = %s,\n  restoring = %s,%s%s%s\n}"):format(
-    row_text(model.mass), row_text(model.restoring), model.imposed_motion and "" or forces_text(model),
+    row_text(model.mass), row_text(model.restoring), (model.imposed_motion and "" or forces_text(model))
+      .. (model.delay and ("\n  delay = %s,"):format(model.delay:text "lua") or ""),
     #names > 0 and ("\n  states = { %s },"):format(table.concat(names, ", ")) or "",
     model.imposed_motion and '\n  motion = "imposed",' or "")
   return table.concat(lines, "\n") .. "\n"

@@ -474,9 +474,26 @@ void validate(const DiscoverOptions& o) {
   if (o.threads < 0) refuse("threads", ">= 0", o.threads);
 }
 
+namespace {
+
+/// What discovery can look at: one coordinate, driven by F alone and at once.
+void check_baseline(const Model& given) {
+  const Model baseline = complete(given);
+  if (baseline.degrees() > 1)
+    throw InputError("discover: expected a model of one degree of freedom, got " + std::to_string(baseline.degrees()));
+  if (baseline.delay.valid()) throw InputError("discover: a baseline with a delayed force is not looked at: shift F");
+  for (const std::string& input : baseline.inputs())
+    if (input != "F")
+      throw InputError("discover: a baseline driven by " + input +
+                       " is not looked at: use relative displacements and F = -m*ab");
+}
+
+}  // namespace
+
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options) {
   validate(options);
+  check_baseline(baseline);
   const auto begin = std::chrono::steady_clock::now();
   Discovery out = Spine(baseline, catalogue, train, test, options).run();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -113,7 +113,7 @@ class Job {
   };
 
   void run_alone(Index member) {
-    const Excitations excitation = ensemble_.force.excitation(member).of(system_);
+    const Excitations excitation = ensemble_.force.excitation(member).ordered(system_);
     if (refuse(member, excitation.t0())) return;
     const VectorXd x0 = ensemble_.x0.col(member);
     const FixedProblem problem =
@@ -209,7 +209,7 @@ class Job {
       } else {
         // their stage grids live as long as copies of them
         excitations.push_back(force.is_shared() && !excitations.empty() ? excitations.front()
-                                                                        : force.excitation(member).of(system_));
+                                                                        : force.excitation(member).ordered(system_));
         if (refuse(member, excitations.back().t0())) continue;
         problems.push_back(free_problem(system_, theta(member), excitations.back(), ensemble_.x0.col(member),
                                         result_.substeps, simulate_options(options_)));
@@ -319,7 +319,7 @@ void choose_for_members(const Ensemble& e, const EnsembleOptions& options, Ensem
   parallel_for(static_cast<int>(count), options.threads, [&](int i) {
     const Index member = member_of(i);
     const std::span theta{e.theta.col(member).data(), static_cast<std::size_t>(e.theta.rows())};
-    const Excitations excitation = e.force.excitation(member).of(*e.system);
+    const Excitations excitation = e.force.excitation(member).ordered(*e.system);
     const VectorXd x0 = e.x0.col(member);
     StepChoice& choice = choices[static_cast<std::size_t>(i)];
     choice.reached = true;
@@ -423,6 +423,8 @@ Index EnsembleResult::stopped() const { return (stopped_at.array() == stopped_at
 EnsembleResult prepare_ensemble(const Ensemble& e, const EnsembleOptions& options) {
   if (e.system->model().imposed_motion)
     throw InputError("ensemble: the motion of this model is imposed: there is no free run");
+  if (e.system->model().delay.valid())
+    throw InputError("ensemble: the force of this model is delayed, which ensembles do not run: shift the excitation");
   check_sizes(e);
   check_options(options);
   check_members(e);

@@ -399,7 +399,36 @@ Excitations excitations_of(const System& system, const Record& record, std::opti
   return found;
 }
 
-Excitations Excitations::of(const System& system) const {
+/// A signal `delay` later, and its rate; a held one as straight lines within the interval of its jump.
+Excitation shifted(const Excitation& signal, double delay, bool rate) {
+  const double h = 1e-4 * signal.dt();
+  const auto at = [=](double t) { return signal.at(t - delay); };
+  const auto slope = [=](double t) { return (signal.at(t - delay + h) - signal.at(t - delay - h)) / (2 * h); };
+  if (rate) return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(slope));
+  return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(at));
+}
+
+Excitations Excitations::of(const System& system, std::span<const double> theta) const {
+  Excitations all = ordered(system);
+  if (!system.model().delay.valid()) return all;
+  const double delay = system.delay(theta);
+  const std::size_t forces = system.model().driven.size();
+  Excitations moved;
+  for (std::size_t i = 0; i < all.signals_.size(); ++i) {
+    moved.channels_.push_back(all.channels_[i]);
+    moved.signals_.push_back(i < forces ? shifted(all.signals_[i], delay, false) : all.signals_[i]);
+  }
+  for (std::size_t i = 0; i < forces; ++i) {
+    moved.channels_.push_back("rate_of_" + all.channels_[i]);
+    moved.signals_.push_back(shifted(all.signals_[i], delay, true));
+  }
+  moved.channels_.push_back("delay_now");
+  moved.signals_.push_back(Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), delay),
+                                      moved.signals_[0].interpolation()));
+  return moved;
+}
+
+Excitations Excitations::ordered(const System& system) const {
   const std::vector<std::string>& inputs = system.inputs();
   Excitations ordered;
   std::vector<int> place(inputs.size(), -1);

@@ -191,14 +191,18 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   stage.max_iterations = std::min(options.max_iterations, 12);
   Eigen::VectorXd current = theta;
   const Eigen::Index last = options.segment > 0 ? options.segment : longest;
+  long runs = 0;
   for (; length < last; length *= 5) {
     stage.segment = length;
     const FitResult fit = fit_trajectory(system, current, data, stage);
+    runs += fit.runs;
     if (std::isfinite(fit.cost)) current = fit.theta;
   }
   FitOptions final_stage = options;
   final_stage.substeps = stage.substeps;
-  return fit_trajectory(system, current, data, final_stage);
+  FitResult result = fit_trajectory(system, current, data, final_stage);
+  result.runs += runs;
+  return result;
 }
 
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,

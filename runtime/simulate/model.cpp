@@ -29,6 +29,7 @@ std::vector<Part> parts_of(const Model& model) {
     parts.push_back({mass, "mass" + which, "yvt"});
     parts.push_back({restoring, "restoring" + which, "yvatb"});
   }
+  if (model.delay.valid()) parts.push_back({model.delay, "delay", ""});
   for (const InternalState& z : model.states) {
     const std::string name = "state '" + z.symbol.name() + "'";
     parts.push_back({z.rate, name + ": rate", "yvaFtb"});
@@ -130,7 +131,7 @@ void check_symbols(const Model& model, const Part& part) {
       std::string_view allowed = part.quantities;
       if (model.imposed_motion && allowed.ends_with('b')) allowed.remove_suffix(1);
       throw InputError("model: " + part.where + ": cannot hold the channel '" + symbol.name() + "' (it may hold " +
-                       channel_words(model, allowed) + ")");
+                       (allowed.empty() ? "parameters alone" : channel_words(model, allowed)) + ")");
     }
     if (symbol.kind() == SymbolKind::state && std::none_of(model.states.begin(), model.states.end(),
                                                            [&](const InternalState& z) { return z.symbol == symbol; }))
@@ -194,6 +195,9 @@ void check_values(const Model& model) {
                      ": expected " + (model.imposed_motion ? ">= 0" : "> 0") + ", got " + number(mass) +
                      (model.imposed_motion || model.degrees() > 1 ? "" : " (a mass of 0 needs imposed motion)"));
   }
+  if (model.delay.valid() && model.imposed_motion) throw InputError("model: delay: no force drives an imposed motion");
+  if (const double delay = model.delay.valid() ? known_value(model, model.delay) : 0; delay < 0)
+    throw InputError("model: delay: expected >= 0, got " + number(delay));
   for (const InternalState& z : model.states) {
     check_bound(model, z, z.min, "min");
     check_bound(model, z, z.max, "max");
@@ -282,6 +286,7 @@ std::string Model::equation(Format format) const {
     const bool forced = driven.empty() || std::find(driven.begin(), driven.end(), i) != driven.end();
     text += (i > 0 ? "\n" : "") + to_text(left, format) + " = " +
             (forced ? to_text(pool->channel(channel('F', i)), format) : "0");
+    if (forced && delay.valid()) text += "(t - " + to_text(delay, format) + ")";
   }
   for (const InternalState& z : states) text += "\n" + state_line(z, format);
   return text;

@@ -3,6 +3,7 @@
 // and its first-order form.
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct Model {
   Expr restoring;                   ///< of the first coordinate
   std::vector<Coordinate> further;  ///< those of y2, y3 ...
   std::vector<int> driven;          ///< coordinates that a force acts on, from 0; empty: all
+  Expr delay;                       ///< [s] >= 0, of parameters alone: the forces act so much later; empty: none
   std::vector<InternalState> states;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;
@@ -86,12 +88,15 @@ class System {
   int states() const { return n_; }  ///< 2 per coordinate + internal states
   int degrees() const { return degrees_; }
   int parameters() const { return p_; }
-  /// The channels that drive the model, in the order of the inputs u: "F", or "F1" "F2" ..., then "yb" "vb" "ab".
+  /// The channels that drive the model, in the order of the inputs u: "F", or "F1" "F2" ..., then "yb" "vb" "ab". With
+  /// a delay the rates of the forces and the delay itself stand behind them (Excitations::of).
   const std::vector<std::string>& inputs() const { return inputs_; }
   const Model& model() const { return *model_; }
 
   /// x' = f(t, u, x; theta) as the integrators see it: the free motion, or with imposed motion the states z.
   const Dynamics& dynamics() const { return free_ ? *free_ : *imposed_; }
+  /// The delay of the forces at these parameters; 0 without one. Throws InputError when it is negative or not finite.
+  double delay(std::span<const double> theta) const;
   /// The equations that dynamics() was compiled from; of a free motion.
   const DynamicsSource& equations() const { return equations_; }
   /// The states z driven by measured (y, v, a); nullptr when a rate holds F.
@@ -127,6 +132,7 @@ class System {
 
   int n_ = 2, degrees_ = 1, p_ = 0;
   std::vector<std::string> inputs_;
+  Tape delay_;
   DynamicsSource equations_;
   std::shared_ptr<const Dynamics> free_, imposed_;
   Tape force_, force_with_derivatives_, inertia_, term_values_;

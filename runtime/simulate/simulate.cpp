@@ -125,7 +125,7 @@ Run run_free(const System& system, std::span<const double> theta, const Excitati
 Run simulate(const System& system, std::span<const double> theta, const Excitations& given, const VectorXd& x0,
              const SimulateOptions& options) {
   check_run("simulate", system, theta, given, x0, options);
-  const Excitations excitation = given.of(system);
+  const Excitations excitation = given.of(system, theta);
   const Clock clock;
   Run run = empty_run(system, excitation);
   if (refuse_start(system, theta, excitation, x0, run)) return run;
@@ -156,7 +156,7 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
 SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta, const Excitations& given,
                                       const VectorXd& x0, const SimulateOptions& options, std::span<const int> wanted) {
   check_run("simulate_sensitivities", system, theta, given, x0, options);
-  const Excitations excitation = given.of(system);
+  const Excitations excitation = given.of(system, theta);
   if (options.solver != Solver::automatic && options.solver != Solver::fixed)
     throw InputError("simulate_sensitivities: solver: only 'fixed' carries sensitivities, got '" +
                      to_string(options.solver) + "'");

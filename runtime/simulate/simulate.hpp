@@ -90,7 +90,10 @@ class Excitations {
   /// Rows [first, first + count) of all. Throws InputError outside the rows.
   Excitations part(Eigen::Index first, Eigen::Index count) const;
   /// One for each input of the system, in its order. Throws InputError naming a channel that is no input of it.
-  Excitations of(const System& system) const;
+  Excitations ordered(const System& system) const;
+  /// The same as the system takes them at these parameters: forces shifted by its delay (constant before they begin),
+  /// then their rates and the delay. The errors of ordered() and of System::delay.
+  Excitations of(const System& system, std::span<const double> theta) const;
 
  private:
   std::vector<std::string> channels_;

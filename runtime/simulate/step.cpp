@@ -132,7 +132,7 @@ StepChoice choose_by_halving(const System& system, std::span<const double> theta
 
 int choose_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
                     const Eigen::VectorXd& x0, double tolerance) {
-  const Excitations inputs = excitation.of(system);
+  const Excitations inputs = excitation.of(system, theta);
   check_run("choose_substeps", system, theta, inputs, x0, {});
   if (!(tolerance > 0)) throw InputError("choose_substeps: tolerance: expected > 0, got " + number(tolerance));
   return choose_by_halving(system, theta, inputs, x0, tolerance, 64, {}).substeps;

@@ -37,8 +37,8 @@ class Condition {
   static Tape make(const System& system, Expr g) {
     Pool& pool = *system.model().pool;
     std::vector<Expr> inputs{pool.channel("t")};
-    for (const std::string& input : system.inputs()) inputs.push_back(pool.channel(input));
-    for (const std::string& name : system.dynamics().names) inputs.push_back(pool.find(name));
+    for (const Expr& input : system.equations().exogenous) inputs.push_back(input);
+    for (const Expr& state : system.equations().states) inputs.push_back(state);
     for (const Parameter& p : system.model().parameters) inputs.push_back(pool.parameter(p.name));
     try {
       return Tape(std::span(&g, 1), inputs);

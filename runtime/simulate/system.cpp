@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "simulate/inertia.hpp"
 #include "simulate/model.hpp"
@@ -29,6 +30,25 @@ Expr input_rate(Pool& pool, const std::vector<std::string>& inputs, const std::s
   return there ? pool.channel(rate) : Expr();
 }
 
+/// What acts on the driven coordinates. A delayed force is an input that is shifted already; F + F' (shifted - delay),
+/// with its rate and the shift as further inputs, has that value and the exact derivative by the delay.
+std::vector<Expr> delayed_forces(const Model& model, DynamicsSource& source) {
+  Pool& pool = *model.pool;
+  std::vector<Expr> forces(source.exogenous.begin(),
+                           source.exogenous.begin() + static_cast<std::ptrdiff_t>(model.driven.size()));
+  if (!model.delay.valid()) return forces;
+  const Expr shifted = pool.state("delay_now");
+  for (Expr& force : forces) {
+    const Expr rate = pool.state("rate_of_" + force.name());
+    source.exogenous.push_back(rate);
+    source.exogenous_rates.emplace_back();
+    force = force + rate * (shifted - model.delay);
+  }
+  source.exogenous.push_back(shifted);
+  source.exogenous_rates.emplace_back();
+  return forces;
+}
+
 /// y' = v, v' = M^-1 (F - f) with the terms in a moved to the mass; a in a state's rate is that same v'.
 DynamicsSource free_motion(const Model& model, const std::vector<InertiaRow>& rows,
                            const std::vector<std::string>& inputs) {
@@ -41,10 +61,12 @@ DynamicsSource free_motion(const Model& model, const std::vector<InertiaRow>& ro
     source.exogenous_rates.push_back(input_rate(pool, inputs, input));
   }
   std::vector<Expr> right;
+  const std::vector<Expr> delayed = delayed_forces(model, source);
   for (int i = 0; i < model.degrees(); ++i) {
     const Expr force = rows[i].force;
-    const bool driven = std::find(model.driven.begin(), model.driven.end(), i) != model.driven.end();
-    const Expr applied = driven ? pool.channel(model.channel('F', i)) : pool.constant(0);
+    const auto at = std::find(model.driven.begin(), model.driven.end(), i) - model.driven.begin();
+    const bool driven = at < static_cast<std::ptrdiff_t>(model.driven.size());
+    const Expr applied = driven ? delayed[static_cast<std::size_t>(at)] : pool.constant(0);
     right.push_back(force.is_constant(0) ? applied : driven ? applied - force : -force);
   }
   const std::vector<Expr> accelerations = solve_accelerations(rows, right);
@@ -103,6 +125,8 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
     throw InputError("model: the rate of a state holds F, which is the output where the motion is imposed");
   }
 
+  if (model.delay.valid()) delay_ = Tape(std::span(&model.delay, 1), parameter_symbols(model));
+
   std::vector<Expr> inputs{pool.channel("t")};
   for (int i = 0; i < degrees_; ++i) inputs.push_back(pool.channel(model.channel('a', i)));
   for (int i = 0; i < degrees_; ++i) {
@@ -114,6 +138,16 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
     if (input[0] != 'F') inputs.push_back(pool.channel(input));
   for (const Expr& theta : parameter_symbols(model)) inputs.push_back(theta);
   compile_forces(rows, inputs);
+}
+
+double System::delay(std::span<const double> theta) const {
+  if (!model_->delay.valid()) return 0;
+  std::vector<double> scratch(delay_.registers() + 1);
+  double value = 0;
+  delay_.run_point(theta.data(), &value, scratch.data());
+  if (!(value >= 0) || !std::isfinite(value))
+    throw InputError("simulate: delay: expected a finite value >= 0, got " + std::to_string(value));
+  return value;
 }
 
 /// The tapes of the force side: the whole, its derivatives, the masses and the single terms.

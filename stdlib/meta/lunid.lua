@@ -179,6 +179,7 @@ function lunid.fit_trajectory(fields) end
 ---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
 ---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
 ---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
+---@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0
 ---@field states? table # internal states that the restoring force does not name
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0
 ---@param fields lunid.model.fields

@@ -100,6 +100,9 @@ spec.case("a model that cannot be", function()
     "study.lua:3: model: restoring of y2: cannot hold the channel 'y' (it may hold y1 y2 v1 v2 a1 a2 t yb vb ab)")
   line_3("lunid.model { mass = { 1, 1 }, restoring = { 1, 2 }, forces = { 3 } }",
     "study.lua:3: model: forces: expected coordinates from 1 to 2, got 3")
+  line_3("lunid.model { mass = 1, restoring = y, delay = -0.1 }", "study.lua:3: model: delay: expected >= 0, got -0.1")
+  line_3("lunid.model { mass = 1, restoring = y, delay = y }",
+    "study.lua:3: model: delay: cannot hold the channel 'y' (it may hold parameters alone)")
   line_3("lunid.chain { masses = { 1 }, element = function() end }",
     "study.lua:3: chain: element: expected the function to return an expression, got nothing")
 end)

@@ -64,6 +64,18 @@ spec.case("several coordinates, a full mass matrix, a moving base", function()
   round_trip(lunid.model { mass = 1, restoring = k*(y - lunid.base_displacement) + 2*(v - lunid.base_velocity) }, "base")
 end)
 
+spec.case("a delayed force", function()
+  local k, tau = lunid.parameter { "k", 3 }, lunid.parameter { "tau", 0.01, min = 0, unit = "s" }
+  local model = lunid.model { mass = 1, restoring = k*y, delay = tau }
+  spec.equal(model:equation(), "a + k*y = F(t - tau)")
+  round_trip(model, "delay")
+  -- the same as a force that is written later
+  local late = lunid.simulate { model = model, excitation = lunid.sin(5*t)^2, duration = 3, dt = 0.01 }
+  local same = lunid.simulate { model = lunid.model { mass = 1, restoring = k*y },
+    excitation = lunid.sin(5*lunid.max(t - 0.01, 0))^2, duration = 3, dt = 0.01 }
+  for i = 1, 301, 50 do spec.near(late:column "y"[i], same:column "y"[i], 1e-7) end
+end)
+
 spec.case("a chain and what it stands for", function()
   local k, c = lunid.parameter { "k", 3 }, lunid.parameter { "c", 1 }
   local function element(d, w, index) return index*k*d + c*w end

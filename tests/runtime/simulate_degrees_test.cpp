@@ -94,6 +94,30 @@ TEST(BaseMotion, IsAForceInRelativeCoordinates) {
   }
 }
 
+// tau from the motion: y of a run with a delay tells it, with an exact derivative.
+TEST(Delay, ShiftsTheForceAndHasItsSensitivity) {
+  Model model = model_of("1", "90*y + 2*v + 500*y^3");
+  model.delay = model.pool->parameter("tau");
+  const System late(model), now(model_of("1", "90*y + 2*v + 500*y^3"));
+  ASSERT_EQ(late.parameters(), 1);
+  const auto push = [](double t) { return 3 * std::sin(7 * t) + std::cos(17 * t); };
+  const Excitation force = force_of(4, 0.01, push);
+  const Excitation shifted = force_of(4, 0.01, [=](double t) { return push(std::max(t - 0.023, 0.0)); });
+  const std::vector<double> tau{0.023};
+  const SensitivityRun run = simulate_sensitivities(late, tau, force, state({0, 0}), with_substeps(4));
+  const lunid::Run expected = simulate(now, {}, shifted, state({0, 0}), with_substeps(4));
+  EXPECT_LT((run.run.x - expected.x).cwiseAbs().maxCoeff(), 1e-12);
+  const double h = 1e-5;
+  const lunid::Run up = simulate(late, std::vector<double>{0.023 + h}, force, state({0, 0}), with_substeps(4));
+  const lunid::Run down = simulate(late, std::vector<double>{0.023 - h}, force, state({0, 0}), with_substeps(4));
+  const Eigen::VectorXd difference = (up.x.col(0) - down.x.col(0)) / (2 * h);
+  EXPECT_LT((run.dy().col(0) - difference).cwiseAbs().maxCoeff(), 2e-4 * difference.cwiseAbs().maxCoeff());
+  EXPECT_EQ(fault_of([&] {
+              simulate(late, std::vector<double>{-0.1}, force, state({0, 0}));
+            }),
+            "simulate: delay: expected a finite value >= 0, got -0.100000");
+}
+
 struct PairCase {
   const char* name;
   std::vector<std::pair<std::string, std::string>> rows;
