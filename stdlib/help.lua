@@ -19,16 +19,8 @@ local command_words = {
 }
 
 --- One line for a field: name, type, unit, default, help.
-local function field_line(definition, field)
-  local notes = {}
-  if field.required then notes[#notes + 1] = "required" end
-  if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
-    notes[#notes + 1] = "default " .. (type(field.default) == "number" and ("%g"):format(field.default)
-      or tostring(field.default))
-  end
-  if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
-  local note = #notes > 0 and " (" .. table.concat(notes, ", ") .. ")" or ""
-  return ("  %-14s %s%s\n%17s%s"):format(field.name, field.type.words, note, "", field.help)
+local function field_line(field)
+  return ("  %-14s %s%s\n%17s%s"):format(field.name, field.type.words, schema.notes(field), "", field.help)
 end
 
 --- "lunid.window { from, to }" or "lunid.at_least(feature, bound)"
@@ -51,7 +43,7 @@ local function explain_constructor(definition)
   print(help.signature(definition))
   print(definition.help)
   if #definition.fields > 0 then print "" end
-  for _, field in ipairs(definition.fields) do print(field_line(definition, field)) end
+  for _, field in ipairs(definition.fields) do print(field_line(field)) end
   print("\nGives: " .. definition.returns .. "\n\n  " .. definition.example:gsub("\n", "\n  "))
 end
 

@@ -5,15 +5,7 @@ local manual = {}
 
 --- "`k` | a number (required, [N/m]) | help": the row of a field.
 local function row(field)
-  local notes = {}
-  if field.required then notes[#notes + 1] = "required" end
-  if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
-    notes[#notes + 1] = "default " .. (type(field.default) == "number" and ("%g"):format(field.default)
-      or tostring(field.default))
-  end
-  if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
-  return ("| `%s` | %s%s | %s |"):format(field.name, field.type.words,
-    #notes > 0 and " (" .. table.concat(notes, ", ") .. ")" or "", field.help)
+  return ("| `%s` | %s%s | %s |"):format(field.name, field.type.words, schema.notes(field), field.help)
 end
 
 --- One constructor: what it is for, an example, its fields.

@@ -235,6 +235,18 @@ function schema.define(definition, body)
   return function(...) return body(schema.validate(definition, ...)) end
 end
 
+--- " (required, default 3, [N])": what else is to be said of a field; "" for nothing.
+function schema.notes(field)
+  local notes = {}
+  if field.required then notes[#notes + 1] = "required" end
+  if field.default ~= nil and type(field.default) ~= "table" and field.default ~= "" then
+    notes[#notes + 1] = "default " .. (type(field.default) == "number" and ("%g"):format(field.default)
+      or tostring(field.default))
+  end
+  if field.unit then notes[#notes + 1] = "[" .. field.unit .. "]" end
+  return #notes > 0 and " (" .. table.concat(notes, ", ") .. ")" or ""
+end
+
 --- An object of the standard library: a table whose metatable is locked and says what it is.
 function schema.object(kind, fields, methods, to_string)
   return setmetatable(fields, {

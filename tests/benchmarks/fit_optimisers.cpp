@@ -67,7 +67,8 @@ Problem make_problem() {
   lunid::Channel motion, drive;
   motion.name = "y", motion.values = p.measured;
   drive.name = "F", drive.values = Eigen::Map<const Eigen::VectorXd>(force.data(), rows);
-  p.data = {{lunid::derive_motion(lunid::Record("bench", 0, dt, {drive, motion})), lunid::Excitation(0, dt, force), {}}};
+  p.data = {
+      {lunid::derive_motion(lunid::Record("bench", 0, dt, {drive, motion})), lunid::Excitation(0, dt, force), {}}};
   return p;
 }
 

@@ -1,0 +1,144 @@
+// What drives a model: the channels of a record or of a study, in the order of the system's inputs, delayed where the model
+// says so.
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "simulate/run.hpp"
+
+namespace lunid {
+
+using Eigen::Index;
+
+TimeFunction function_of_time(Expr formula) {
+  // Compiling adds nodes to the pool (the switching functions); members of an ensemble may come here side by side.
+  static std::mutex compiling;
+  Tape tape;
+  {
+    const std::lock_guard lock(compiling);
+    const Expr inputs[] = {formula.pool().channel("t")};
+    tape = Tape(std::span<const Expr>(&formula, 1), inputs);
+  }
+  return [tape](std::span<const double> t, std::span<double> out) {
+    if (t.size() == 1) {  // a column run works on whole blocks
+      std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
+      return tape.run_point(t.data(), out.data(), scratch.data());
+    }
+    const double* in[] = {t.data()};
+    const int stride[] = {1};
+    double* columns[] = {out.data()};
+    tape.run_columns(in, stride, t.size(), columns);
+  };
+}
+
+Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation, std::string_view name) {
+  const Channel& channel = record.channel(name);
+  const std::span<const double> force = record[name];
+  if (interpolation || !channel.formula.valid())
+    return Excitation(record.start(), record.dt(), force, interpolation.value_or(channel.between));
+  return Excitation(record.start(), record.dt(), force, channel.between, function_of_time(channel.formula));
+}
+
+Excitations& Excitations::add(const std::string& channel, Excitation signal) {
+  const auto refuse = [&](const std::string& what) { throw InputError("excitation: " + channel + ": " + what); };
+  if (std::find(channels_.begin(), channels_.end(), channel) != channels_.end()) refuse("given twice");
+  if (!empty()) {
+    const double apart = std::max(std::abs(signal.t0() - t0()), std::abs(signal.dt() - dt()) * double(rows()));
+    if (signal.rows() != rows() || !(apart <= 1e-6 * dt()))
+      refuse("expected the time base of " + channels_[0] + " (" + std::to_string(rows()) + " rows from " +
+             number(t0()) + " s by " + number(dt()) + " s), got " + std::to_string(signal.rows()) + " rows from " +
+             number(signal.t0()) + " s by " + number(signal.dt()) + " s");
+    if ((signal.interpolation() == Interpolation::hold) != (interpolation() == Interpolation::hold))
+      refuse("a held signal cannot be joined with one that is not held");
+  }
+  channels_.push_back(channel);
+  signals_.push_back(std::move(signal));
+  return *this;
+}
+
+Excitations Excitations::part(Index first, Index count) const {
+  Excitations cut = *this;
+  for (Excitation& signal : cut.signals_) signal = signal.part(first, count);
+  return cut;
+}
+
+Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation) {
+  Excitations found;
+  std::string missing;
+  for (const std::string& input : system.inputs()) {
+    const bool alone = input == system.inputs().front() && !record.has(input) && record.has("F");
+    const std::string name = alone ? "F" : input;  // F is the force of the first driven coordinate
+    if (record.has(name))
+      found.add(input, excitation_of(record, interpolation, name));
+    else if (input[0] != 'F' || system.inputs().size() == 1)
+      missing = input;
+  }
+  if (found.empty() && missing.empty()) missing = system.inputs().front();
+  if (!missing.empty())
+    throw InputError("the record " + record.name() + " has no channel '" + missing + "', which drives the model");
+  return found;
+}
+
+namespace {
+
+/// A signal `delay` later, and its rate; a held one as straight lines within the interval of its jump.
+Excitation shifted(const Excitation& signal, double delay, bool rate) {
+  const double h = 1e-4 * signal.dt();
+  const auto at = [=](double t) { return signal.at(t - delay); };
+  const auto slope = [=](double t) { return (signal.at(t - delay + h) - signal.at(t - delay - h)) / (2 * h); };
+  if (rate) return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(slope));
+  return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(at));
+}
+
+}  // namespace
+
+Excitations Excitations::of(const System& system, std::span<const double> theta) const {
+  Excitations all = ordered(system);
+  if (!system.model().delay.valid()) return all;
+  const double delay = system.delay(theta);
+  const std::size_t forces = system.model().driven.size();
+  Excitations moved;
+  for (std::size_t i = 0; i < all.signals_.size(); ++i) {
+    moved.channels_.push_back(all.channels_[i]);
+    moved.signals_.push_back(i < forces ? shifted(all.signals_[i], delay, false) : all.signals_[i]);
+  }
+  for (std::size_t i = 0; i < forces; ++i) {
+    moved.channels_.push_back("rate_of_" + all.channels_[i]);
+    moved.signals_.push_back(shifted(all.signals_[i], delay, true));
+  }
+  moved.channels_.push_back("delay_now");
+  moved.signals_.push_back(Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), delay),
+                                      moved.signals_[0].interpolation()));
+  return moved;
+}
+
+Excitations Excitations::ordered(const System& system) const {
+  const std::vector<std::string>& inputs = system.inputs();
+  Excitations ordered;
+  std::vector<int> place(inputs.size(), -1);
+  for (int i = 0; i < count(); ++i) {
+    auto at = std::find(inputs.begin(), inputs.end(), channels_[i]);
+    // F is the force of the first driven coordinate, F1 the one of a single coordinate
+    if (at == inputs.end() && (channels_[i] == "F" || (channels_[i] == "F1" && system.degrees() == 1)))
+      at = inputs.begin();
+    if (at == inputs.end()) {
+      std::string words;
+      for (const std::string& input : inputs) words += (words.empty() ? "" : ", ") + input;
+      throw InputError("excitation: " + channels_[i] + ": drives nothing in this model; its inputs are " + words);
+    }
+    int& entry = place[at - inputs.begin()];
+    if (entry >= 0) throw InputError("excitation: " + channels_[i] + ": given twice");
+    entry = i;
+  }
+  std::optional<Excitation> still;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (place[i] < 0 && !still)
+      still = Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), 0.0), interpolation());
+    ordered.channels_.push_back(inputs[i]);
+    ordered.signals_.push_back(place[i] < 0 ? *still : signals_[place[i]]);
+  }
+  return ordered;
+}
+
+}  // namespace lunid
