@@ -1,5 +1,5 @@
-// What drives a model: the channels of a record or of a study, in the order of the system's inputs, delayed where the model
-// says so.
+// What drives a model: the channels of a record or of a study, in the order of the system's inputs, delayed where the
+// model says so.
 #include <algorithm>
 #include <cmath>
 #include <mutex>

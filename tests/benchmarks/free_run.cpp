@@ -46,7 +46,7 @@ Work free_run(const std::string& name, const std::string& restoring, std::vector
 
   dormand_prince(Hand{}, *force, dt, *hand);
   compare(name.c_str(), lunid::simulate(*system, theta, excitation, x0, options).x, *hand);
-  return {name, 3, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
+  return {name, 2, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
           [=] {
             dormand_prince(Hand{}, *force, dt, *hand);
             benchmark::DoNotOptimize(hand->data());

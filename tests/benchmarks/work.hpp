@@ -16,6 +16,7 @@ struct Work {
 };
 
 std::vector<Work> free_run_works();
+std::vector<Work> sundials_works();
 std::vector<Work> trajectory_fit_works();
 std::vector<Work> regression_works();
 std::vector<Work> ensemble_works();
