@@ -72,6 +72,32 @@ bool ForceSurface::has_data(double y, double v) const {
   return cells_.count()(at.i, at.j) >= least_count_;
 }
 
+Eigen::Vector2d ForceSurface::gradient(double y, double v) const {
+  const double dy = 1e-5 * (cells_.y_max() - cells_.y_min()), dv = 1e-5 * (cells_.v_max() - cells_.v_min());
+  return {(value(y + dy, v) - value(y - dy, v)) / (2 * dy), (value(y, v + dv) - value(y, v - dv)) / (2 * dv)};
+}
+
+double ForceSurface::std(double, double) const { return std::nan(""); }
+
+double ForceSurface::continued(double y, double v) const {
+  const double here = value(y, v);
+  if (!std::isnan(here)) return here;
+  const double y_middle = (cells_.y_min() + cells_.y_max()) / 2, v_middle = (cells_.v_min() + cells_.v_max()) / 2;
+  const auto along = [&](double part) {
+    return value(y_middle + part * (y - y_middle), v_middle + part * (v - v_middle));
+  };
+  constexpr int steps = 50;
+  for (int k = 1; k <= steps; ++k) {  // inwards; where the middle itself is empty, outwards
+    const double inward = along(1 - static_cast<double>(k) / steps);
+    if (!std::isnan(inward)) return inward;
+  }
+  for (int k = 1; k <= 4 * steps; ++k) {
+    const double outward = along(1 + static_cast<double>(k) / steps);
+    if (!std::isnan(outward)) return outward;
+  }
+  return here;
+}
+
 SurfacePoints restoring_points(std::span<const Record> records, Expr mass) {
   std::vector<Expr> inputs;
   Tape tape;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "surface/chebyshev.hpp"
 #include "surface/number.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {
 
+using detail::chebyshev_values;
 using detail::number;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -26,13 +28,6 @@ struct Scale {
   Scale(double min, double max) : slope(2 / (max - min)), shift(-(max + min) / (max - min)) {}
   double operator()(double x) const { return slope * x + shift; }
 };
-
-/// T_0(x) .. T_order(x)
-void chebyshev_values(double x, int order, double* t) {
-  t[0] = 1;
-  if (order > 0) t[1] = x;
-  for (int n = 2; n <= order; ++n) t[n] = 2 * x * t[n - 1] - t[n - 2];
-}
 
 /// Column n holds the coefficients of T_n(slope*x + shift) in powers of x.
 MatrixXd chebyshev_powers(const Scale& scale, int order) {

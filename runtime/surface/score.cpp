@@ -19,23 +19,53 @@ SurfacePoints without(const SurfacePoints& p, Index from, Index to) {
   return out;
 }
 
+/// Middles of the cells along both axes.
+std::pair<VectorXd, VectorXd> centres(const Cells& cells) {
+  const auto middles = [](double least, double most, int count) {
+    VectorXd out(count);
+    for (int i = 0; i < count; ++i) out[i] = least + (i + 0.5) * (most - least) / count;
+    return out;
+  };
+  return {middles(cells.y_min(), cells.y_max(), cells.cells_y()),
+          middles(cells.v_min(), cells.v_max(), cells.cells_v())};
+}
+
 }  // namespace
 
-SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const SurfaceFit& fit) {
+LeftOut leave_out(const SurfacePoints& points, int blocks, const Cells& cells, const SurfaceFit& fit) {
   if (blocks < 2 || blocks > points.size())
     throw InputError("surface: blocks: expected 2 to " + std::to_string(points.size()) + ", got " +
                      std::to_string(blocks));
-  std::vector<double> measured;
-  double rss = 0;
+  LeftOut out{VectorXd::Constant(points.size(), std::nan("")), {}};
+  const auto [y, v] = centres(cells);
+  MatrixXd sum = MatrixXd::Zero(y.size(), v.size()), squares = sum, first = sum;
   for (int k = 0; k < blocks; ++k) {
     const Index from = points.size() * k / blocks, to = points.size() * (k + 1) / blocks;
-    const std::unique_ptr<ForceSurface> surface = fit(without(points, from, to));
-    for (Index i = from; i < to; ++i) {
-      if (!surface->has_data(points.y[i], points.v[i])) continue;
-      const double off = points.f[i] - surface->value(points.y[i], points.v[i]);
-      rss += off * off;
-      measured.push_back(points.f[i]);
-    }
+    const std::shared_ptr<const ForceSurface> surface = fit(without(points, from, to));
+    for (Index i = from; i < to; ++i)
+      if (surface->has_data(points.y[i], points.v[i])) out.predicted[i] = surface->value(points.y[i], points.v[i]);
+    for (Index i = 0; i < y.size(); ++i)
+      for (Index j = 0; j < v.size(); ++j) {
+        const double f = surface->has_data(y[i], v[j]) ? surface->value(y[i], v[j]) : std::nan("");
+        if (k == 0) first(i, j) = f;
+        const double off = f - first(i, j);  // about one of them: the square of the level would cancel digits
+        sum(i, j) += off;
+        squares(i, j) += off * off;
+      }
+  }
+  // The jackknife of Tukey (1958) over blocks: what the fits without one block differ by, times blocks - 1.
+  const double n = blocks;
+  out.std = ((squares.array() - sum.array().square() / n).max(0) * ((n - 1) / n)).sqrt();
+  return out;
+}
+
+SurfaceScore score(const SurfacePoints& points, const VectorXd& predicted) {
+  std::vector<double> measured;
+  double rss = 0;
+  for (Index i = 0; i < points.size(); ++i) {
+    if (std::isnan(predicted[i])) continue;
+    rss += (points.f[i] - predicted[i]) * (points.f[i] - predicted[i]);
+    measured.push_back(points.f[i]);
   }
   SurfaceScore score;
   score.covered = static_cast<double>(measured.size()) / static_cast<double>(points.size());
@@ -48,12 +78,15 @@ SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const Surfa
   return score;
 }
 
+SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const SurfaceFit& fit) {
+  return score(points, leave_out(points, blocks, Cells(points, 1, 1), fit).predicted);
+}
+
 SurfaceTable tabulate(const ForceSurface& surface) {
   const Cells& cells = surface.cells();
   const int ny = cells.cells_y(), nv = cells.cells_v();
-  SurfaceTable out{VectorXd(ny), VectorXd(nv), MatrixXd(ny, nv), cells.count()};
-  for (int i = 0; i < ny; ++i) out.y[i] = cells.y_min() + (i + 0.5) * (cells.y_max() - cells.y_min()) / ny;
-  for (int j = 0; j < nv; ++j) out.v[j] = cells.v_min() + (j + 0.5) * (cells.v_max() - cells.v_min()) / nv;
+  const auto [y, v] = centres(cells);
+  SurfaceTable out{y, v, MatrixXd(ny, nv), cells.count()};
   for (int i = 0; i < ny; ++i)
     for (int j = 0; j < nv; ++j)
       out.f(i, j) = cells.count()(i, j) >= surface.least_count() ? surface.value(out.y[i], out.v[j]) : std::nan("");

@@ -55,8 +55,14 @@ class ForceSurface {
  public:
   virtual ~ForceSurface() = default;
   virtual std::string name() const = 0;
-  virtual double value(double y, double v) const = 0;  ///< [N]
-  bool has_data(double y, double v) const;             ///< its cell holds at least least_count() points
+  virtual double value(double y, double v) const = 0;  ///< [N]; NaN where a kind has none
+  /// (df/dy, df/dv) [N/m, N s/m]: central differences over 1e-5 of the range of the data, unless a kind knows better.
+  virtual Eigen::Vector2d gradient(double y, double v) const;
+  /// Standard deviation of value() by the kind's own account [N]; NaN where it gives none (then see compare_surfaces).
+  virtual double std(double y, double v) const;
+  /// value(), and where it has none that of the nearest place which has, on the line to the middle of the data.
+  double continued(double y, double v) const;
+  bool has_data(double y, double v) const;  ///< its cell holds at least least_count() points
   const Cells& cells() const { return cells_; }
   int least_count() const { return least_count_; }
 
@@ -127,15 +133,51 @@ class GridSurface : public ForceSurface {
 /// Throws InputError: no cell with enough points, or points on a line.
 GridSurface fit_grid(const SurfacePoints& points, const GridOptions& options = {});
 
+// ---- expand.cpp ----
+/// Chebyshev coefficients by Gauss-Chebyshev quadrature of the surface, continued where it has no data:
+/// C(i, j) = (2 - d_i0)(2 - d_j0)/nodes^2 * sum f(x_p, x_q) T_i(x_p) T_j(x_q). (Masri & Caughey 1979, eqs. 9-12.)
+struct Expansion {
+  PolynomialSurface polynomial;
+  double truncation = 0;  ///< rms of what the orders leave of the surface, at the cells with data [N]
+  double continued = 0;   ///< part of the nodes where the surface has no data
+};
+/// `nodes` per axis, >= the larger order + 1 and <= 200. Throws InputError: orders as PolynomialOptions, nodes.
+Expansion expand_by_quadrature(const ForceSurface& surface, int order_y, int order_v, int nodes = 40);
+/// rms of what a polynomial leaves of a surface, at the cells with data [N].
+double truncation(const PolynomialSurface& polynomial, const ForceSurface& surface);
+
+// ---- section.cpp ----
+/// A cut through a surface along one axis, with the points near it.
+struct Section {
+  bool along_y = true;            ///< along y at v = `at`, else along v at y = `at`
+  double at = 0, half_width = 0;  ///< of the band from which the points come
+  Eigen::VectorXd place, f, std;  ///< f is NaN where there is no data, std where the kind gives none
+  Eigen::VectorXd points_place, points_f;
+};
+/// `half_width` 0: a twentieth of the range of the other axis. Throws InputError: count < 2, at outside the data.
+Section section(const ForceSurface& surface, const SurfacePoints& points, bool along_y, double at, int count = 200,
+                double half_width = 0);
+
 // ---- score.cpp ----
+using SurfaceFit = std::function<std::shared_ptr<const ForceSurface>(const SurfacePoints&)>;
+
+/// What fits that leave out a block of time each say of the block left out, and of the surface itself.
+struct LeftOut {
+  Eigen::VectorXd predicted;  ///< at each point, by the fit that did not see it; NaN where that fit has no data
+  Eigen::MatrixXd std;        ///< at the centres of the cells, by the block jackknife [N]; NaN where a fit has no data
+};
+/// Leaves out each of `blocks` (>= 2) parts of nearly equal length in turn.
+LeftOut leave_out(const SurfacePoints& points, int blocks, const Cells& cells, const SurfaceFit& fit);
+
 /// Prediction of blocks of time that the fit has not seen.
 struct SurfaceScore {
   double r2 = 0;       ///< about the mean of the points predicted
   double rmse = 0;     ///< [N]
   double covered = 0;  ///< part of the left-out points that lie where the surface has data; the others are not scored
 };
-using SurfaceFit = std::function<std::unique_ptr<ForceSurface>(const SurfacePoints&)>;
-/// Leaves out each of `blocks` (>= 2) parts of nearly equal length in turn.
+/// Of predictions that are not NaN.
+SurfaceScore score(const SurfacePoints& points, const Eigen::VectorXd& predicted);
+/// The same of leave_out().
 SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const SurfaceFit& fit);
 
 /// For figures and tables: the surface at the centres of its cells.

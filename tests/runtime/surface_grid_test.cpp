@@ -1,11 +1,8 @@
 // Bilinear grids: exactness, cells without data, noise, refusals, tables.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-
 #include "message.hpp"
-#include "surface/surface.hpp"
+#include "surface_samples.hpp"
 
 using namespace lunid;
 using Eigen::Index;
@@ -13,32 +10,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-/// Points of a growing spiral, which leaves corners of its rectangle empty, or uniform over the rectangle.
-template <class F>
-SurfacePoints uniform_points(Index count, F f, double noise = 0) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  std::normal_distribution<double> normal;
-  SurfacePoints p{VectorXd(count), VectorXd(count), VectorXd(count)};
-  for (Index i = 0; i < count; ++i) {
-    p.y[i] = 2e-3 * uniform(random);
-    p.v[i] = 0.5 * uniform(random);
-    p.f[i] = f(p.y[i], p.v[i]) + noise * normal(random);
-  }
-  return p;
-}
-template <class F>
-SurfacePoints spiral(Index count, F f) {
-  SurfacePoints p{VectorXd(count), VectorXd(count), VectorXd(count)};
-  for (Index i = 0; i < count; ++i) {
-    const double growth = static_cast<double>(i) / static_cast<double>(count), angle = 0.7 * static_cast<double>(i);
-    p.y[i] = 2e-3 * growth * std::sin(angle);
-    p.v[i] = 0.5 * growth * std::cos(angle);
-    p.f[i] = f(p.y[i], p.v[i]);
-  }
-  return p;
-}
 
 double bilinear(double y, double v) { return 3 + 2e4 * y - 10 * v + 5e3 * y * v; }
 
