@@ -1,6 +1,8 @@
 // Measured records.
 #include <cmath>
 
+#include "record/atomic_file.hpp"
+#include "record/container.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -8,7 +10,17 @@ namespace lunid::lua {
 
 namespace {
 
-/// read(path, {columns = {"y=disp [mm]", ...}, resample = bool})
+/// The field as a number, or as the name of a variable; without it neither.
+void number_or_name(lua_State* L, const char* field, std::optional<double>& number, std::string& name) {
+  with_field(L, 2, field, [&] {
+    if (lua_type(L, -1) == LUA_TNUMBER)
+      number = lua_tonumber(L, -1);
+    else
+      name = check_string(L, -1);
+  });
+}
+
+/// read(path, {columns = {"y=disp [mm]", ...}, resample = bool, rate = , interval = })
 int read(lua_State* L) {
   const std::string path = check_string(L, 1);
   check_table(L, 2);
@@ -18,7 +30,11 @@ int read(lua_State* L) {
     const auto map = parse_columns(column);
     options.columns.insert(options.columns.end(), map.begin(), map.end());
   }
-  Record record = read_csv(path, options);
+  std::optional<double> rate, interval;
+  number_or_name(L, "rate", rate, options.rate_name);
+  number_or_name(L, "interval", interval, options.interval_name);
+  options.interval = rate ? 1 / *rate : interval.value_or(0);
+  Record record = read_record(path, options);
   runtime(L).note_input(path);
   push<Record>(L, std::move(record));
   return 1;
@@ -54,8 +70,48 @@ int column(lua_State* L) {
 }
 
 int write(lua_State* L) {
-  write_csv(check<Record>(L, 1), check_string(L, 2));
+  const std::string path = check_string(L, 2);
+  const bool hdf5 = path.ends_with(".h5") || path.ends_with(".hdf5");
+  (hdf5 ? write_hdf5 : write_csv)(check<Record>(L, 1), path);
   return 0;
+}
+
+/// write_columns(path, names, {column...}): an HDF5 file.
+int write_columns(lua_State* L) {
+  std::vector<Eigen::VectorXd> values;
+  std::vector<StoredColumn> columns;
+  check_table(L, 2);
+  check_table(L, 3);
+  for_each(L, 3, [&](lua_Integer) { values.push_back(check_column(L, -1)); });
+  for_each(L, 2, [&](lua_Integer i) {
+    const Eigen::VectorXd& column = values.at(static_cast<std::size_t>(i) - 1);
+    columns.push_back({check_string(L, -1), "", column.data(), static_cast<std::size_t>(column.size()), {}, {}});
+  });
+  std::string error;
+  const std::string bytes = container_module().encode_hdf5(columns, error);
+  if (!error.empty()) throw InputError(error, {check_string(L, 1)}, Fault::data);
+  write_file_atomically(check_string(L, 1), bytes);
+  return 0;
+}
+
+/// read_columns(path) -> names, {column...}: all vectors of numbers of an HDF5 or MAT file; nil for other files.
+int read_columns(lua_State* L) {
+  const std::string path = check_string(L, 1);
+  if (!is_container(path)) return 0;
+  const auto file = open_container(path);
+  lua_newtable(L);
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (std::size_t k = 0; k < file->variables().size(); ++k) {
+    const Variable& variable = file->variables()[k];
+    if (!variable.is_number() || !variable.is_vector()) continue;
+    push_text(L, variable.name);
+    lua_rawseti(L, -3, ++i);
+    push_column(L, read_choice(*file, path, {k, -1, variable.size()}));
+    lua_rawseti(L, -2, i);
+  }
+  if (i == 0) throw InputError("the file holds no vectors of numbers", {path}, Fault::data);
+  return 2;
 }
 
 void push_channels(lua_State* L, const Record& record) {
@@ -137,8 +193,11 @@ void open_records(lua_State* L) {
   static constexpr Entry methods[] = {{"window", guarded<window>}, {"column", guarded<column>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Record>(L, methods, meta);
-  static constexpr Entry functions[] = {
-      {"read", guarded<read>}, {"split_columns", guarded<split_columns>}, {"write_record", guarded<write>}};
+  static constexpr Entry functions[] = {{"read", guarded<read>},
+                                        {"split_columns", guarded<split_columns>},
+                                        {"write_record", guarded<write>},
+                                        {"write_columns", guarded<write_columns>},
+                                        {"read_columns", guarded<read_columns>}};
   set_functions(L, functions);
 }
 

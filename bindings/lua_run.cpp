@@ -131,6 +131,12 @@ void push_summary(lua_State* L, const RunSummary& summary) {
     lua_pushinteger(L, value);
     lua_setfield(L, -2, field);
   }
+  lua_newtable(L);
+  for (std::size_t i = 0; i < summary.notes.size(); ++i) {
+    push_text(L, summary.notes[i]);
+    lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+  }
+  lua_setfield(L, -2, "notes");
   lua_pushnumber(L, summary.stuck);
   lua_setfield(L, -2, "stuck");
   lua_pushnumber(L, summary.error);
@@ -225,6 +231,7 @@ int to_string(lua_State* L) {
     std::snprintf(text, sizeof text, "stopped at t = %.4g s: ", summary.stopped_at);
     result += text + summary.cause;
   }
+  for (const std::string& note : summary.notes) result += "\n  note: " + note;
   push_text(L, result);
   return 1;
 }

@@ -1,4 +1,5 @@
 // Restoring force surfaces.
+#include "surface/lookup.hpp"
 #include "surface/surface.hpp"
 
 #include <cmath>
@@ -14,7 +15,8 @@ struct ForceMap {
   SurfacePoints points;
   std::shared_ptr<const GridSurface> grid;
   std::shared_ptr<const PolynomialSurface> polynomial;
-  SurfaceScore score;  ///< of what is drawn, on blocks of time that its fit did not see
+  SurfaceScore score;    ///< of what is drawn, on blocks of time that its fit did not see
+  FunctionPtr function;  ///< of y and v, where it is on a grid
 
   const ForceSurface& drawn() const {
     if (grid) return *grid;
@@ -66,8 +68,30 @@ int run(lua_State* L) {
     map.grid = std::make_shared<const GridSurface>(fit_grid(map.points, grid));
     again = [grid](const SurfacePoints& points) { return std::make_unique<GridSurface>(fit_grid(points, grid)); };
   });
+  if (map.grid) {
+    Pool& pool = *runtime(L).pool();
+    map.function = lookup_of(*map.grid, pool.free_name(string_field(L, 2, "name").value_or("surface")));
+    pool.add(map.function);
+  }
   map.score = score_left_out(map.points, static_cast<int>(number_field(L, 2, "blocks").value_or(6)), again);
   push<ForceMap>(L, std::move(map));
+  return 1;
+}
+
+/// surface(y, v): the surface as a function of the language. A polynomial is one already.
+int call_surface(lua_State* L) {
+  const ForceMap& map = check<ForceMap>(L, 1);
+  if (lua_gettop(L) != 3)
+    throw InputError("a surface takes 2 arguments, y and v, got " + std::to_string(lua_gettop(L) - 1));
+  if (map.function) return call_external(L, map.function, 2);
+  Pool& pool = *runtime(L).pool();
+  const Value y = check_value(L, 2), v = check_value(L, 3);
+  const std::pair<Expr, Expr> replacements[] = {{pool.channel("y"), y.expr}, {pool.channel("v"), v.expr}};
+  const Expr result = substitute(map.polynomial->expression(pool), replacements);
+  if (result.is_constant())
+    lua_pushnumber(L, result.value());
+  else
+    push<Value>(L, {result, join(y.declared, v.declared)});
   return 1;
 }
 
@@ -175,7 +199,8 @@ int to_string(lua_State* L) {
 
 void open_surfaces(lua_State* L) {
   static constexpr Entry methods[] = {{"at", guarded<value_at>}};
-  static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
+  static constexpr Entry meta[] = {
+      {"__index", guarded<get>}, {"__call", guarded<call_surface>}, {"__tostring", guarded<to_string>}};
   make_type<ForceMap>(L, methods, meta);
   static constexpr Entry functions[] = {{"rfs", guarded<run>}};
   set_functions(L, functions);

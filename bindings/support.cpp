@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 
+#include "expr/external.hpp"
 #include "runtime.hpp"
 
 namespace lunid::lua {
@@ -54,6 +55,29 @@ std::string describe(lua_State* L, int index) {
 void bad_argument(lua_State* L, int index, std::string_view expected) {
   throw InputError("argument " + std::to_string(index) + ": expected " + std::string(expected) + ", got " +
                    describe(L, index));
+}
+
+namespace {
+
+/// Rethrows what an external function raised; an interruption is told by whoever was interrupted.
+void rethrow_external_errors(lua_State* L) {
+  for (const auto& function : runtime(L).pool()->functions()) {
+    if (runtime(L).cancelled()) function->forget();
+    function->rethrow();
+  }
+}
+
+}  // namespace
+
+int run_watched(lua_State* L, lua_CFunction function) {
+  try {
+    const int results = function(L);
+    rethrow_external_errors(L);
+    return results;
+  } catch (const std::exception&) {
+    rethrow_external_errors(L);
+    throw;
+  }
 }
 
 void push_error(lua_State* L, const std::exception& error) {

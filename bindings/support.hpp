@@ -34,11 +34,14 @@ std::string describe(lua_State* L, int index);
 /// Turns an exception into the message that a person reads, with the user's file and line, and pushes it.
 void push_error(lua_State* L, const std::exception& error);
 
+/// Calls `function`. An error that an external function raised meanwhile is the one to tell (expr/external.hpp).
+int run_watched(lua_State* L, lua_CFunction function);
+
 /// The guard: every C++ function that Lua may call is registered as guarded<function>.
 template <int (*Function)(lua_State*)>
 int guarded(lua_State* L) {
   try {
-    return Function(L);
+    return run_watched(L, Function);
   } catch (const std::exception& error) {
     push_error(L, error);
   }

@@ -12,6 +12,11 @@
 
 namespace lunid::lua {
 
+/// A function of the language that the runtime or Lua computes (expr/external.hpp).
+using FunctionPtr = std::shared_ptr<const ExternalFunction>;
+/// Pushes the function of the arguments from index `first` on: an expression, or of numbers alone a number.
+int call_external(lua_State* L, const FunctionPtr& function, int first);
+
 /// A parameter as the user declared it, and where.
 struct DeclaredParameter {
   Parameter parameter;
@@ -86,6 +91,11 @@ template <>
 struct Bound<Value> {
   static constexpr const char* key = "lunid.expression";
   static constexpr const char* words = "an expression";
+};
+template <>
+struct Bound<FunctionPtr> {
+  static constexpr const char* key = "lunid.function";
+  static constexpr const char* words = "a function of the language";
 };
 template <>
 struct Bound<Column> {

@@ -251,10 +251,16 @@ local function field_text(value)
 end
 
 core.add_method("lunid.sweep", "save", function(sweep, path)
-  if type(path) ~= "string" or not path:match "%.csv$" then
-    schema.fail("save", "expected a path that ends in .csv, got " .. core.describe(path))
+  local ending = type(path) == "string" and path:match "%.(%w+)$"
+  if ending ~= "csv" and ending ~= "h5" then
+    schema.fail("save", "expected a path that ends in .csv or .h5, got " .. core.describe(path))
   end
   local names, columns = sweep.names, {}
+  if ending == "h5" then
+    for i, name in ipairs(names) do columns[i] = sweep:column(name) end
+    core.write_columns(output.place(path), names, columns)
+    return output.shown(path)
+  end
   for i, name in ipairs(names) do columns[i] = sweep:column(name):list() end
   local lines, cells = { table.concat(names, ",") }, {}
   for row = 1, sweep.members do
@@ -286,9 +292,25 @@ local function cells_of(line)
   return cells
 end
 
+--- The columns under their names.
+local function table_of(path, names, lists)
+  local columns = {}
+  for i, name in ipairs(names) do
+    if columns[name] then fault(path, 1, ("two columns of one name: '%s'"):format(name)) end
+    if #lists[i] ~= #lists[1] then
+      core.raise(("%s: column '%s' has %d values, '%s' has %d"):format(path, name, #lists[i], names[1], #lists[1]), "data")
+    end
+    columns[name] = lists[i]
+  end
+  return schema.object("table", { names = names, columns = columns, rows = #lists[1] }, methods, function(self)
+    return ("table of %d rows: %s"):format(self.rows, table.concat(self.names, ", "))
+  end)
+end
+
 ensembles.table = schema.define({
   name = "table",
-  help = "Reads the columns of a CSV file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).",
+  help = "Reads the columns of a CSV, HDF5 or MAT file of numbers, such as sweep:save wrote; an empty cell is no number "
+    .. "(NaN).",
   positional = { "path" },
   fields = {
     { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
@@ -299,6 +321,8 @@ ensembles.table = schema.define({
   local path = records.find(given.path)
   if not core.kind_of(path) then core.raise(("%s: no such file"):format(given.path), "data") end
   core.note_input(path)
+  local stored, values = core.read_columns(path)
+  if stored then return table_of(path, stored, values) end
   local names, lists, number = nil, {}, 0
   for line in (core.read_text(path):gsub("\n?$", "\n")):gmatch "([^\n]*)\n" do
     number = number + 1
@@ -316,14 +340,8 @@ ensembles.table = schema.define({
       end
     end
   end
-  local columns = {}
-  for i, name in ipairs(names) do
-    if columns[name] then fault(path, 1, ("two columns of one name: '%s'"):format(name)) end
-    columns[name] = core.column(lists[i])
-  end
-  return schema.object("table", { names = names, columns = columns, rows = number - 1 }, methods, function(self)
-    return ("table of %d rows: %s"):format(self.rows, table.concat(self.names, ", "))
-  end)
+  for i in ipairs(names) do lists[i] = core.column(lists[i]) end
+  return table_of(path, names, lists)
 end)
 
 ensembles.public = { ensemble = ensembles.ensemble, table = ensembles.table, range = range, uniform = uniform,

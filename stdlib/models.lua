@@ -180,6 +180,37 @@ local function forces_text(model)
   return ("\n  forces = { %s },"):format(table.concat(model.forces, ", "))
 end
 
+--- All expressions of a model.
+local function parts_of(model)
+  local parts = {}
+  for _, rows in ipairs { model.mass, model.restoring } do
+    for _, row in ipairs(core.is_expression(rows) and { rows } or rows) do parts[#parts + 1] = row end
+  end
+  parts[#parts + 1] = model.delay
+  for _, state in ipairs(model.states) do
+    for _, part in ipairs { "rate", "min", "max" } do parts[#parts + 1] = state[part] end
+  end
+  return parts
+end
+
+local function list_text(column)
+  local texts = {}
+  for i, value in ipairs(column:list()) do texts[i] = core.number_text(value) end
+  return "{ " .. table.concat(texts, ", ") .. " }"
+end
+
+--- A table of values is written with all of them; a function in Lua has no text.
+local function function_text(called)
+  if not called.table then
+    schema.fail("save", ("the model calls the %s, which has no text: keep the study that makes it"):format(called.words))
+  end
+  local axes, values = {}, {}
+  for i, axis in ipairs(called.table.axes) do axes[i] = list_text(axis) end
+  for i, row in ipairs(called.table.values) do values[i] = #axes == 1 and core.number_text(row[1]) or list_text(row) end
+  return ("local %s = lunid.lookup { %q, axes = { %s }, values = {\n  %s } }"):format(called.name, called.name,
+    table.concat(axes, ", "), table.concat(values, ",\n  "))
+end
+
 --- Lua that loads again to the same model.
 function models.text(model)
   if model.degrees > most_coordinates then
@@ -188,6 +219,7 @@ function models.text(model)
   end
   local lines = { "-- " .. model:equation():gsub("\n", "\n-- "), 'local lunid = require "lunid"' }
   lines[#lines + 1] = channel_text(model)
+  for _, called in ipairs(core.functions_of(parts_of(model))) do lines[#lines + 1] = function_text(called) end
   for _, row in ipairs(model.parameters) do lines[#lines + 1] = parameter_text(row) end
   local names = {}
   for i, state in ipairs(model.states) do

@@ -22,7 +22,8 @@ local channels = { time = "t", force = "F", displacement = "y", velocity = "v", 
 
 records.read = schema.define({
   name = "read",
-  help = "Reads a CSV file. Columns are t F y v a in SI by default; v and a are derived where absent.",
+  help = "Reads a record from a CSV, MAT or HDF5 file. Columns are t F y v a in SI by default; v and a are derived where "
+    .. "absent. A MAT file gives its variables, fields as \"run.y\", columns of arrays as \"data:2\".",
   positional = { "path" },
   fields = {
     { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
@@ -32,6 +33,10 @@ records.read = schema.define({
     { "velocity", types.string, help = "header of the velocity column" },
     { "acceleration", types.string, help = "header of the acceleration column" },
     { "columns", types.string, help = "all at once: \"t=time,y=disp [mm],F=load [kN]\"" },
+    { "rate", types.either(types.number { above = 0 }, types.string), unit = "Hz",
+      help = "rows per second, where there is no time: a number, or its name in a MAT or HDF5 file" },
+    { "interval", types.either(types.number { above = 0 }, types.string), unit = "s",
+      help = "the same as the time between rows" },
     { "resample", types.boolean, default = false, help = "resample an uneven time base to its median step" },
     { "window", types.is("window", "lunid.window"), help = "part of the record to keep" },
   },
@@ -45,7 +50,9 @@ records.read = schema.define({
   if given.columns then
     for _, column in ipairs(core.split_columns(given.columns)) do columns[#columns + 1] = column end
   end
-  local record = core.read(records.find(given.path), { columns = columns, resample = given.resample })
+  if given.rate and given.interval then schema.fail("read", "expected rate or interval, got both") end
+  local record = core.read(records.find(given.path),
+    { columns = columns, resample = given.resample, rate = given.rate, interval = given.interval })
   return given.window and record:window(given.window.from, given.window.to) or record
 end)
 

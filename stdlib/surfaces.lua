@@ -26,7 +26,8 @@ end)
 
 surfaces.rfs = schema.define({
   name = "rfs",
-  help = "The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial.",
+  help = "The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial. "
+    .. "surface(y, v) is an expression for models and regressions; beyond its data a grid goes on as straight as it can.",
   fields = {
     { "record", types.either(record, types.list(record, 1)), required = true, help = "one record or several" },
     { "mass", types.expression, unit = "kg", help = "without it the surface is that of F itself" },
@@ -34,6 +35,7 @@ surfaces.rfs = schema.define({
     { "interpolate", types.is("interpolator", "lunid.grid"), help = "how it is drawn; else by the polynomial" },
     { "order", types.list(types.integer { min = 0, max = 20 }, 2), default = { 4, 4 },
       help = "of the polynomial in displacement and in velocity" },
+    { "name", types.string, default = "surface", help = "how it is written in equations, where it is on a grid" },
     { "blocks", types.integer { min = 2, max = 1000 }, default = 6, help = "blocks of time left out in turn for the score" },
   },
   returns = "surface",

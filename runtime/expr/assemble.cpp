@@ -30,8 +30,8 @@ class Assembler {
       if (uses_[i] > 0 && !is_given(list_[i])) emit(i);
     for (const Result& r : results_)
       if (list_[r.value].code != Code::constant && register_[r.value] != r.place)
-        code_.instructions.push_back({Code::copy, r.place, register_[r.value], 0, 0, 0});
-    code_.instructions.push_back({Code::done, 0, 0, 0, 0, 0});
+        code_.instructions.push_back({Code::copy, 0, r.place, register_[r.value], 0, 0, 0});
+    code_.instructions.push_back({Code::done, 0, 0, 0, 0, 0, 0});
     return std::move(code_);
   }
 
@@ -126,7 +126,8 @@ class Assembler {
       operand = place;
     }
     if (register_[i] == nowhere) register_[i] = temporary();
-    code_.instructions.push_back({v.code, register_[i], operands[0], operands[1], operands[2], operands[3]});
+    code_.instructions.push_back({v.code, static_cast<std::uint16_t>(v.function), register_[i], operands[0],
+                                  operands[1], operands[2], operands[3]});
   }
 
   std::uint32_t temporary() {

@@ -8,8 +8,9 @@ namespace {
 
 constexpr std::size_t block = 256;  // rows: a few registers of 2 kB stay in the first cache
 
-LUNID_WIDE void step(const Instruction& at, double* const* r) {
-  kernel::run(block, at, r[at.dst], r[at.a], r[at.b], r[at.c], kernel::has_four(at.code) ? r[at.d] : nullptr);
+LUNID_WIDE void step(const Instruction& at, double* const* r, const ExternalCall* externals) {
+  kernel::run(block, at, r[at.dst], r[at.a], r[at.b], r[at.c], kernel::has_four(at.code) ? r[at.d] : nullptr,
+              externals);
 }
 
 /// Registers of one block each. Whole blocks of inputs with stride 1 are read in place and whole blocks of outputs
@@ -80,7 +81,7 @@ void Tape::run_columns(std::span<const double* const> in, std::span<const int> s
     const std::size_t count = std::min(block, rows - first);
     blocks.open(first, count);
     for (const Instruction* at = program.values.instructions.data(); at->code != Code::done; ++at)
-      step(*at, blocks.places());
+      step(*at, blocks.places(), program.externals.data());
     blocks.close(first, count);
   }
 }

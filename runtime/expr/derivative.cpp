@@ -75,7 +75,7 @@ Expr derivative(Expr f, Expr symbol) {
   const Expr none = f.pool().constant(0), one = f.pool().constant(1);
   for (const Expr& node : post_order(f)) {
     const auto arguments = node.arguments();
-    Expr d[3];
+    Expr d[Expr::most_arguments];
     bool moves = false;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
       d[i] = slopes.at(arguments[i].id());

@@ -7,6 +7,7 @@
 //   sum: product (('+' | '-') product)*       product: unary (('*' | '/') unary)*
 //   unary: '-' unary | power                   power: atom ('^' unary)?      (right associative)
 //   atom: number | 'pi' | name | function '(' args ')' | '(' sum ')'
+// An external function (external.hpp) is written like any other, but parse() knows no such names.
 // A comparison may stand in the first argument of where() and nowhere else; any other condition means `> 0`.
 //
 // NaN and infinity: simplification is only what is safe for them (constant folding, x+0, x*1, x/1, x^1, -(-x), signs
@@ -15,6 +16,7 @@
 // everywhere.
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +58,7 @@ enum class Op : std::uint8_t {
   greater_equal,
   less_equal,
   where,
+  external,  // of an ExternalFunction: built by Pool::call
 };
 
 /// What a symbol stands for. A node holds identity only (kind and name): values, bounds and units live in the
@@ -64,11 +67,14 @@ enum class Op : std::uint8_t {
 ///   parameter: an unknown to fit          state: an internal state z with a rate of its own
 enum class SymbolKind : std::uint8_t { channel, parameter, state };
 
+class ExternalFunction;
 class Pool;
 
 /// A handle to a node. Cheap to copy; valid as long as its pool lives. Default-constructed: empty (valid() false).
 class Expr {
  public:
+  static constexpr int most_arguments = 4;
+
   Expr() = default;
   bool valid() const { return pool_ != nullptr; }
   Pool& pool() const { return *pool_; }
@@ -83,6 +89,9 @@ class Expr {
   double value() const;             ///< of a constant; otherwise throws std::logic_error
   const std::string& name() const;  ///< of a symbol; otherwise throws std::logic_error
   SymbolKind kind() const;          ///< of a symbol; otherwise throws std::logic_error
+  /// Of Op::external, otherwise throws std::logic_error: the function, and what of it the node is (ExternalPart).
+  const std::shared_ptr<const ExternalFunction>& function() const;
+  std::uint8_t part() const;
 
  private:
   friend class Pool;
@@ -114,6 +123,15 @@ class Pool {
   Expr apply(Op op, std::initializer_list<Expr> arguments) {
     return apply(op, std::span<const Expr>(arguments.begin(), arguments.size()));
   }
+  /// An external function, or the `part` of it (ExternalPart), of these arguments. Throws InputError on a wrong number
+  /// of them or on a comparison, and when another function or symbol has its name.
+  Expr call(const std::shared_ptr<const ExternalFunction>& function, std::span<const Expr> arguments,
+            std::uint8_t part = 0);
+  /// The functions that were called or added, in order. A pool keeps them as long as it lives.
+  std::span<const std::shared_ptr<const ExternalFunction>> functions() const;
+  void add(std::shared_ptr<const ExternalFunction> function);
+  /// `wanted`, or with a number behind it when a symbol, a function or the language has that name.
+  std::string free_name(std::string_view wanted) const;
 
  private:
   friend class Expr;

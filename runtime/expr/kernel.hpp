@@ -66,7 +66,7 @@ LUNID_INLINE void sines(std::size_t count, double* dst, const double* x, int tur
 
 /// True when operand d is a value.
 LUNID_INLINE bool has_four(Code code) {
-  return code == Code::mul_add_mul || code == Code::mul_sub_mul || code == Code::sub_sum;
+  return code == Code::mul_add_mul || code == Code::mul_sub_mul || code == Code::sub_sum || code == Code::external;
 }
 
 #define LUNID_FOURS(expression) \
@@ -78,9 +78,9 @@ LUNID_INLINE bool has_four(Code code) {
 #define C quad(c + i)
 #define D quad(d + i)
 
-/// `dst` = the instruction on operands a, b, c (and d, where it has four), `count` rows each.
+/// `dst` = the instruction on operands a, b, c (and d, where it has four), `count` rows each. `externals`: of the tape.
 LUNID_INLINE void run(std::size_t count, const Instruction& at, double* dst, const double* a, const double* b,
-                      const double* c, const double* d) {
+                      const double* c, const double* d, const ExternalCall* externals) {
   using namespace branch;
   switch (at.code) {
     case Code::copy: LUNID_FOURS(A);
@@ -103,6 +103,9 @@ LUNID_INLINE void run(std::size_t count, const Instruction& at, double* dst, con
       for (std::size_t i = 0; i < count; ++i) dst[i] = value(a[i], b[i], c[i]);
       return;
     }
+    case Code::external:
+      for (std::size_t i = 0; i < count; ++i) dst[i] = externals[at.function](a[i], b[i], c[i], d[i]);
+      return;
     case Code::sqrt: LUNID_ROWS(std::sqrt(a[i]));
     case Code::sign: LUNID_ROWS(sign(a[i]));
     case Code::abs: LUNID_ROWS(std::fabs(a[i]));

@@ -6,9 +6,11 @@
 namespace lunid {
 namespace {
 
-LUNID_WIDE void execute(std::size_t lanes, const Instruction* at, double* const* r) noexcept {
+LUNID_WIDE void execute(std::size_t lanes, const Instruction* at, double* const* r,
+                        const ExternalCall* externals) noexcept {
   for (; at->code != Code::done; ++at)
-    kernel::run(lanes, *at, r[at->dst], r[at->a], r[at->b], r[at->c], r[kernel::has_four(at->code) ? at->d : 0]);
+    kernel::run(lanes, *at, r[at->dst], r[at->a], r[at->b], r[at->c], r[kernel::has_four(at->code) ? at->d : 0],
+                externals);
 }
 
 }  // namespace
@@ -20,12 +22,12 @@ void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
 }
 
 void Tape::run_lanes(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place);
+  execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place, program_->externals.data());
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 
 void Tape::run_lanes_without_copies(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place);
+  execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place, program_->externals.data());
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 

@@ -10,7 +10,7 @@ namespace {
 struct ValueHash {
   std::size_t operator()(const Value& v) const {
     std::uint64_t h = static_cast<std::uint64_t>(v.code);
-    for (const std::uint32_t x : {v.a, v.b, v.c, v.d}) h = (h ^ x) * 0x9E3779B97F4A7C15ull + (h >> 29);
+    for (const std::uint32_t x : {v.a, v.b, v.c, v.d, v.function}) h = (h ^ x) * 0x9E3779B97F4A7C15ull + (h >> 29);
     return static_cast<std::size_t>(h);
   }
 };
@@ -116,11 +116,26 @@ class Lowering {
       if (small_integer(x[1].value(), n)) return integer_power_of(node, n);
       if (x[1].is_constant(0.5)) return emit({Code::sqrt, value(x[0])});
     }
+    if (node.op() == Op::external) return external(node);
     Value v{code_of(node)};
     std::uint32_t* operand[] = {&v.a, &v.b, &v.c};
     for (std::size_t i = 0; i < x.size(); ++i) *operand[i] = value(x[i]);
     if (v.code == Code::call) v.d = static_cast<std::uint32_t>(node.op());
     if (is_switching(v.code)) v.d = switch_operand_of(node);
+    return emit(v);
+  }
+
+  /// Operands that the function lacks are its first again, so that all four of them can be read.
+  std::uint32_t external(Expr node) {
+    const ExternalCall call{node.function(), node.part()};
+    std::size_t at = 0;
+    while (at < values_.externals.size() && !(values_.externals[at] == call)) ++at;
+    if (at == values_.externals.size()) values_.externals.push_back(call);
+    if (at > 0xFFFF) throw InputError("tape: more than 65536 external functions");
+    const std::uint32_t first = value(node.arguments()[0]);
+    Value v{Code::external, first, first, first, first, static_cast<std::uint32_t>(at)};
+    std::uint32_t* operand[] = {&v.a, &v.b, &v.c, &v.d};
+    for (std::size_t i = 1; i < node.arguments().size(); ++i) *operand[i] = value(node.arguments()[i]);
     return emit(v);
   }
 
@@ -188,7 +203,8 @@ int operand_count(const Value& value) {
     case Code::where: return 3;
     case Code::mul_add_mul:
     case Code::mul_sub_mul:
-    case Code::sub_sum: return 4;
+    case Code::sub_sum:
+    case Code::external: return 4;
     case Code::call: return row_of(static_cast<Op>(value.d)).arity;
     default: return 2;
   }

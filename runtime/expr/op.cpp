@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "expr/derivative.hpp"
+#include "expr/external.hpp"
 #include "expr/sine.hpp"
 
 namespace lunid {
@@ -38,6 +39,14 @@ Expr power_slope(Expr f, const Expr* d) {
   if (!zero(d[0])) base = times(times(b, pow(a, b - 1.0)), d[0]);
   if (!zero(d[1])) exponent = times(times(f, call(Op::log, a.is_constant() ? a : a + 1e-300)), d[1]);
   return plus(base, exponent);
+}
+
+/// The sum of partial derivatives times d, each partial derivative a call of its own.
+Expr external_slope(Expr f, const Expr* d) {
+  Expr sum = none(f);
+  for (int i = 0; i < f.function()->arity(); ++i)
+    if (!zero(d[i])) sum = plus(sum, times(partial_derivative(f, i), d[i]));
+  return sum;
 }
 
 Expr greater(Expr f) { return f.pool().apply(Op::greater, f.arguments()); }
@@ -116,6 +125,8 @@ const std::array rows = {
   OpRow{Op::where, "where", 3, F, VALUE(a > 0 ? b : a <= 0 ? c : nan), SLOPE(choose(x[0], d[1], d[2])),
         call_only, {bind::comparison, "\\begin{cases} $10 & \\text{if } $0? \\\\ $20 & \\text{otherwise} \\end{cases}"},
         {bind::atom, "($0? ? $11 : $21)"}, call_only},
+  OpRow{Op::external, "an external function", 0, OpClass::external, nullptr, external_slope,
+        call_only, latex_call, call_only, call_only},
 };
 // clang-format on
 

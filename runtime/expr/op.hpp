@@ -6,7 +6,7 @@
 
 namespace lunid {
 
-enum class OpClass : std::uint8_t { leaf, operation, function, comparison };
+enum class OpClass : std::uint8_t { leaf, operation, function, comparison, external };
 
 /// How strongly a text binds: a child weaker than its place demands is put in parentheses.
 namespace bind {

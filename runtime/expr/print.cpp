@@ -1,3 +1,4 @@
+#include "expr/external.hpp"
 #include "expr/number.hpp"
 #include "expr/op.hpp"
 
@@ -38,8 +39,22 @@ class Printer {
     if (in_parentheses) open();
     if (notation.pattern)
       write_pattern(node, notation.pattern);
+    else if (row.kind == OpClass::external)
+      write_call(node, external_name(node));
     else
-      write_call(node, row.name);
+      write_call(node, (format_ == Format::latex ? "\\"
+                        : format_ == Format::lua ? "lunid."
+                                                 : "") +
+                           std::string(row.name));
+  }
+
+  /// The function's name, and which derivative: damper, damper_d1.
+  std::string external_name(Expr node) const {
+    if (format_ != Format::latex) return node.function()->name() + ExternalPart(node.part()).suffix();
+    std::string name;
+    for (const char c : node.function()->name()) name += c == '_' ? "\\_" : std::string(1, c);
+    const std::string order = ExternalPart(node.part()).digits();
+    return (order.empty() ? "" : "\\partial_{" + order + "}") + "\\operatorname{" + name + "}";
   }
 
   void write_leaf(Expr node, int demanded) {
@@ -62,9 +77,9 @@ class Printer {
     }
   }
 
-  void write_call(Expr node, const char* name) {
+  void write_call(Expr node, const std::string& name) {
     const bool latex = format_ == Format::latex;
-    text_ += (latex ? "\\" : format_ == Format::lua ? "lunid." : "") + std::string(name) + (latex ? "\\left(" : "(");
+    text_ += name + (latex ? "\\left(" : "(");
     std::vector<Piece> pieces;
     for (const Expr& argument : node.arguments()) {
       if (!pieces.empty()) pieces.push_back({{}, 0, ", "});

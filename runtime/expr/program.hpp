@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "expr/expr.hpp"
+#include "expr/external.hpp"
 #include "expr/tape.hpp"
 
 namespace lunid {
 
 /// Instructions. Fused ones round each operation on its own: the same bits as the single ones. a, b, c, d are
 /// operands; switching instructions hold the switch in d.
-enum class Code : std::uint32_t {
+enum class Code : std::uint16_t {
   input,
   constant,  // no instructions: registers that are set before the run
   copy,
@@ -30,6 +31,7 @@ enum class Code : std::uint32_t {
   mul_sub_mul,  // a*b - c*d
   sub_sum,      // d - (a*b + c): the force less a restoring force
   call,         // the value function of operation d on a, b, c
+  external,     // an external function of a, b, c, d; those that it lacks are a again
   select,       // c where a fails, b where it holds; a is a comparison
   sign,
   abs,
@@ -49,6 +51,7 @@ bool is_switching(Code code);
 struct Value {
   Code code;
   std::uint32_t a = 0, b = 0, c = 0, d = 0;
+  std::uint32_t function = 0;  ///< of external: an index into Values::externals
   friend bool operator==(const Value&, const Value&) = default;
 };
 
@@ -62,6 +65,7 @@ struct Values {
   std::vector<std::uint32_t> outputs;        // indices into list
   std::vector<std::uint32_t> switch_values;  // the value of each g
   std::vector<Expr> switching_functions;
+  std::vector<ExternalCall> externals;
 };
 
 /// Switch operand: index and whether this node's own g is the negative of the switch's.
@@ -75,6 +79,7 @@ Values lower(std::span<const Expr> outputs, std::span<const Expr> inputs);
 
 struct Instruction {
   Code code;
+  std::uint16_t function;  ///< of external
   std::uint32_t dst, a, b, c, d;
 };
 
@@ -110,6 +115,7 @@ Assembly assemble(const Values& values, const Layout& layout, std::span<const Re
 struct Tape::Program {
   Layout layout;
   std::vector<Expr> switching_functions;
+  std::vector<ExternalCall> externals;
   std::uint32_t outputs = 0;
   std::uint32_t registers = 0;
   Assembly values;    // the outputs

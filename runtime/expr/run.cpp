@@ -32,12 +32,12 @@ int told(const std::int8_t* mode, std::uint32_t switch_operand) {
 /// Runs the instructions over the registers r. Direct threading: every instruction jumps to the next by itself,
 /// which branch predictors learn far better than one common switch.
 template <bool frozen>
-void execute(const Instruction* at, double* r, const std::int8_t* mode) noexcept {
+void execute(const Instruction* at, double* r, const std::int8_t* mode, const ExternalCall* externals) noexcept {
   // clang-format off
   static constexpr void* const labels[] = {
       nullptr,   nullptr,  &&do_copy,        &&do_add,         &&do_sub,         &&do_mul,  &&do_div,    &&do_neg,
       &&do_sqrt, &&do_mul3, &&do_mul_add,    &&do_mul_sub,     &&do_sub_mul, &&do_mul_add_mul, &&do_mul_sub_mul, &&do_sub_sum,
-      &&do_call, &&do_select, &&do_sign,     &&do_abs,         &&do_min,  &&do_max,    &&do_greater,
+      &&do_call, &&do_external, &&do_select, &&do_sign,     &&do_abs,         &&do_min,  &&do_max,    &&do_greater,
       &&do_less, &&do_greater_equal, &&do_less_equal, &&do_where, &&do_done};
 #define NEXT goto* labels[static_cast<std::uint32_t>((++at)->code)]
 #define A r[at->a]
@@ -62,6 +62,7 @@ do_mul_add_mul: DST = A * B + C * D; NEXT;
 do_mul_sub_mul: DST = A * B - C * D; NEXT;
 do_sub_sum: DST = D - (A * B + C); NEXT;
 do_call: DST = branch::call(at->d, at->a, at->b, at->c, r); NEXT;
+do_external: DST = externals[at->function](A, B, C, D); NEXT;
 do_select: DST = branch::where(A, B, C); NEXT;
 do_sign: { const int m = MODE; DST = m ? m : branch::sign(A); } NEXT;
 do_abs: { const int m = MODE; DST = m ? m * A : std::fabs(A); } NEXT;
@@ -91,18 +92,18 @@ void Tape::prepare(double* scratch) const noexcept {
 }
 
 void Tape::run_prepared(double* scratch) const noexcept {
-  execute<false>(program_->values.instructions.data(), scratch, nullptr);
+  execute<false>(program_->values.instructions.data(), scratch, nullptr, program_->externals.data());
 }
 
 void Tape::run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept {
-  execute<true>(program_->complete.instructions.data(), scratch, mode);
+  execute<true>(program_->complete.instructions.data(), scratch, mode, program_->externals.data());
 }
 
 void Tape::run_point(const double* in, double* out, double* scratch) const noexcept {
   const Program& program = *program_;
   load_inputs(program.layout, in, scratch);
   prepare(scratch);
-  execute<false>(program.values.instructions.data(), scratch, nullptr);
+  execute<false>(program.values.instructions.data(), scratch, nullptr, program.externals.data());
   const double* result = scratch + program.layout.outputs;
   for (std::uint32_t j = 0; j < program.outputs; ++j) out[j] = result[j];
 }
@@ -112,7 +113,7 @@ void Tape::run_frozen(const double* in, const std::int8_t* mode, double* out, do
   const Program& program = *program_;
   load_inputs(program.layout, in, scratch);
   prepare(scratch);
-  execute<true>((g ? program.complete : program.values).instructions.data(), scratch, mode);
+  execute<true>((g ? program.complete : program.values).instructions.data(), scratch, mode, program.externals.data());
   std::copy_n(scratch + program.layout.outputs, program.outputs, out);
   if (g) std::copy_n(scratch + program.layout.switches, program.switching_functions.size(), g);
 }
@@ -121,7 +122,7 @@ void Tape::run_switches(const double* in, double* g, double* scratch) const noex
   const Program& program = *program_;
   load_inputs(program.layout, in, scratch);
   load_constants(program.layout, scratch);
-  execute<false>(program.switches.instructions.data(), scratch, nullptr);
+  execute<false>(program.switches.instructions.data(), scratch, nullptr, program.externals.data());
   std::copy_n(scratch + program.layout.switches, program.switching_functions.size(), g);
 }
 

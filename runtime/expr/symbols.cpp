@@ -47,19 +47,29 @@ bool depends_on(Expr f, Expr symbol) {
   return false;
 }
 
+namespace {
+
+/// The same operation on other arguments.
+Expr rebuilt(Expr node, std::span<const Expr> arguments) {
+  if (node.op() == Op::external) return node.pool().call(node.function(), arguments, node.part());
+  return node.pool().apply(node.op(), arguments);
+}
+
+}  // namespace
+
 Expr substitute(Expr f, std::span<const std::pair<Expr, Expr>> replacements) {
   std::unordered_map<std::uint32_t, Expr> image;
   for (const auto& [from, to] : replacements) image.emplace(from.id(), to);
   for (const Expr& node : post_order(f)) {
     if (image.contains(node.id())) continue;
-    Expr arguments[3];
+    Expr arguments[Expr::most_arguments];
     bool changed = false;
     const auto old = node.arguments();
     for (std::size_t i = 0; i < old.size(); ++i) {
       arguments[i] = image.at(old[i].id());
       changed |= arguments[i] != old[i];
     }
-    image.emplace(node.id(), changed ? node.pool().apply(node.op(), {arguments, old.size()}) : node);
+    image.emplace(node.id(), changed ? rebuilt(node, {arguments, old.size()}) : node);
   }
   return image.at(f.id());
 }

@@ -12,6 +12,7 @@ Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
   program->layout = lay_out(values, inputs.size());
   program->outputs = static_cast<std::uint32_t>(outputs.size());
   program->switching_functions = values.switching_functions;
+  program->externals = values.externals;
 
   const std::vector<Result> results = output_results(values, program->layout);
   const std::vector<Result> switches = switch_results(values, program->layout);
@@ -34,6 +35,16 @@ int Tape::registers() const { return program_ ? static_cast<int>(program_->regis
 int Tape::instructions() const { return program_ ? static_cast<int>(program_->values.instructions.size()) - 1 : 0; }
 int Tape::output_place() const { return program_ ? static_cast<int>(program_->layout.outputs) : 0; }
 int Tape::switch_place() const { return program_ ? static_cast<int>(program_->layout.switches) : 0; }
+
+bool Tape::thread_safe() const {
+  return !program_ || std::all_of(program_->externals.begin(), program_->externals.end(),
+                                  [](const ExternalCall& call) { return call.function->thread_safe(); });
+}
+
+void Tape::rethrow() const {
+  if (!program_) return;
+  for (const ExternalCall& call : program_->externals) call.function->rethrow();
+}
 
 const std::vector<Expr>& Tape::switching_functions() const {
   static const std::vector<Expr> none;

@@ -32,6 +32,10 @@ class Tape {
   int switches() const;
   int registers() const;  ///< size of the scratch space that run_point needs
   int instructions() const;
+  /// Of the external functions that it calls: any thread may run the tape; and the error that one of them raised is
+  /// rethrown (external.hpp).
+  bool thread_safe() const;
+  void rethrow() const;
   /// The switching function g of each switch, in order.
   const std::vector<Expr>& switching_functions() const;
 

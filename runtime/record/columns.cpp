@@ -168,7 +168,7 @@ HeaderCell split_header(std::string_view text) {
 }
 
 std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
-                                     const SourceSpan& where, std::vector<std::string>& warnings) {
+                                     const SourceSpan& where, std::vector<std::string>& warnings, bool needs_time) {
   check_repeats(header, where);
   std::vector<ColumnPlan> plans(header.size());
   const auto assign = [&](std::size_t i, std::string channel, const std::string& unit) {
@@ -185,13 +185,23 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
           where, Fault::data);
     assign(i, map.channel, map.unit);
   }
+  const bool given = options.interval > 0;
   for (const Meaning& meaning : meanings) {
     const bool mapped = std::any_of(plans.begin(), plans.end(),
                                     [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
+    if (mapped && given && meaning.channel == "t")
+      throw InputError("the time column and a rate or interval are both given: expected one of them", where,
+                       Fault::data);
     if (mapped) continue;
-    if (const auto i = find_meaning(header, plans, meaning, where)) assign(*i, std::string(meaning.channel), "");
+    const auto i = find_meaning(header, plans, meaning, where);
+    if (!i) continue;
+    assign(*i, std::string(meaning.channel), "");
+    if (!given || meaning.channel != "t") continue;
+    plans[*i].channel.clear();
+    warnings.push_back("left out: the time '" + header[*i].text + "', because a rate or interval is given");
   }
-  if (std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
+  if (needs_time && !given &&
+      std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
     throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
                          "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
                      where, Fault::data);

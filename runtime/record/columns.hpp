@@ -29,10 +29,12 @@ struct ColumnPlan {
 };
 
 /// Maps header cells to channels: by options.columns, else by name and the usual synonyms. Exactly one plan
-/// is "t". Throws InputError (Fault::data, at `where`): no time column, ambiguous or repeated names, unknown
+/// is "t", or with `needs_time` false or an interval in the options none may be. Throws InputError (Fault::data, at
+/// `where`): no time column, a time column that is asked for beside an interval, ambiguous or repeated names, unknown
 /// units.
 std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
-                                     const SourceSpan& where, std::vector<std::string>& warnings);
+                                     const SourceSpan& where, std::vector<std::string>& warnings,
+                                     bool needs_time = true);
 
 /// Text without white space at its ends.
 std::string_view trim(std::string_view text);

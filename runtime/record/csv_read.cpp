@@ -19,6 +19,13 @@ TimeBase time_base(CsvTable& table, std::size_t time, const std::string& path, b
   return fit_time_base(t, resolution, table.lines, path, resample, warnings);
 }
 
+/// Rows that stand so far apart, from 0 s on.
+TimeBase even_base(const CsvTable& table, const std::string& path, double interval) {
+  const std::size_t rows = table.lines.size();
+  if (rows < 6) throw InputError("expected at least 6 rows, got " + std::to_string(rows), {path}, Fault::data);
+  return {0, interval, static_cast<Eigen::Index>(rows), false};
+}
+
 Channel make_channel(const ColumnPlan& plan, std::span<const double> values, std::span<const double> t,
                      const TimeBase& base) {
   Channel channel;
@@ -43,12 +50,14 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
       static_cast<std::size_t>(std::find_if(table.plans.begin(), table.plans.end(), is_time) - table.plans.begin());
   if (table.plans.size() < 2)
     throw InputError("expected a column of numbers beside the time", {path, table.header_line}, Fault::data);
-  const TimeBase base = time_base(table, time, path, options.resample, warnings);
+  const TimeBase base = options.interval > 0 ? even_base(table, path, options.interval)
+                                             : time_base(table, time, path, options.resample, warnings);
 
   std::vector<Channel> channels;
   for (std::size_t i = 0; i < table.plans.size(); ++i) {
-    if (i == time) continue;
-    channels.push_back(make_channel(table.plans[i], table.columns[i], table.columns[time], base));
+    if (i == time || table.plans[i].channel.empty()) continue;
+    channels.push_back(
+        make_channel(table.plans[i], table.columns[i], base.resampled ? table.columns[time] : table.columns[i], base));
     std::vector<double>().swap(table.columns[i]);
   }
   Record record(path, base.t0, base.dt, std::move(channels));

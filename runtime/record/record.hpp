@@ -83,8 +83,13 @@ ColumnMap parse_column(std::string_view channel, std::string_view text);
 struct ReadOptions {
   std::vector<ColumnMap> columns;  ///< empty: t F y v a by name, units from the headers
   bool resample = false;           ///< a really uneven time base is resampled to its median step
+  double interval = 0;             ///< [s] between rows, in place of a time column; 0: none
+  /// MAT and HDF5: the name of a number in the file that is the interval [s], or the rate [Hz]; "": none.
+  std::string interval_name, rate_name;
 };
 
+/// Reads a record from a MAT file (its name ends in .mat), an HDF5 file (by its first bytes) or else a CSV file.
+Record read_record(const std::string& path, const ReadOptions& options = {});
 /// Reads a CSV file: separator , ; or tab (found), comments with #, header with names and units ("y [mm]", "F
 /// (kN)"). Derives v and a when absent (derive_motion) and estimates each channel's noise. Throws InputError
 /// (Fault::data) with file and line: missing or empty file, decimal comma, text or NaN in a number column, a

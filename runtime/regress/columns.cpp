@@ -70,6 +70,7 @@ void Columns::run(const Record& record, Index first, std::span<const double> val
 }
 
 void Columns::refuse(const Record& record, Index first, const MatrixXd& work) const {
+  tape_.rethrow();
   for (Index i = 0; i < work.rows(); ++i)
     for (Index j = 1; j < work.cols(); ++j) {
       if (std::isfinite(work(i, j))) continue;
@@ -122,6 +123,7 @@ std::vector<Statistic> statistics(const Columns& columns, std::span<const Record
         faults[i] = std::current_exception();
       }
   };
+  if (!columns.thread_safe()) threads = 1;
   const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   std::vector<std::jthread> others;
   for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), blocks.size()); ++i) others.emplace_back(work);

@@ -22,6 +22,9 @@ class Columns {
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& parameters() const { return parameters_; }
 
+  /// False: only this thread may run them (external functions).
+  bool thread_safe() const { return tape_.thread_safe(); }
+
   /// The statistic of rows [first, first + count) of a record. `values`: one for each of parameters().
   /// Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
   Statistic statistic(const Record& record, Eigen::Index first, Eigen::Index count,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/external.hpp"
 #include "regress/columns.hpp"
 #include "regress/implicit.hpp"
 #include "regress/number.hpp"
@@ -229,6 +230,7 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   const detail::Stopwatch watch;
   validate(options);
   if (records.empty()) throw InputError("regress: expected at least one record");
+  const ExternalWatch externals(options.features.front().pool());
   const Expr target = target_of(options);
   check_parameters(options, target);
   const std::vector<Constraint> constraints = by_feature(options);
@@ -255,6 +257,7 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
     result.fit.summary.solver += ", around SLSQP on " + std::to_string(options.implicit.size()) +
                                  " implicit parameters (" + std::to_string(passes) + " passes)";
   result.fit.summary.seconds = watch.seconds();
+  for (std::string& note : externals.notes(result.fit.summary.seconds)) result.warnings.push_back(std::move(note));
   return result;
 }
 

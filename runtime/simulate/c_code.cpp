@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/external.hpp"
 #include "simulate/model.hpp"
 
 namespace lunid {
@@ -45,6 +46,8 @@ std::string c_code(const System& system) {
   if (!s.bounds.empty())
     throw InputError("export: the state '" + s.states[s.bounds[0].state].name() +
                      "' has a bound, which a right-hand side in C cannot hold");
+  if (const auto functions = external_functions(s.rates); !functions.empty())
+    throw InputError("export: the rates call the " + functions.front()->words() + ", which has no text in C");
   std::string text = "/* " + model.equation() + "\n";
   text += "   x' = f(t, u, x, p)   x: " + names(s.states) + "   u: " + names(s.exogenous) +
           "   p: " + names(s.parameters) + " */\n#include <math.h>\n\n";

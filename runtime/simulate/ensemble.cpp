@@ -254,6 +254,11 @@ std::vector<std::span<const Index>> bundles_of(std::span<const Index> members, b
   return cut;
 }
 
+/// One where the members call a function that only this thread may call.
+int threads_for(const Ensemble& e, const EnsembleOptions& options) {
+  return e.system->rate().thread_safe() && e.force.tape().thread_safe() ? options.threads : 1;
+}
+
 void check_sizes(const Ensemble& e) {
   const auto refuse = [](const std::string& what, Index expected, Index got) {
     throw InputError("ensemble: " + what + ": expected " + std::to_string(expected) + ", got " + std::to_string(got));
@@ -316,7 +321,7 @@ void choose_for_members(const Ensemble& e, const EnsembleOptions& options, Ensem
   const Index count = std::min(probes, e.members());
   std::vector<StepChoice> choices(static_cast<std::size_t>(count));
   const auto member_of = [&](Index i) { return count == 1 ? 0 : i * (e.members() - 1) / (count - 1); };
-  parallel_for(static_cast<int>(count), options.threads, [&](int i) {
+  parallel_for(static_cast<int>(count), threads_for(e, options), [&](int i) {
     const Index member = member_of(i);
     const std::span theta{e.theta.col(member).data(), static_cast<std::size_t>(e.theta.rows())};
     const Excitations excitation = e.force.excitation(member).ordered(*e.system);
@@ -446,13 +451,16 @@ void run_members(const Ensemble& e, const EnsembleOptions& options, std::span<co
   std::vector<Index> left;
   for (const Index member : members)
     if (!result.done[static_cast<std::size_t>(member)]) left.push_back(member);
-  const auto bundles = bundles_of(left, e.system->dynamics().smooth(), options.threads);
+  const int threads = threads_for(e, options);
+  const auto bundles = bundles_of(left, e.system->dynamics().smooth(), threads);
   std::mutex guard;
-  parallel_for(static_cast<int>(bundles.size()), options.threads, [&](int i) {
+  parallel_for(static_cast<int>(bundles.size()), threads, [&](int i) {
     const auto bundle = bundles[static_cast<std::size_t>(i)];
     if (options.cancelled && options.cancelled->load(std::memory_order_relaxed)) return;
     try {
       Job(e, options, bundle, result).run();
+      e.system->rate().rethrow();
+      e.force.tape().rethrow();
     } catch (const InputError& error) {
       if (error.fault() != Fault::interrupted) throw;
       return;

@@ -1,6 +1,7 @@
 // Imposed motion: the measured y, v, a drive the internal states, and the force is read off.
 #include <cmath>
 
+#include "expr/external.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -95,10 +96,8 @@ void run_states(const System& system, std::span<const double> theta, const Recor
 
 double spread(const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().mean()); }
 
-}  // namespace
-
-VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
-                       Eigen::MatrixXd* dforce, int substeps) {
+VectorXd force_along(const System& system, std::span<const double> theta, const Record& record, Eigen::MatrixXd* dforce,
+                     int substeps) {
   check(system, theta);
   const Index rows = record.rows();
   const std::vector<double> still(rows, 0.0);
@@ -126,6 +125,16 @@ VectorXd imposed_force(const System& system, std::span<const double> theta, cons
     if ((force - coarse).cwiseAbs().maxCoeff() <= tolerance * spread(force)) break;
   }
   if (dforce) run_states(system, theta, record, between, substeps, true, full);
+  return force;
+}
+
+}  // namespace
+
+VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
+                       Eigen::MatrixXd* dforce, int substeps) {
+  const ExternalWatch externals(*system.model().pool);
+  VectorXd force = force_along(system, theta, record, dforce, substeps);
+  externals.rethrow();
   return force;
 }
 

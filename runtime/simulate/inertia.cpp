@@ -57,7 +57,7 @@ InertiaSplit split_inertia(Expr restoring, Expr a) {
       image[node.id()] = {node.pool().constant(1), {}};
       continue;
     }
-    Affine parts[3];
+    Affine parts[Expr::most_arguments];
     bool depends = false;
     const auto arguments = node.arguments();
     for (std::size_t i = 0; i < arguments.size(); ++i) {

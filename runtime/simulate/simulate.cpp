@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "expr/external.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -44,6 +45,13 @@ struct SensitivitySink : FreeSink {
   int columns;
   std::vector<int> wanted;
 };
+
+/// What the run took, and what its external functions did: an error of theirs is the study's, and no result.
+void close(RunSummary& summary, const Clock& clock, const ExternalWatch& externals) {
+  externals.rethrow();
+  summary.seconds = clock.seconds();
+  summary.notes = externals.notes(summary.seconds);
+}
 
 void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome, const System& system) {
   summary.solver = fixed_solver_name(problem.substeps);
@@ -127,8 +135,9 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   check_run("simulate", system, theta, given, x0, options);
   const Excitations excitation = given.of(system, theta);
   const Clock clock;
+  const ExternalWatch externals(*system.model().pool);
   Run run = empty_run(system, excitation);
-  if (refuse_start(system, theta, excitation, x0, run)) return run;
+  if (refuse_start(system, theta, excitation, x0, run)) return externals.rethrow(), run;
 
   const bool automatic = options.solver == Solver::automatic;
   if ((automatic || options.solver == Solver::fixed) && options.substeps > 0) {
@@ -149,7 +158,7 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
     run = run_sundials(system, theta, excitation, x0, options);
   }
   if (options.stop_when.valid()) stop_where(system, theta, excitation, options, run);
-  run.summary.seconds = clock.seconds();
+  close(run.summary, clock, externals);
   return run;
 }
 
@@ -166,13 +175,14 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   std::vector<int> states(wanted.begin(), wanted.end());
   for (int i = 0; wanted.empty() && i < system.states(); ++i) states.push_back(i);
   const Clock clock;
+  const ExternalWatch externals(*system.model().pool);
   const int columns = system.parameters() + system.states();
   SensitivityRun out;
   out.run = empty_run(system, excitation);
   out.dx.resize(static_cast<std::size_t>(system.states()));
   for (const int state : states)
     out.dx.at(state).setConstant(excitation.rows(), columns, std::numeric_limits<double>::quiet_NaN());
-  if (refuse_start(system, theta, excitation, x0, out.run)) return out;
+  if (refuse_start(system, theta, excitation, x0, out.run)) return externals.rethrow(), out;
 
   RunSummary& summary = out.run.summary;
   int substeps = options.substeps;
@@ -188,7 +198,7 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   SensitivitySink sink(out, columns, std::move(states));
   const FixedOutcome outcome = run_fixed(problem, x0, sink);
   summarise(summary, problem, outcome, system);
-  summary.seconds = clock.seconds();
+  close(summary, clock, externals);
   return out;
 }
 

@@ -142,6 +142,7 @@ struct RunSummary {
   Eigen::VectorXd ended_in;                                    ///< the state there
   double error = 0;  ///< largest difference to the run with half the step, over std(y); fixed path, when checked
   double seconds = 0;
+  std::vector<std::string> notes;  ///< on external functions: what they cost, and derivatives by differences
 };
 
 /// A run on the samples of its excitation. Rows after stopped_at or ended_at are NaN.

@@ -1,0 +1,154 @@
+// MAT files: version 4 and 5 (MATLAB's own format) and 7.3 (HDF5), by matio.
+#include <matio.h>
+
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include "record/module/files.hpp"
+
+namespace lunid::container {
+namespace {
+
+struct Close {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+};
+struct Free {
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+using Owned = std::unique_ptr<matvar_t, Free>;
+
+/// A file of version 5 is a chain of elements that say how long they are: one that is cut short ends before its last
+/// element does. matio would read what is there and fill up with zeros.
+void check_whole(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  char header[128] = {};
+  in.read(header, sizeof header);
+  if (in.gcount() < 20) throw std::runtime_error("cut short: it holds no more than a part of its header");
+  const bool level_5 = std::memcmp(header, "MATLAB 5.0", 10) == 0;
+  if (!level_5) return;
+  if (in.gcount() < static_cast<std::streamsize>(sizeof header))
+    throw std::runtime_error("cut short: it holds no more than a part of its header");
+  const bool swapped = header[126] == 'M';  // "IM" in files of machines as this one
+  in.seekg(0, std::ios::end);
+  const auto end = static_cast<std::uint64_t>(in.tellg());
+  for (std::uint64_t at = sizeof header; at < end;) {
+    std::uint32_t tag[2] = {};
+    in.seekg(static_cast<std::streamoff>(at));
+    in.read(reinterpret_cast<char*>(tag), sizeof tag);
+    const std::uint64_t size = swapped ? __builtin_bswap32(tag[1]) : tag[1];
+    if (in.gcount() < static_cast<std::streamsize>(sizeof tag) || at + sizeof tag + size > end)
+      throw std::runtime_error("cut short: a variable begins at byte " + std::to_string(at) + " and has " +
+                               std::to_string(size) + " bytes, the file ends at byte " + std::to_string(end));
+    at += sizeof tag + size;
+  }
+}
+
+std::string kind_of(const matvar_t& variable) {
+  if (variable.isComplex) return "complex numbers";
+  switch (variable.class_type) {
+    case MAT_C_DOUBLE:
+    case MAT_C_SINGLE:
+    case MAT_C_INT8:
+    case MAT_C_UINT8:
+    case MAT_C_INT16:
+    case MAT_C_UINT16:
+    case MAT_C_INT32:
+    case MAT_C_UINT32:
+    case MAT_C_INT64:
+    case MAT_C_UINT64: return "";
+    case MAT_C_CHAR: return "text";
+    case MAT_C_CELL: return "a cell array";
+    case MAT_C_STRUCT: return "an array of structures";
+    case MAT_C_SPARSE: return "a sparse matrix";
+    case MAT_C_EMPTY: return "an empty array";
+    case MAT_C_FUNCTION: return "a function";
+    default: return "an object";
+  }
+}
+
+template <class T>
+void convert(const void* data, std::size_t first, std::size_t count, double* out) {
+  const T* from = static_cast<const T*>(data) + first;
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<double>(from[i]);
+}
+
+void convert(const matvar_t& variable, std::size_t first, std::size_t count, double* out) {
+  switch (variable.class_type) {
+    case MAT_C_DOUBLE: return convert<double>(variable.data, first, count, out);
+    case MAT_C_SINGLE: return convert<float>(variable.data, first, count, out);
+    case MAT_C_INT8: return convert<std::int8_t>(variable.data, first, count, out);
+    case MAT_C_UINT8: return convert<std::uint8_t>(variable.data, first, count, out);
+    case MAT_C_INT16: return convert<std::int16_t>(variable.data, first, count, out);
+    case MAT_C_UINT16: return convert<std::uint16_t>(variable.data, first, count, out);
+    case MAT_C_INT32: return convert<std::int32_t>(variable.data, first, count, out);
+    case MAT_C_UINT32: return convert<std::uint32_t>(variable.data, first, count, out);
+    case MAT_C_INT64: return convert<std::int64_t>(variable.data, first, count, out);
+    default: return convert<std::uint64_t>(variable.data, first, count, out);
+  }
+}
+
+class MatFile : public Container {
+ public:
+  explicit MatFile(const std::string& path) {
+    check_whole(path);
+    file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+    if (!file_) throw std::runtime_error("this is no MAT file that can be read");
+    while (Owned each{Mat_VarReadNextInfo(file_.get())}) list(*each, {each->name ? each->name : ""});
+  }
+
+  std::string read(std::size_t variable, int column, std::size_t first, std::size_t count, double* out) override {
+    const std::vector<std::string>& path = paths_[variable];
+    if (!whole_ || whole_name_ != path[0]) {
+      whole_.reset(Mat_VarRead(file_.get(), path[0].c_str()));
+      whole_name_ = path[0];
+    }
+    const matvar_t* at = whole_.get();
+    for (std::size_t i = 1; at && i < path.size(); ++i)
+      at = Mat_VarGetStructFieldByName(const_cast<matvar_t*>(at), path[i].c_str(), 0);
+    const Variable& row = variables_[variable];
+    const std::size_t offset = column < 0 ? 0 : static_cast<std::size_t>(column) * row.shape[0];
+    std::size_t entries = 1;
+    for (int i = 0; at && i < at->rank; ++i) entries *= at->dims[i];
+    if (!at || !at->data || entries < offset + first + count) return "its values cannot be read; the file is damaged";
+    if (at->nbytes < (offset + first + count) * Mat_SizeOfClass(at->class_type)) return "it holds fewer values than it says";
+    convert(*at, offset + first, count, out);
+    return {};
+  }
+
+ private:
+  /// Adds a variable, or the fields of a structure. `path`: its name in the file and those of the fields below it.
+  void list(matvar_t& variable, const std::vector<std::string>& path) {
+    std::size_t entries = 1;
+    for (int i = 0; i < variable.rank; ++i) entries *= variable.dims[i];
+    if (variable.class_type != MAT_C_STRUCT || entries != 1) return add(variable, path);
+    char* const* names = Mat_VarGetStructFieldnames(&variable);
+    for (unsigned i = 0; names && i < Mat_VarGetNumberOfFields(&variable); ++i) {
+      matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0);
+      std::vector<std::string> below = path;
+      below.emplace_back(names[i]);
+      if (field) list(*field, below);
+    }
+  }
+
+  void add(const matvar_t& variable, const std::vector<std::string>& path) {
+    Variable row;
+    for (const std::string& name : path) row.name += (row.name.empty() ? "" : ".") + name;
+    row.kind = kind_of(variable);
+    row.single = variable.class_type == MAT_C_SINGLE;
+    for (int i = 0; i < variable.rank; ++i) row.shape.push_back(variable.dims[i]);
+    variables_.push_back(std::move(row));
+    paths_.push_back(path);
+  }
+
+  std::unique_ptr<mat_t, Close> file_;
+  std::vector<std::vector<std::string>> paths_;
+  Owned whole_;  // the variable read last, with all its fields
+  std::string whole_name_;
+};
+
+}  // namespace
+
+std::unique_ptr<Container> open_mat(const std::string& path) { return std::make_unique<MatFile>(path); }
+
+}  // namespace lunid::container
