@@ -51,7 +51,8 @@ void check_axis(const std::string& name, std::size_t i, const VectorXd& axis) {
 /// Fills up the nodes that are NaN.
 class Filling {
  public:
-  explicit Filling(const MatrixXd& nodes) : nodes_(nodes), number_(Eigen::MatrixXi::Constant(nodes.rows(), nodes.cols(), -1)) {
+  explicit Filling(const MatrixXd& nodes)
+      : nodes_(nodes), number_(Eigen::MatrixXi::Constant(nodes.rows(), nodes.cols(), -1)) {
     for (Index i = 0; i < nodes.rows(); ++i)
       for (Index j = 0; j < nodes.cols(); ++j)
         if (std::isnan(nodes(i, j))) number_(i, j) = unknowns_++;
@@ -107,7 +108,8 @@ class Filling {
 /// Ends of `cells` equal parts; the last is `to` itself.
 VectorXd ends(double from, double to, Index cells) {
   VectorXd axis(cells + 1);
-  for (Index i = 0; i < cells; ++i) axis[i] = from + (to - from) * (static_cast<double>(i) / static_cast<double>(cells));
+  for (Index i = 0; i < cells; ++i)
+    axis[i] = from + (to - from) * (static_cast<double>(i) / static_cast<double>(cells));
   axis[cells] = to;
   return axis;
 }
@@ -115,7 +117,9 @@ VectorXd ends(double from, double to, Index cells) {
 }  // namespace
 
 Lookup::Lookup(std::string name, std::vector<VectorXd> axes, MatrixXd values)
-    : ExternalFunction(std::move(name), static_cast<int>(axes.size())), axes_(std::move(axes)), values_(std::move(values)) {
+    : ExternalFunction(std::move(name), static_cast<int>(axes.size())),
+      axes_(std::move(axes)),
+      values_(std::move(values)) {
   if (axes_.size() > 2) refuse(this->name(), "expected 1 or 2 axes, got " + std::to_string(axes_.size()));
   for (std::size_t i = 0; i < axes_.size(); ++i) check_axis(this->name(), i, axes_[i]);
   const Index columns = axes_.size() == 2 ? axes_[1].size() : 1;
@@ -152,12 +156,19 @@ void Lookup::gradient(const double* x, double* slopes) const {
   slopes[1] = (along_first(q.cell + 1) - along_first(q.cell)) / q.width;
 }
 
-std::shared_ptr<const Lookup> lookup_of(const GridSurface& surface, std::string name) {
-  const Cells& cells = surface.cells();
-  return std::make_shared<const Lookup>(
-      std::move(name),
-      std::vector{ends(cells.y_min(), cells.y_max(), cells.cells_y()), ends(cells.v_min(), cells.v_max(), cells.cells_v())},
-      Filling(surface.nodes()).run());
+std::shared_ptr<const Lookup> lookup_of(const ForceSurface& surface, std::string name, int cells) {
+  const Cells& data = surface.cells();
+  const auto* grid = dynamic_cast<const GridSurface*>(&surface);
+  const VectorXd y = ends(data.y_min(), data.y_max(), grid ? data.cells_y() : cells),
+                 v = ends(data.v_min(), data.v_max(), grid ? data.cells_v() : cells);
+  MatrixXd nodes(y.size(), v.size());
+  const auto at = [&](Index i, Index j) {
+    if (grid) return grid->nodes()(i, j);
+    return surface.has_data(y[i], v[j]) ? surface.value(y[i], v[j]) : std::nan("");
+  };
+  for (Index i = 0; i < y.size(); ++i)
+    for (Index j = 0; j < v.size(); ++j) nodes(i, j) = at(i, j);
+  return std::make_shared<const Lookup>(std::move(name), std::vector{y, v}, Filling(nodes).run());
 }
 
 }  // namespace lunid

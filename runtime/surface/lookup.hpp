@@ -32,8 +32,9 @@ class Lookup final : public ExternalFunction {
   Eigen::MatrixXd values_;
 };
 
-/// A surface on a grid as a function of y and v. Corners without data are filled so that the squares of all second
-/// differences along y and along v are least: the surface goes on as straight as it can.
-std::shared_ptr<const Lookup> lookup_of(const GridSurface& surface, std::string name);
+/// A surface as a function of y and v: a grid by its corners, any other kind by its values at the corners of `cells`
+/// cells along each axis. Corners without data are filled so that the squares of all second differences along y and
+/// along v are least: the surface goes on as straight as it can.
+std::shared_ptr<const Lookup> lookup_of(const ForceSurface& surface, std::string name, int cells = 60);
 
 }  // namespace lunid
