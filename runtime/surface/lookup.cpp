@@ -51,7 +51,8 @@ void check_axis(const std::string& name, std::size_t i, const VectorXd& axis) {
 /// Fills up the nodes that are NaN.
 class Filling {
  public:
-  explicit Filling(const MatrixXd& nodes) : nodes_(nodes), number_(Eigen::MatrixXi::Constant(nodes.rows(), nodes.cols(), -1)) {
+  explicit Filling(const MatrixXd& nodes)
+      : nodes_(nodes), number_(Eigen::MatrixXi::Constant(nodes.rows(), nodes.cols(), -1)) {
     for (Index i = 0; i < nodes.rows(); ++i)
       for (Index j = 0; j < nodes.cols(); ++j)
         if (std::isnan(nodes(i, j))) number_(i, j) = unknowns_++;
@@ -107,7 +108,8 @@ class Filling {
 /// Ends of `cells` equal parts; the last is `to` itself.
 VectorXd ends(double from, double to, Index cells) {
   VectorXd axis(cells + 1);
-  for (Index i = 0; i < cells; ++i) axis[i] = from + (to - from) * (static_cast<double>(i) / static_cast<double>(cells));
+  for (Index i = 0; i < cells; ++i)
+    axis[i] = from + (to - from) * (static_cast<double>(i) / static_cast<double>(cells));
   axis[cells] = to;
   return axis;
 }
@@ -115,7 +117,9 @@ VectorXd ends(double from, double to, Index cells) {
 }  // namespace
 
 Lookup::Lookup(std::string name, std::vector<VectorXd> axes, MatrixXd values)
-    : ExternalFunction(std::move(name), static_cast<int>(axes.size())), axes_(std::move(axes)), values_(std::move(values)) {
+    : ExternalFunction(std::move(name), static_cast<int>(axes.size())),
+      axes_(std::move(axes)),
+      values_(std::move(values)) {
   if (axes_.size() > 2) refuse(this->name(), "expected 1 or 2 axes, got " + std::to_string(axes_.size()));
   for (std::size_t i = 0; i < axes_.size(); ++i) check_axis(this->name(), i, axes_[i]);
   const Index columns = axes_.size() == 2 ? axes_[1].size() : 1;
@@ -154,10 +158,10 @@ void Lookup::gradient(const double* x, double* slopes) const {
 
 std::shared_ptr<const Lookup> lookup_of(const GridSurface& surface, std::string name) {
   const Cells& cells = surface.cells();
-  return std::make_shared<const Lookup>(
-      std::move(name),
-      std::vector{ends(cells.y_min(), cells.y_max(), cells.cells_y()), ends(cells.v_min(), cells.v_max(), cells.cells_v())},
-      Filling(surface.nodes()).run());
+  return std::make_shared<const Lookup>(std::move(name),
+                                        std::vector{ends(cells.y_min(), cells.y_max(), cells.cells_y()),
+                                                    ends(cells.v_min(), cells.v_max(), cells.cells_v())},
+                                        Filling(surface.nodes()).run());
 }
 
 }  // namespace lunid
