@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "discover/discover.hpp"
+#include "expr/external.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -179,6 +180,8 @@ DiscoverOptions read_options(lua_State* L, int index) {
   options.holdout = number_field(L, index, "holdout").value_or(options.holdout);
   options.seed = runtime(L).seed;
   options.threads = runtime(L).threads;
+  for (const FunctionPtr& function : runtime(L).pool()->functions())
+    if (!function->thread_safe()) options.threads = 1;
   options.cancelled = &runtime(L).cancelled();
   if (isatty(STDERR_FILENO)) {
     options.progress = [](const std::string& stage, double fraction) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "expr/external.hpp"
 #include "runtime.hpp"
 #include "sha256.hpp"
 #include "statistics/distributions.hpp"
@@ -366,6 +367,7 @@ int ensemble(lua_State* L) {
   check_table(L, 2);
   Assembly assembly(L, check<Model>(L, 1));
   const Ranks& ranks = runtime(L).ranks();
+  const ExternalWatch externals(*runtime(L).pool());
   EnsembleOptions options = read_options(L, assembly.system);
   Sweep sweep;
   sweep.varied = assembly.varied;
@@ -374,7 +376,9 @@ int ensemble(lua_State* L) {
   EnsembleResult& result = sweep.result;
 
   const std::string key = key_of(assembly, options, result.substeps);
-  const auto folder = string_field(L, 2, "partial");
+  // What an external function does is not in the key: such members are not kept for a restart.
+  const bool external = !runtime(L).pool()->functions().empty();
+  const auto folder = external ? std::nullopt : string_field(L, 2, "partial");
   const std::string base = folder ? *folder + key.substr(0, 12) : "";
   const std::vector<std::string> earlier =
       folder && !options.trajectories ? partial_paths(base) : std::vector<std::string>{};
@@ -409,6 +413,7 @@ int ensemble(lua_State* L) {
   share(ranks, mine, result);
   if (folder && ranks.rank() == 0)
     for (const std::string& path : partial_paths(base)) std::filesystem::remove(path);
+  sweep.notes = externals.notes(sweep.seconds);
   push<Sweep>(L, std::move(sweep));
   return 1;
 }
@@ -574,6 +579,7 @@ int to_string(lua_State* L) {
   for (const Varied& v : sweep.varied) range(v.name, v.values);
   for (std::size_t j = 0; j < result.outputs.size(); ++j)
     range(result.outputs[j], result.values.col(static_cast<Index>(j)));
+  for (const std::string& note : sweep.notes) text += "\n  note: " + note;
   push_text(L, text);
   return 1;
 }

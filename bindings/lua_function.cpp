@@ -1,5 +1,6 @@
 // External functions in Lua: a user's own Lua function, and tables of values. Calling one with expressions gives an
 // expression, with numbers a number.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -22,8 +23,8 @@ InputError located(const std::string& message, const std::string& words, const s
   const bool has_place = colon != std::string::npos && std::atoi(message.c_str() + colon + 1) > 0;
   const std::string place = has_place ? message.substr(0, split) : otherwise;
   const auto end = place.rfind(':');
-  const SourceSpan where = end == std::string::npos ? SourceSpan{}
-                                                    : SourceSpan{place.substr(0, end), std::atoi(place.c_str() + end + 1), 0};
+  const SourceSpan where =
+      end == std::string::npos ? SourceSpan{} : SourceSpan{place.substr(0, end), std::atoi(place.c_str() + end + 1), 0};
   return InputError(words + ": " + (has_place ? message.substr(split + 2) : message), where);
 }
 
@@ -72,8 +73,9 @@ class LuaFunction final : public ExternalFunction {
   };
 
   [[noreturn]] void refuse(const char* field, const double* x, const std::string& got, int expected) const {
-    throw located(std::string(field) + ": expected " + (expected == 1 ? "a number" : std::to_string(expected) + " numbers") +
-                      ", got " + got + " at " + arguments_text(x, arity()),
+    throw located(std::string(field) + ": expected " +
+                      (expected == 1 ? "a number" : std::to_string(expected) + " numbers") + ", got " + got + " at " +
+                      arguments_text(x, arity()),
                   words(), place_);
   }
 
@@ -131,8 +133,8 @@ int make_lua_function(lua_State* L) {
   Pool& pool = *runtime(L).pool();
   lua_getfield(L, 1, "call");
   const int arity = arity_of(L, "call");
-  const auto function = std::make_shared<LuaFunction>(runtime(L).state(), pool.free_name(*string_field(L, 1, "name")), arity,
-                                                      string_field(L, 1, "place").value_or(""));
+  const auto function = std::make_shared<LuaFunction>(runtime(L).state(), pool.free_name(*string_field(L, 1, "name")),
+                                                      arity, string_field(L, 1, "place").value_or(""));
   function->take_value(L);
   with_field(L, 1, "gradient", [&] {
     if (arity_of(L, "gradient") != arity)
@@ -153,13 +155,22 @@ int make_lua_function(lua_State* L) {
   return 1;
 }
 
+bool same_table(const Lookup& table, const std::vector<Eigen::VectorXd>& axes, const Eigen::MatrixXd& values) {
+  const auto same = [](const auto& a, const auto& b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() && (a.array() == b.array()).all();
+  };
+  return std::equal(table.axes().begin(), table.axes().end(), axes.begin(), axes.end(), same) &&
+         same(table.values(), values);
+}
+
 /// lookup{name=, axes = {column...}, values = {column over the second axis...}}
 int make_lookup(lua_State* L) {
   check_table(L, 1);
   Pool& pool = *runtime(L).pool();
   std::vector<Eigen::VectorXd> axes, rows;
   for (const auto& [field, list] : {std::pair{"axes", &axes}, std::pair{"values", &rows}})
-    with_field(L, 1, field, [&, list = list] { for_each(L, -1, [&](lua_Integer) { list->push_back(check_column(L, -1)); }); });
+    with_field(L, 1, field,
+               [&, list = list] { for_each(L, -1, [&](lua_Integer) { list->push_back(check_column(L, -1)); }); });
   Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()), rows.empty() ? 0 : rows[0].size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].size() != values.cols())
@@ -167,7 +178,14 @@ int make_lookup(lua_State* L) {
                        " numbers, got " + std::to_string(rows[i].size()));
     values.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
   }
-  const auto function = std::make_shared<const Lookup>(pool.free_name(*string_field(L, 1, "name")), axes, values);
+  const std::string name = *string_field(L, 1, "name");
+  for (const FunctionPtr& known : pool.functions()) {  // a saved model that is loaded again
+    const auto* table = dynamic_cast<const Lookup*>(known.get());
+    if (!table || known->name() != name || !same_table(*table, axes, values)) continue;
+    push<FunctionPtr>(L, known);
+    return 1;
+  }
+  const auto function = std::make_shared<const Lookup>(pool.free_name(name), axes, values);
   pool.add(function);
   push<FunctionPtr>(L, function);
   return 1;

@@ -21,6 +21,7 @@ struct Sweep {
   EnsembleResult result;
   Eigen::Index rows = 0;
   double seconds = 0;
+  std::vector<std::string> notes;     ///< on external functions: what they cost
   Eigen::Index kept_from_before = 0;  ///< members read from the file of an earlier start
 
   Eigen::Index members() const { return static_cast<Eigen::Index>(result.done.size()); }

@@ -15,11 +15,11 @@ namespace lunid {
 /// A variable of a file: "y", "run1/y" (HDF5), "run1.y" (a field of a structure in a MAT file).
 struct Variable {
   std::string name;
-  std::string unit;                  ///< attribute `unit` or `units` of HDF5; "" where there is none
-  std::string kind;                  ///< "" for real numbers, else what it is: "text", "complex numbers", "a cell array"
-  std::vector<std::size_t> shape;    ///< as the file's own world writes it: rows first; {} for a single number
-  bool single = false;               ///< stored with 24 bits of mantissa
-  std::optional<double> start, step; ///< attributes of a time that Lunid wrote: t = start + i*step to the last bit
+  std::string unit;                ///< attribute `unit` or `units` of HDF5; "" where there is none
+  std::string kind;                ///< "" for real numbers, else what it is: "text", "complex numbers", "a cell array"
+  std::vector<std::size_t> shape;  ///< as the file's own world writes it: rows first; {} for a single number
+  bool single = false;             ///< stored with 24 bits of mantissa
+  std::optional<double> start, step;  ///< attributes of a time that Lunid wrote: t = start + i*step to the last bit
 
   bool is_number() const { return kind.empty(); }
   std::size_t size() const;

@@ -29,9 +29,9 @@ struct Candidates {
     header.push_back({name, name, variable.unit});
   }
   std::size_t place(const std::string& name) const {
-    return static_cast<std::size_t>(std::find_if(header.begin(), header.end(),
-                                                 [&](const HeaderCell& cell) { return cell.name == name; }) -
-                                    header.begin());
+    return static_cast<std::size_t>(
+        std::find_if(header.begin(), header.end(), [&](const HeaderCell& cell) { return cell.name == name; }) -
+        header.begin());
   }
 };
 
@@ -70,15 +70,15 @@ double interval_of(Container& file, const std::string& path, const ReadOptions& 
 }
 
 TimeBase even_base(double interval, std::size_t rows, const std::string& path) {
-  if (static_cast<Index>(rows) < least_rows)
-    fail(path, "expected at least 6 rows, got " + std::to_string(rows));
+  if (static_cast<Index>(rows) < least_rows) fail(path, "expected at least 6 rows, got " + std::to_string(rows));
   return {0, interval, static_cast<Index>(rows), false};
 }
 
 /// The time base of stamps `t`, which become seconds.
 TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, const std::string& path, bool resample,
                  std::vector<std::string>& warnings) {
-  if (variable.start && variable.step && plan.factor == 1) return [&] {
+  if (variable.start && variable.step && plan.factor == 1)
+    return [&] {
       TimeBase base = even_base(*variable.step, static_cast<std::size_t>(t.size()), path);
       base.t0 = *variable.start;
       return base;
@@ -156,7 +156,8 @@ class Reader {
     }
     for (std::size_t i = 0; i < plans_.size() && of_.empty(); ++i) {
       if (plans_[i].channel.empty()) continue;
-      if (!plans_[i].required && std::any_of(plans_.begin(), plans_.end(), [](auto& p) { return p.required; })) continue;
+      if (!plans_[i].required && std::any_of(plans_.begin(), plans_.end(), [](auto& p) { return p.required; }))
+        continue;
       rows_ = candidates_.choices[i].rows;
       of_ = candidates_.header[i].text;
     }

@@ -85,7 +85,7 @@ struct ReadOptions {
   bool resample = false;           ///< a really uneven time base is resampled to its median step
   double interval = 0;             ///< [s] between rows, in place of a time column; 0: none
   /// MAT and HDF5: the name of a number in the file that is the interval [s], or the rate [Hz]; "": none.
-  std::string interval_name, rate_name;
+  std::string interval_name{}, rate_name{};
 };
 
 /// Reads a record from a MAT file (its name ends in .mat), an HDF5 file (by its first bytes) or else a CSV file.

@@ -27,7 +27,7 @@ auto guarded(std::string& error, Work work) -> decltype(work()) {
 class Module : public ContainerModule {
  public:
   Module() {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);                 // errors are told by our messages, not on stderr
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are told by our messages, not on stderr
     Mat_LogInitFunc("lunid", [](int, char*) {});
   }
   std::unique_ptr<Container> open_mat(const std::string& path, std::string& error) override {

@@ -54,7 +54,8 @@ class Hdf5File : public Container {
   explicit Hdf5File(const std::string& path)
       : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
               "this is no HDF5 file that can be read: cut short, damaged, or of another kind") {
-    const Handle creation(H5Fget_create_plist(file_), H5Pclose, "H5Fget_create_plist");
+    const Handle root(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, "its first group cannot be opened");
+    const Handle creation(H5Gget_create_plist(root), H5Pclose, "H5Gget_create_plist");
     unsigned order = 0;
     H5Pget_link_creation_order(creation, &order);
     const H5_index_t index = order & H5P_CRT_ORDER_TRACKED ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
@@ -70,7 +71,8 @@ class Hdf5File : public Container {
     const Handle memory(H5Screate_simple(1, &length, nullptr), H5Sclose, "no memory");
     std::vector<hsize_t> start(row.shape.size(), 0), extent(row.shape.size(), 1);
     if (!start.empty()) {
-      const auto longest = static_cast<std::size_t>(std::max_element(row.shape.begin(), row.shape.end()) - row.shape.begin());
+      const auto longest =
+          static_cast<std::size_t>(std::max_element(row.shape.begin(), row.shape.end()) - row.shape.begin());
       const std::size_t along = column < 0 ? longest : 0;
       start[along] = first;
       extent[along] = count;

@@ -1,5 +1,5 @@
-// Columns to an HDF5 file in memory. Without the times of making, which HDF5 would write: the same columns give the same
-// bytes.
+// Columns to an HDF5 file in memory. Without the times of making, which HDF5 would write: the same columns give the
+// same bytes.
 #include "record/module/files.hpp"
 #include "record/module/handle.hpp"
 
@@ -66,7 +66,8 @@ std::string encode_hdf5(const std::vector<StoredColumn>& columns) {
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   if (size < 0) throw std::runtime_error("HDF5: H5Fget_file_image failed");
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw std::runtime_error("HDF5: H5Fget_file_image failed");
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0)
+    throw std::runtime_error("HDF5: H5Fget_file_image failed");
   return bytes;
 }
 

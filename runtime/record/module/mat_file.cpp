@@ -111,7 +111,8 @@ class MatFile : public Container {
     std::size_t entries = 1;
     for (int i = 0; at && i < at->rank; ++i) entries *= at->dims[i];
     if (!at || !at->data || entries < offset + first + count) return "its values cannot be read; the file is damaged";
-    if (at->nbytes < (offset + first + count) * Mat_SizeOfClass(at->class_type)) return "it holds fewer values than it says";
+    if (at->nbytes < (offset + first + count) * Mat_SizeOfClass(at->class_type))
+      return "it holds fewer values than it says";
     convert(*at, offset + first, count, out);
     return {};
   }

@@ -1,0 +1,71 @@
+-- Records and tables in HDF5 and MAT files, through the language.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local y, v, t = lunid.displacement, lunid.velocity, lunid.time
+local model = lunid.model { mass = 1, restoring = 2e4*y + 10*v }
+local record = lunid.simulate { model = model, excitation = 10*lunid.sin(80*t), duration = 0.5, dt = 1e-3 }:record()
+local path = spec.folder .. "/run.h5"
+
+spec.case("a record is saved as HDF5 and read back to the same bits", function()
+  record:save(path)
+  local back = lunid.read(path)
+  spec.equal(back.rows, record.rows)
+  for _, name in ipairs { "t", "F", "y", "v", "a" } do
+    local a, b = record:column(name), back:column(name)
+    for i = 1, record.rows do spec.equal(b[i], a[i]) end
+  end
+  spec.equal(back.channels.v.unit, "m/s")
+  spec.equal(back.channels.v.derived, false)
+  local named = lunid.read(path, { displacement = "a [mm]", force = "F" })
+  spec.equal(named:column("y")[7], record:column("a")[7]*1e-3)
+  local rated = lunid.read(path, { rate = 500 })
+  spec.equal(rated.dt, 0.002)
+  spec.equal(rated.warnings[1], "left out: the time 't', because a rate or interval is given")
+end)
+
+spec.case("a sweep is saved as HDF5 and read back as a table", function()
+  local sweep = lunid.ensemble { model = model, vary = { v = { 0, 0.1, 0.2 } }, excitation = record }
+  sweep:save(spec.folder .. "/sweep.h5")
+  sweep:save(spec.folder .. "/sweep.csv")
+  local hdf5, csv = lunid.table(spec.folder .. "/sweep.h5"), lunid.table(spec.folder .. "/sweep.csv")
+  spec.equal(table.concat(hdf5.names, " "), table.concat(csv.names, " "))
+  spec.equal(tostring(hdf5), "table of 3 rows: v, rms_y, max_y, stopped_at")
+  for _, name in ipairs { "v", "rms_y", "max_y" } do
+    for i = 1, 3 do spec.equal(hdf5:column(name)[i], csv:column(name)[i]) end
+  end
+  assert(hdf5:column("stopped_at")[1] ~= hdf5:column("stopped_at")[1], "no number stays none")
+  spec.equal(spec.message_of(function() sweep:save "sweep.xls" end),
+    "save: expected a path that ends in .csv or .h5, got the string 'sweep.xls'")
+end)
+
+spec.case("errors name the file, and the line that asks for it", function()
+  local said, code = spec.study [[
+    local lunid = require "lunid"
+    lunid.read("run.h5", { displacement = "w" })
+  ]]
+  spec.equal(code, 3)
+  spec.equal(said, "run.h5: no variable 'w' for channel 'y'; the file has t (501 values), F (501 values), y (501 values), "
+    .. "v (501 values), a (501 values); did you mean 't'?\n  asked for at study.lua:2\n  nothing was written\n")
+  spec.equal(spec.message_of(function() lunid.read(path, { rate = 500, interval = 0.002 }) end),
+    "read: expected rate or interval, got both")
+  spec.equal(spec.message_of(function() lunid.read(path, { rate = -1 }) end), "read: rate: expected > 0, got -1")
+end)
+
+local data = os.getenv "LUNID_SHARED_DATA"
+local probe = data and io.open(data .. "/emps/DATA_EMPS.mat")
+if probe then
+  probe:close()
+  spec.case("EMPS from its MAT file is that of its CSV", function()
+    local mat = lunid.read(data .. "/emps/DATA_EMPS.mat", { time = "t", displacement = "qm", force = "vir" })
+    local csv = lunid.read(data .. "/emps/emps.csv")
+    spec.equal(mat.rows, csv.rows)
+    spec.equal(mat.dt, csv.dt)
+    for i = 1, mat.rows, 100 do spec.near(mat:column("y")[i], csv:column("y")[i], 1e-9) end
+  end)
+else
+  print(("SKIPPED: no measured records at %s"):format(tostring(data)))
+end
+
+spec.clean()
+spec.finish()
