@@ -11,7 +11,7 @@ local lunid = { figure = {}, excitation = {}, noise = {}, systems = {} }
 ---@return any
 function lunid.option(fields) end
 
----Reads a CSV file. Columns are t F y v a in SI by default; v and a are derived where absent.
+---Reads a record from a CSV, MAT or HDF5 file. Columns are t F y v a in SI by default; v and a are derived where absent. A MAT file gives its variables, fields as "run.y", columns of arrays as "data:2".
 ---@class lunid.read.fields
 ---@field path string # file, beside the study or from the current directory
 ---@field time? string # header of the time column, with its unit: "t [ms]"
@@ -20,6 +20,8 @@ function lunid.option(fields) end
 ---@field velocity? string # header of the velocity column
 ---@field acceleration? string # header of the acceleration column
 ---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
+---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
+---@field interval? number # the same as the time between rows
 ---@field resample? boolean # resample an uneven time base to its median step
 ---@field window? lunid.window # part of the record to keep
 ---@param fields lunid.read.fields
@@ -174,6 +176,25 @@ function lunid.simulate(fields) end
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
 
+---A function in Lua as a last resort, where the language has no words for it: damper(y, v) then stands in models and regressions like any expression. It is slow, runs on one thread, and is taken for smooth.
+---@class lunid.lua_function.fields
+---@field name string # how it is written in equations
+---@field call function # function of 1 to 4 numbers that returns a number
+---@field gradient? function # function of the same numbers that returns the derivative by each; else by central differences
+---@field scale? table # size of each argument below which differences take it for 0; else 1e-3
+---@param fields lunid.lua_function.fields
+---@return lunid.function
+function lunid.lua_function(fields) end
+
+---A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
+---@class lunid.lookup.fields
+---@field name string # how it is written in equations
+---@field axes table # one list of increasing values, or two
+---@field values table # one number for each point; with two axes a list over the second axis for each point of the first
+---@param fields lunid.lookup.fields
+---@return lunid.function
+function lunid.lookup(fields) end
+
 ---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
 ---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
@@ -296,17 +317,80 @@ function lunid.figure.response(fields) end
 ---@return lunid.interpolator
 function lunid.grid(fields) end
 
----The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial.
+---The mean of the nearest points, weighted by one over their distance.
+---@class lunid.nearest.fields
+---@field neighbours? integer # how many points
+---@param fields lunid.nearest.fields
+---@return lunid.interpolator
+function lunid.nearest(fields) end
+
+---Planes over Delaunay triangles between cell means; no value outside their hull.
+---@class lunid.triangulation.fields
+---@field cells? integer # along each axis: one corner each
+---@param fields lunid.triangulation.fields
+---@return lunid.interpolator
+function lunid.triangulation(fields) end
+
+---A neural network: layers of tanh units, fitted to cell means by L-BFGS.
+---@class lunid.mlp.fields
+---@field hidden? table # units in each hidden layer, 1 to 4 layers
+---@field penalty? number # weight of the mean square of the weights
+---@field evaluations? integer # at most so many of the loss
+---@field seed? integer # the same seed gives the same surface
+---@param fields lunid.mlp.fields
+---@return lunid.interpolator
+function lunid.mlp(fields) end
+
+---A Gaussian process about a plane; lengths and noise by maximum likelihood. Knows its own deviation.
+---@class lunid.gaussian_process.fields
+---@field centres? integer # at most so many cell means; time grows with their cube
+---@param fields lunid.gaussian_process.fields
+---@return lunid.interpolator
+function lunid.gaussian_process(fields) end
+
+---Support vector regression with a Gaussian kernel on cell means.
+---@class lunid.support_vectors.fields
+---@field cost? number # of a point outside the tube, for a force of unit variance
+---@field epsilon? number # half width of the tube, for a force of unit variance
+---@field width? number # of the kernel, in half ranges of the data; else by cross-validation
+---@field centres? integer # at most so many cell means; time grows with their cube
+---@param fields lunid.support_vectors.fields
+---@return lunid.interpolator
+function lunid.support_vectors(fields) end
+
+---The mean of regression trees on resampled points.
+---@class lunid.random_forest.fields
+---@field trees? integer # how many
+---@field least_leaf? integer # points in a leaf
+---@field seed? integer # the same seed gives the same surface
+---@param fields lunid.random_forest.fields
+---@return lunid.interpolator
+function lunid.random_forest(fields) end
+
+---The restoring force surface of a record: by one kind of interpolation or several side by side, and as a Chebyshev polynomial.
 ---@class lunid.rfs.fields
 ---@field record any # one record or several
 ---@field mass? number|lunid.expression # without it the surface is that of F itself
 ---@field window? lunid.window # part of the records
----@field interpolate? lunid.interpolator # how it is drawn; else by the polynomial
+---@field interpolate? any # how it is drawn: one kind, several (the best on left-out blocks is drawn) or "all"; else by the polynomial
 ---@field order? table # of the polynomial in displacement and in velocity
----@field blocks? integer # blocks of time left out in turn for the score
+---@field expand? "regression"|"quadrature" # the polynomial's coefficients: from the points, or from the surface by Gauss-Chebyshev quadrature
+---@field blocks? integer # blocks of time left out in turn, for the score and the deviation
+---@field name? string # how it is written in equations
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end
+
+---A cut through a surface along one axis: columns place, f and std of the cut, points_place and points_f of the measured points near it.
+---@class lunid.section.fields
+---@field surface lunid.surface # what to cut
+---@field v? number # cuts along y at this velocity
+---@field y? number # cuts along v at this displacement
+---@field count? integer # places along the cut
+---@field half_width? number # of the band from which points come; else a twentieth of the range
+---@param fields lunid.section.fields
+---@return lunid.section
+function lunid.section(fields) end
 
 ---A cosine: amplitude*cos(2*pi*frequency*t + phase).
 ---@class lunid.excitation.harmonic.fields
@@ -742,7 +826,7 @@ function lunid.normal(mean, std) end
 ---@return lunid.sweep
 function lunid.ensemble(fields) end
 
----Reads the columns of a CSV file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
+---Reads the columns of a CSV, HDF5 or MAT file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
 ---@class lunid.table.fields
 ---@field path string # file, beside the study or from the current directory
 ---@param fields lunid.table.fields
