@@ -11,7 +11,7 @@ local lunid = { figure = {}, excitation = {}, noise = {}, systems = {} }
 ---@return any
 function lunid.option(fields) end
 
----Reads a CSV file. Columns are t F y v a in SI by default; v and a are derived where absent.
+---Reads a record from a CSV, MAT or HDF5 file. Columns are t F y v a in SI by default; v and a are derived where absent. A MAT file gives its variables, fields as "run.y", columns of arrays as "data:2".
 ---@class lunid.read.fields
 ---@field path string # file, beside the study or from the current directory
 ---@field time? string # header of the time column, with its unit: "t [ms]"
@@ -20,6 +20,8 @@ function lunid.option(fields) end
 ---@field velocity? string # header of the velocity column
 ---@field acceleration? string # header of the acceleration column
 ---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
+---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
+---@field interval? number # the same as the time between rows
 ---@field resample? boolean # resample an uneven time base to its median step
 ---@field window? lunid.window # part of the record to keep
 ---@param fields lunid.read.fields
@@ -174,6 +176,25 @@ function lunid.simulate(fields) end
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
 
+---A function in Lua as a last resort, where the language has no words for it: damper(y, v) then stands in models and regressions like any expression. It is slow, runs on one thread, and is taken for smooth.
+---@class lunid.lua_function.fields
+---@field name string # how it is written in equations
+---@field call function # function of 1 to 4 numbers that returns a number
+---@field gradient? function # function of the same numbers that returns the derivative by each; else by central differences
+---@field scale? table # size of each argument below which differences take it for 0; else 1e-3
+---@param fields lunid.lua_function.fields
+---@return lunid.function
+function lunid.lua_function(fields) end
+
+---A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
+---@class lunid.lookup.fields
+---@field name string # how it is written in equations
+---@field axes table # one list of increasing values, or two
+---@field values table # one number for each point; with two axes a list over the second axis for each point of the first
+---@param fields lunid.lookup.fields
+---@return lunid.function
+function lunid.lookup(fields) end
+
 ---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields
 ---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
@@ -296,13 +317,14 @@ function lunid.figure.response(fields) end
 ---@return lunid.interpolator
 function lunid.grid(fields) end
 
----The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial.
+---The restoring force surface of a record: interpolated where asked for, and as a Chebyshev polynomial. surface(y, v) is an expression for models and regressions; beyond its data a grid goes on as straight as it can.
 ---@class lunid.rfs.fields
 ---@field record any # one record or several
 ---@field mass? number|lunid.expression # without it the surface is that of F itself
 ---@field window? lunid.window # part of the records
 ---@field interpolate? lunid.interpolator # how it is drawn; else by the polynomial
 ---@field order? table # of the polynomial in displacement and in velocity
+---@field name? string # how it is written in equations, where it is on a grid
 ---@field blocks? integer # blocks of time left out in turn for the score
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
@@ -742,7 +764,7 @@ function lunid.normal(mean, std) end
 ---@return lunid.sweep
 function lunid.ensemble(fields) end
 
----Reads the columns of a CSV file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
+---Reads the columns of a CSV, HDF5 or MAT file of numbers, such as sweep:save wrote; an empty cell is no number (NaN).
 ---@class lunid.table.fields
 ---@field path string # file, beside the study or from the current directory
 ---@param fields lunid.table.fields
