@@ -1,39 +1,25 @@
 // Opening the module and a file in it, and finding variables.
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "record/container.hpp"
+#include "record/module_file.hpp"
 
 namespace lunid {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* file_name = "liblunid_container.so";
-
-std::string module_path() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  std::vector<fs::path> candidates{folder / file_name, folder / ".." / "lib" / "lunid" / file_name};
-  if (const char* named = std::getenv("LUNID_CONTAINER_MODULE"); named && *named) candidates = {named};
-  std::string tried;
-  for (const fs::path& path : candidates) {
-    if (fs::exists(path, ignored)) return path.string();
-    tried += (tried.empty() ? "" : ", ") + path.string();
-  }
-  throw InputError("the module that reads HDF5 and MAT files is not there, looked for " + tried);
-}
+constexpr ModuleFile module_file{.who = "files",
+                                 .what = "the module that reads HDF5 and MAT files",
+                                 .file = "liblunid_container.so",
+                                 .variable = "LUNID_CONTAINER_MODULE",
+                                 .symbol = container_factory_name};
 
 ContainerModule& load() {
-  const std::string path = module_path();
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!library) throw InputError("cannot load the module that reads HDF5 and MAT files: " + std::string(dlerror()));
-  const auto factory = reinterpret_cast<ContainerFactory*>(dlsym(library, container_factory_name));
-  ContainerModule* module = factory ? factory(container_version) : nullptr;
-  if (!module) throw InputError(path + " belongs to another version of Lunid");
+  ContainerModule* module = reinterpret_cast<ContainerFactory*>(open_module(module_file))(container_version);
+  if (!module) throw InputError("files: the module that reads HDF5 and MAT files belongs to another version of Lunid");
   return *module;
 }
 
