@@ -160,6 +160,8 @@ Expr Pool::call(const std::shared_ptr<const ExternalFunction>& function, std::sp
 std::span<const std::shared_ptr<const ExternalFunction>> Pool::functions() const { return impl_->functions; }
 
 void Pool::add(std::shared_ptr<const ExternalFunction> function) {
+  if (is_channel_name(function->name()))
+    throw InputError("name '" + function->name() + "': is a channel, not a function; choose another name");
   check_name(function->name(), SymbolKind::parameter);
   if (impl_->has_function(function->name()) || find(function->name()).valid())
     throw InputError("name '" + function->name() + "': is taken already, choose another for the function");
@@ -168,8 +170,8 @@ void Pool::add(std::shared_ptr<const ExternalFunction> function) {
 
 std::string Pool::free_name(std::string_view wanted) const {
   std::string name(wanted);
-  for (int i = 2; is_reserved(name) || is_channel_name(name) || impl_->has_function(name) || find(name).valid(); ++i)
-    name = std::string(wanted) + std::to_string(i);
+  if (is_reserved(name) || is_channel_name(name)) return name;  // add() refuses it
+  for (int i = 2; impl_->has_function(name) || find(name).valid(); ++i) name = std::string(wanted) + std::to_string(i);
   return name;
 }
 

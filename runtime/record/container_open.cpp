@@ -11,13 +11,15 @@ namespace lunid {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr ModuleFile module_file{.who = "files",
+                                 .what = "the module that reads HDF5 and MAT files",
+                                 .file = "liblunid_container.so",
+                                 .variable = "LUNID_CONTAINER_MODULE",
+                                 .symbol = container_factory_name};
 
 ContainerModule& load() {
-  constexpr ModuleFile file{"records", "the module that reads HDF5 and MAT files", "liblunid_container.so",
-                            "LUNID_CONTAINER_MODULE", container_factory_name};
-  ContainerModule* module = reinterpret_cast<ContainerFactory*>(open_module(file))(container_version);
-  if (!module)
-    throw InputError("records: the module that reads HDF5 and MAT files belongs to another version of Lunid");
+  ContainerModule* module = reinterpret_cast<ContainerFactory*>(open_module(module_file))(container_version);
+  if (!module) throw InputError("files: the module that reads HDF5 and MAT files belongs to another version of Lunid");
   return *module;
 }
 

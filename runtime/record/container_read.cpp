@@ -1,6 +1,7 @@
 // Records from MAT and HDF5 files, and to HDF5.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "record/atomic_file.hpp"
 #include "record/columns.hpp"
@@ -74,6 +75,16 @@ TimeBase even_base(double interval, std::size_t rows, const std::string& path) {
   return {0, interval, static_cast<Index>(rows), false};
 }
 
+/// By how much stamps may be off even time: the rounding of single precision, or that of sums t + dt + dt ..., within a
+/// part in a million of a step.
+VectorXd stamp_resolution(const VectorXd& t, bool single) {
+  const double count = static_cast<double>(t.size());
+  if (single) return t.cwiseAbs() * 1.2e-7;
+  const double step = count > 1 ? std::abs(t[t.size() - 1] - t[0]) / (count - 1) : 0;
+  const double sum = count * std::numeric_limits<double>::epsilon() * t.cwiseAbs().maxCoeff();
+  return VectorXd::Constant(t.size(), std::min(sum, 1e-6 * step));
+}
+
 /// The time base of stamps `t`, which become seconds.
 TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, const std::string& path, bool resample,
                  std::vector<std::string>& warnings) {
@@ -84,15 +95,14 @@ TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, 
       return base;
     }();
   t *= plan.factor;
-  std::vector<double> resolution(static_cast<std::size_t>(t.size()), 0.0);
-  std::vector<int> rows(resolution.size());
+  const VectorXd resolution = stamp_resolution(t, variable.single);
+  std::vector<int> rows(static_cast<std::size_t>(t.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (variable.single) resolution[i] = std::abs(t[static_cast<Index>(i)]) * 1.2e-7;
     rows[i] = static_cast<int>(i + 1);
     if (!std::isfinite(t[static_cast<Index>(i)]))
       fail(path, "variable '" + variable.name + "', the time: row " + std::to_string(i + 1) + " is not a number");
   }
-  return fit_time_base({t.data(), rows.size()}, resolution, rows, path, resample, warnings);
+  return fit_time_base({t.data(), rows.size()}, {resolution.data(), rows.size()}, rows, path, resample, warnings);
 }
 
 Channel channel_of(const ColumnPlan& plan, const VectorXd& values, const VectorXd& t, const TimeBase& base) {

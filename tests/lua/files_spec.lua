@@ -46,7 +46,7 @@ spec.case("errors name the file, and the line that asks for it", function()
   ]]
   spec.equal(code, 3)
   spec.equal(said, "run.h5: no variable 'w' for channel 'y'; the file has t (501 values), F (501 values), y (501 values), "
-    .. "v (501 values), a (501 values); did you mean 't'?\n  asked for at study.lua:2\n  nothing was written\n")
+    .. "v (501 values), a (501 values)\n  asked for at study.lua:2\n  nothing was written\n")
   spec.equal(spec.message_of(function() lunid.read(path, { rate = 500, interval = 0.002 }) end),
     "read: expected rate or interval, got both")
   spec.equal(spec.message_of(function() lunid.read(path, { rate = -1 }) end), "read: rate: expected > 0, got -1")
@@ -60,7 +60,7 @@ if probe then
     local mat = lunid.read(data .. "/emps/DATA_EMPS.mat", { time = "t", displacement = "qm", force = "vir" })
     local csv = lunid.read(data .. "/emps/emps.csv")
     spec.equal(mat.rows, csv.rows)
-    spec.equal(mat.dt, csv.dt)
+    spec.near(mat.dt, csv.dt, 1e-15)  -- its stamps are off even time by up to 32 ns
     for i = 1, mat.rows, 100 do spec.near(mat:column("y")[i], csv:column("y")[i], 1e-9) end
   end)
 else

@@ -1,5 +1,6 @@
 #pragma once
 // External functions for tests, out of lambdas.
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -12,7 +13,10 @@ class Given final : public ExternalFunction {
   using Value = std::function<double(const double*)>;
   using Gradient = std::function<void(const double*, double*)>;
   Given(std::string name, int arity, Value value, Gradient gradient = {}, bool safe = true)
-      : ExternalFunction(std::move(name), arity), value_(std::move(value)), gradient_(std::move(gradient)), safe_(safe) {}
+      : ExternalFunction(std::move(name), arity),
+        value_(std::move(value)),
+        gradient_(std::move(gradient)),
+        safe_(safe) {}
   bool has_gradient() const override { return static_cast<bool>(gradient_); }
   bool thread_safe() const override { return safe_; }
   mutable std::atomic<int> calls{0};

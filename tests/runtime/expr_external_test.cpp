@@ -83,7 +83,8 @@ TEST_F(External, derivatives_are_those_of_the_same_formula_in_the_language) {
         for (const double b : {-0.4, 0.9}) {
           const double expected = at(derivative(formula, by), a, b);
           // Central differences: h^2/6 of the third derivative and eps/h of the value, with h = 6e-6.
-          EXPECT_NEAR(at(derivative(called, by), a, b), expected, with_gradient ? 1e-14 : 2e-9 + 1e-8 * std::fabs(expected));
+          EXPECT_NEAR(at(derivative(called, by), a, b), expected,
+                      with_gradient ? 1e-14 : 2e-9 + 1e-8 * std::fabs(expected));
         }
   }
 }
@@ -110,7 +111,8 @@ TEST_F(External, calls_are_consed_printed_and_substituted) {
   EXPECT_NE(called, call(g, {y, v}));
   EXPECT_EQ(to_text(2.0 * called - y), "2*f(y, v) - y");
   EXPECT_EQ(to_text(called, Format::lua), "f(y, v)");
-  EXPECT_EQ(to_text(pow(call(g, {y, v}), 2), Format::latex), "\\left(\\operatorname{g\\_1}\\left(y, v\\right)\\right)^{2}");
+  EXPECT_EQ(to_text(pow(call(g, {y, v}), 2), Format::latex),
+            "\\left(\\operatorname{g\\_1}\\left(y, v\\right)\\right)^{2}");
   EXPECT_EQ(to_text(derivative(called, v)), "f_d2(y, v)");
   EXPECT_EQ(to_text(derivative(derivative(called, v), y)), "f_d12(y, v)");
   EXPECT_EQ(to_text(derivative(called, y), Format::latex), "\\partial_{1}\\operatorname{f}\\left(y, v\\right)");
@@ -130,16 +132,24 @@ TEST_F(External, what_cannot_be_called_is_refused) {
             "name '2f': expected a letter or _, then letters, digits or _");
   EXPECT_EQ(message([&] { call(sine_growth(true), {y}); }), "f: takes 2 arguments, got 1");
   const Expr condition = pool.apply(Op::greater, {y, v});
-  EXPECT_EQ(message([&] { call(sine_growth(true), {condition, v}); }),
+  EXPECT_EQ(message([&] {
+              call(sine_growth(true), {condition, v});
+            }),
             "f: a comparison may stand only in the first argument of where(condition, a, b)");
-  EXPECT_EQ(message([&] { call(sine_growth(true, "sin"), {y, v}); }),
+  EXPECT_EQ(message([&] {
+              call(sine_growth(true, "sin"), {y, v});
+            }),
             "name 'sin': is a word of the language, choose another");
   call(sine_growth(true), {y, v});
-  EXPECT_EQ(message([&] { call(sine_growth(true), {y, v}); }),
+  EXPECT_EQ(message([&] {
+              call(sine_growth(true), {y, v});
+            }),
             "name 'f': is taken already, choose another for the function");
   EXPECT_EQ(message([&] { pool.parameter("f"); }), "name 'f': is a function already, not a parameter");
   EXPECT_EQ(pool.free_name("f"), "f2");
-  EXPECT_EQ(pool.free_name("y"), "y");
+  EXPECT_EQ(pool.free_name("g"), "g");
+  EXPECT_EQ(message([&] { pool.add(sine_growth(true, pool.free_name("y"))); }),
+            "name 'y': is a channel, not a function; choose another name");
 }
 
 TEST_F(External, an_error_gives_nan_until_it_is_rethrown) {

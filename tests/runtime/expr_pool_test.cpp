@@ -153,7 +153,7 @@ TEST_F(PoolTest, substitutes_all_at_once) {
 
 TEST_F(PoolTest, the_rows_are_in_the_order_of_their_operations) {
   for (std::size_t i = 0; i < all_rows().size(); ++i) EXPECT_EQ(static_cast<std::size_t>(all_rows()[i].op), i);
-  EXPECT_EQ(all_rows().size(), static_cast<std::size_t>(Op::where) + 1);
+  EXPECT_EQ(all_rows().size(), static_cast<std::size_t>(Op::external) + 1);
 }
 
 TEST_F(PoolTest, function_names_are_those_that_parse_knows) {

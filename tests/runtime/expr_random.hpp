@@ -20,7 +20,7 @@ class RandomExpressions {
 
   Expr next(int depth) {
     if (depth == 0 || below(8) == 0) return leaf();
-    const std::span<const OpRow> rows = all_rows();
+    const std::span<const OpRow> rows = all_rows().first(static_cast<std::size_t>(Op::external));
     const OpRow& row = rows[2 + below(rows.size() - 2)];
     if (row.kind == OpClass::comparison) return next(depth);  // only within where
     Expr arguments[3];

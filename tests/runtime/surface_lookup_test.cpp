@@ -81,15 +81,24 @@ TEST(SurfaceLookup, a_surface_goes_on_straight_where_it_had_no_data) {
 }
 
 TEST(SurfaceLookup, bad_tables_are_refused) {
-  EXPECT_EQ(message([] { Lookup("f", {axis({0, 0, 1})}, axis({1, 2, 3})); }),
+  EXPECT_EQ(message([] {
+              Lookup("f", {axis({0, 0, 1})}, axis({1, 2, 3}));
+            }),
             "table 'f': axis 1: expected finite values that increase, got 0 as value 2");
-  EXPECT_EQ(message([] { Lookup("f", {axis({0})}, axis({1})); }), "table 'f': axis 1: expected 2 values or more, got 1");
+  EXPECT_EQ(message([] { Lookup("f", {axis({0})}, axis({1})); }),
+            "table 'f': axis 1: expected 2 values or more, got 1");
   EXPECT_EQ(message([] { Lookup("f", {axis({0, 1})}, axis({1, 2, 3})); }), "table 'f': values: expected 2, got 3");
-  EXPECT_EQ(message([] { Lookup("f", {axis({0, 1}), axis({0, 1, 2})}, MatrixXd::Zero(3, 2)); }),
+  EXPECT_EQ(message([] {
+              Lookup("f", {axis({0, 1}), axis({0, 1, 2})}, MatrixXd::Zero(3, 2));
+            }),
             "table 'f': values: expected 2 rows of 3, got 3 rows of 2");
-  EXPECT_EQ(message([] { Lookup("f", {axis({0, 1}), axis({0, 1}), axis({0, 1})}, MatrixXd::Zero(2, 2)); }),
+  EXPECT_EQ(message([] {
+              Lookup("f", {axis({0, 1}), axis({0, 1}), axis({0, 1})}, MatrixXd::Zero(2, 2));
+            }),
             "table 'f': expected 1 or 2 axes, got 3");
-  EXPECT_EQ(message([] { Lookup("f", {axis({0, 1})}, axis({1, std::nan("")})); }),
+  EXPECT_EQ(message([] {
+              Lookup("f", {axis({0, 1})}, axis({1, std::nan("")}));
+            }),
             "table 'f': values: row 2, entry 1: expected a finite number");
 }
 

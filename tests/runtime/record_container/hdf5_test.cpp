@@ -16,8 +16,8 @@ Record noise_record(double t0, double dt) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   std::vector<Channel> channels;
-  for (const auto& [name, unit] : {std::pair{"F", "N"}, std::pair{"y", "m"}, std::pair{"v", "m/s"}, std::pair{"a", "m/s^2"},
-                                   std::pair{"strain", ""}}) {
+  for (const auto& [name, unit] : {std::pair{"F", "N"}, std::pair{"y", "m"}, std::pair{"v", "m/s"},
+                                   std::pair{"a", "m/s^2"}, std::pair{"strain", ""}}) {
     Channel channel;
     channel.name = channel.source = name;
     channel.unit = unit;
@@ -132,9 +132,7 @@ TEST_F(Hdf5File, broken_files) {
   EXPECT_EQ(fault("run.h5"), "run.h5: this is no HDF5 file that can be read: cut short, damaged, or of another kind");
   std::ofstream(path("text.h5")) << "t,y\n";
   EXPECT_EQ(fault("text.h5"), "text.h5: this is no HDF5 file that can be read: cut short, damaged, or of another kind");
-  {
-    ForeignFile file(path("bare.h5"));
-  }
+  { ForeignFile file(path("bare.h5")); }
   EXPECT_EQ(fault("bare.h5"),
             "bare.h5: no time: expected a variable named 't' or 'time'; the file has no vectors of numbers; name it as "
             "time = \"...\", or give rate or interval");
@@ -150,7 +148,8 @@ TEST_F(Hdf5File, a_csv_file_has_a_rate_too) {
   EXPECT_EQ(record["y"][6], 8);
   options.interval = 0;
   options.rate_name = "fs";
-  EXPECT_EQ(fault("run.csv", options), "run.csv: rate and interval: expected a number for a CSV file, got the name 'fs'");
+  EXPECT_EQ(fault("run.csv", options),
+            "run.csv: rate and interval: expected a number for a CSV file, got the name 'fs'");
 }
 
 }  // namespace
