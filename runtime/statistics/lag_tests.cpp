@@ -86,7 +86,7 @@ LagTest cross_correlation(std::span<const double> residual, std::span<const doub
         (k >= 0 ? e.tail(n - shift).dot(u.head(n - shift)) : e.head(n - shift).dot(u.tail(n - shift))) / scale;
   }
   const VectorXd apart = products_of_correlations(residual, input, 2 * lags);
-  test.bound = two_sided * std::sqrt(std::max(apart[0], 0.0) / static_cast<double>(n));
+  test.bound = two_sided * std::sqrt(std::max(apart[0], 0.01) / static_cast<double>(n));
   count_beyond(test);
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::NullaryExpr(
       2 * lags + 1, 2 * lags + 1, [&](Index i, Index j) { return apart[std::abs(i - j)]; });

@@ -127,16 +127,16 @@ TEST(Intervals, AreTheSameForAnyNumberOfThreads) {
             "interval: the statistic is not finite for some choice of the rows: take longer blocks or a longer window");
 }
 
-TEST(Compare, GivesEveryMeasureByItsOwnFunction) {
+TEST(Agreement, GivesEveryMeasureByItsOwnFunction) {
   const int rows = 500;
   const Eigen::VectorXd y = autoregressive(rows, {1.8, -0.95}, 1), v = autoregressive(rows, {1.8, -0.95}, 2);
   const Eigen::VectorXd model = y + 0.5 * autoregressive(rows, {0.3}, 3), force = autoregressive(rows, {}, 4);
   const Eigen::VectorXd residual = y - model;
-  CompareOptions options;
+  AgreementOptions options;
   options.level = 0.9;
   options.draws = 199;
-  const Comparison found =
-      compare({span_of(y), span_of(model), span_of(v), span_of(v), span_of(force)}, options);
+  const Agreement found =
+      agreement({span_of(y), span_of(model), span_of(v), span_of(v), span_of(force)}, options);
   EXPECT_EQ(found.rmse, rmse(span_of(y), span_of(model)));
   EXPECT_EQ(found.r2, r_squared(span_of(y), span_of(model)));
   EXPECT_NEAR(found.fit, 100 * (1 - found.nrmse), 1e-12);
@@ -154,18 +154,18 @@ TEST(Compare, GivesEveryMeasureByItsOwnFunction) {
   }
 }
 
-TEST(Compare, OfAPerfectModelAndOfOneAtRest) {
+TEST(Agreement, OfAPerfectModelAndOfOneAtRest) {
   const Eigen::VectorXd y = autoregressive(100, {0.5}, 1), rest = Eigen::VectorXd::Zero(100);
-  const Comparison perfect = compare({span_of(y), span_of(y), {}, {}, {}});
+  const Agreement perfect = agreement({span_of(y), span_of(y), {}, {}, {}});
   EXPECT_EQ(perfect.rmse, 0);
   EXPECT_EQ(perfect.fit, 100);
   EXPECT_FALSE(perfect.qqcc || perfect.white || perfect.dtw);
-  const Comparison still = compare({span_of(y), span_of(rest), {}, {}, {}});
+  const Agreement still = agreement({span_of(y), span_of(rest), {}, {}, {}});
   EXPECT_FALSE(still.mutual_information || still.spearman);
   EXPECT_TRUE(still.white);
-  EXPECT_EQ(message_of([&] { compare({span_of(rest), span_of(y), {}, {}, {}}); }),
+  EXPECT_EQ(message_of([&] { agreement({span_of(rest), span_of(y), {}, {}, {}}); }),
             "compare: measured: the column is constant, 0: nothing can vary with it");
-  EXPECT_EQ(message_of([&] { compare({span_of(y).first(19), span_of(y).first(19), {}, {}, {}}); }),
+  EXPECT_EQ(message_of([&] { agreement({span_of(y).first(19), span_of(y).first(19), {}, {}, {}}); }),
             "compare: measured: the column: expected 20 rows or more, got 19");
 }
 

@@ -19,7 +19,7 @@ struct ComparedColumns {
   std::span<const double> input;                      ///< what drove the motion, for the test of the residual
 };
 
-struct CompareOptions {
+struct AgreementOptions {
   int neighbours = 3;        ///< of the mutual information
   int lags = 25;             ///< of the residual tests; cut to a quarter of the rows
   Eigen::Index band = -1;    ///< of the time warping, rows; < 0: none, and for more than 10000 rows 5e7 / rows
@@ -30,7 +30,7 @@ struct CompareOptions {
 };
 
 /// Absent: where it has no meaning, for a constant model or a residual that is 0.
-struct Comparison {
+struct Agreement {
   Eigen::Index rows = 0;
   double rmse = 0, nrmse = 0, r2 = 0, fit = 0;  ///< fit_measures.hpp
   std::optional<double> qqcc;                   ///< of the residual against a normal distribution
@@ -42,10 +42,10 @@ struct Comparison {
   std::optional<TestResult> runs;   ///< signs of the residual
   std::optional<LagTest> follows;   ///< residual and input
   std::map<std::string, Interval> intervals;  ///< rmse nrmse r2 fit spearman kendall mutual_information
-  Eigen::Index block_length = 1;              ///< of the intervals
+  Eigen::Index block_length = 1;              ///< of the intervals: what residual and measurement call for
 };
 
 /// Throws InputError as check_columns() does; at least 20 rows.
-Comparison compare(const ComparedColumns& columns, const CompareOptions& options = {});
+Agreement agreement(const ComparedColumns& columns, const AgreementOptions& options = {});
 
 }  // namespace lunid

@@ -1,4 +1,4 @@
-#include "statistics/comparison.hpp"
+#include "statistics/agreement.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -26,7 +26,7 @@ VectorXd chosen(std::span<const double> x, std::span<const Index> rows) {
                                [&](Index i) { return x[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])]; });
 }
 
-void add_tests(const VectorXd& residual, const ComparedColumns& columns, int most_lags, Comparison& result) {
+void add_tests(const VectorXd& residual, const ComparedColumns& columns, int most_lags, Agreement& result) {
   if (!varies(span_of(residual))) return;
   const int lags = std::min(most_lags, static_cast<int>(residual.size() / 4));
   result.qqcc = quantile_correlation(normal_quantiles(span_of(residual)));
@@ -36,11 +36,13 @@ void add_tests(const VectorXd& residual, const ComparedColumns& columns, int mos
     result.follows = cross_correlation(span_of(residual), columns.input, lags);
 }
 
-void add_intervals(const VectorXd& residual, const ComparedColumns& columns, const CompareOptions& options,
-                   Comparison& result) {
+void add_intervals(const VectorXd& residual, const ComparedColumns& columns, const AgreementOptions& options,
+                   Agreement& result) {
   const bool orders = varies(columns.model);
   IntervalOptions how{options.level, options.draws, 1, options.seed, options.threads};
-  how.block_length = result.block_length = choose_block_length(span_of(residual));
+  // Ranks and R2 hang on the motion, whose colour is the stronger one as a rule.
+  result.block_length = std::max(choose_block_length(span_of(residual)), choose_block_length(columns.measured));
+  how.block_length = result.block_length;
   const auto rows = static_cast<Index>(columns.measured.size());
   const auto found = bootstrap_intervals(
       rows,
@@ -69,10 +71,10 @@ void add_intervals(const VectorXd& residual, const ComparedColumns& columns, con
 
 }  // namespace
 
-Comparison compare(const ComparedColumns& columns, const CompareOptions& options) {
+Agreement agreement(const ComparedColumns& columns, const AgreementOptions& options) {
   check_columns("compare: measured", {columns.measured}, {.rows = 20});
   check_columns("compare: measured and model", {columns.measured, columns.model}, {.may_be_constant = true});
-  Comparison result;
+  Agreement result;
   result.rows = static_cast<Index>(columns.measured.size());
   result.rmse = rmse(columns.measured, columns.model);
   result.nrmse = nrmse(columns.measured, columns.model);
