@@ -8,18 +8,17 @@ local free_run = {}
 --- RMSE of the run over the standard deviation of the measured displacement; nil where nothing was measured.
 local function gap(record, run)
   if not record.channels.y or record.channels.y.derived then return nil end
-  local measured, modelled = record:column "y", run:column "y"
-  local sum, deviation = 0, measured:std()
-  for i = 1, #measured do sum = sum + (modelled[i] - measured[i]) ^ 2 end
-  return deviation > 0 and math.sqrt(sum / #measured) / deviation or nil
+  local measured = record:column "y"
+  return measured:std() > 0 and core.statistics.nrmse(measured, run:column "y") or nil
 end
 
 --- Prints what the run from the state `from` (nil: the record's) did; writes run.csv, results.json and a figure.
 function free_run.report(model, record, run, from)
-  local summary, result = run.summary, gap(record, run)
+  local summary = run.summary
+  local result = summary.completed and gap(record, run) or nil
   print(model)
   print(run)
-  if summary.completed and result then
+  if result then
     print(("%-11s%.3g (free run from %s)"):format("gap", result, from and "the given state"
       or "the record's first row; discover estimates the first state on a lead-in instead"))
   end

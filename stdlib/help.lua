@@ -63,7 +63,7 @@ end
 --- "Such as this.", of a text whose next sentence begins with a capital letter.
 local function first_sentence(text) return (text .. " A"):match "^(.-%.) %u" end
 
-local groups = { "excitation", "noise", "systems", "figure" }
+local groups = { "excitation", "noise", "systems", "statistics", "figure" }
 
 --- Constructors of lunid.<group>, such as those of lunid.excitation.
 local function members_of(group)

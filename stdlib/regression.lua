@@ -78,6 +78,8 @@ local function flat(list)
   return features
 end
 
+regression.flat = flat
+
 local record = types.is("record", "lunid.read")
 
 public.regress = schema.define({

@@ -3,6 +3,7 @@ local schema = require "lunid.schema"
 
 local stubs = {}
 
+local plain = { any = true, number = true }  -- what a function returns that is no type of lunid
 local names = { string = "a string", number = "a number", boolean = "true or false" }
 
 --- The annotation's type for a schema type.
@@ -41,7 +42,7 @@ local function stub(definition)
     end
     lines[#lines + 1] = "---@param fields " .. class
   end
-  lines[#lines + 1] = "---@return " .. (definition.returns == "any" and "any" or "lunid." .. definition.returns)
+  lines[#lines + 1] = "---@return " .. (plain[definition.returns] and definition.returns or "lunid." .. definition.returns)
   lines[#lines + 1] = ("function lunid.%s(%s) end"):format(definition.name, call)
   return table.concat(lines, "\n")
 end

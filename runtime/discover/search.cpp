@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "simulate/parallel.hpp"
+#include "record/parallel.hpp"
 
 namespace lunid {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <mutex>
 
+#include "record/parallel.hpp"
 #include "simulate/bundle.hpp"
 #include "simulate/lane_summaries.hpp"
-#include "simulate/parallel.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {

@@ -11,6 +11,12 @@ struct TestResult {
   double p_value = 1;
 };
 
+/// A correlation of two series and the probability of one as far from 0 if they were uncorrelated.
+struct Correlation {
+  double coefficient = 0;
+  double p_value = 1;
+};
+
 /// Sample autocorrelations at lags 0 .. lags (about the mean, divided by the number of rows, so positive
 /// semidefinite). 1, 0, 0, ... for a constant series.
 Eigen::VectorXd autocorrelation(std::span<const double> x, int lags);

@@ -35,6 +35,10 @@ double r_squared(std::span<const double> measured, std::span<const double> model
   return 1 - ratio * ratio;
 }
 
+double fit_percent(std::span<const double> measured, std::span<const double> model) {
+  return 100 * (1 - nrmse(measured, model));
+}
+
 double gap(std::span<const double> measured, std::span<const double> model, std::size_t lead_in) {
   check_lengths(measured, model);
   const std::size_t lead = std::min(lead_in, measured.size());

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "statistics/correlation.hpp"
+
 namespace lunid {
 
 /// Shares of the residual's mean square that odd and even functions of x explain, less what chance explains,
@@ -18,11 +20,7 @@ struct Parity {
 Parity parity(std::span<const double> residual, std::span<const double> x, Eigen::Index block_length,
               std::uint64_t seed);
 
-/// Pearson's correlation of two series and the probability of one as far from 0 if they were uncorrelated.
-struct Correlation {
-  double coefficient = 0;
-  double p_value = 1;
-};
+/// Pearson's.
 Correlation correlation(std::span<const double> a, std::span<const double> b, Eigen::Index block_length,
                         std::uint64_t seed);
 

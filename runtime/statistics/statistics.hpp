@@ -1,9 +1,18 @@
 #pragma once
 // How good a fit is, whether a residual holds more than noise, and how sure one may be of it.
 #include "record/random.hpp"
+#include "statistics/agreement.hpp"
 #include "statistics/autoregression.hpp"
 #include "statistics/bootstrap.hpp"
 #include "statistics/correlation.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/fit_measures.hpp"
+#include "statistics/interval.hpp"
+#include "statistics/kolmogorov.hpp"
+#include "statistics/lag_tests.hpp"
+#include "statistics/mutual_information.hpp"
+#include "statistics/principal_components.hpp"
+#include "statistics/quantiles.hpp"
+#include "statistics/rank_correlation.hpp"
 #include "statistics/residual_tests.hpp"
+#include "statistics/warping.hpp"

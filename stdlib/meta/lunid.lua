@@ -1,7 +1,7 @@
 ---@meta
 -- Written from the schemas by `lunid help stubs`; a test compares it with them.
 ---@class lunid
-local lunid = { figure = {}, excitation = {}, noise = {}, systems = {} }
+local lunid = { figure = {}, excitation = {}, noise = {}, systems = {}, statistics = {} }
 
 ---A value that `lunid run STUDY.lua key=value` may set.
 ---@class lunid.option.fields
@@ -879,5 +879,188 @@ function lunid.thesis_validation(fields) end
 ---@param fields lunid.discover.fields
 ---@return lunid.discovery
 function lunid.discover(fields) end
+
+---Root of the mean squared error, in the unit of the columns.
+---@param measured any # what was measured
+---@param model any # what the model says, row by row
+---@return number
+function lunid.statistics.rmse(measured, model) end
+
+---RMSE over the standard deviation of the measurement.
+---@param measured any # what was measured
+---@param model any # what the model says, row by row
+---@return number
+function lunid.statistics.nrmse(measured, model) end
+
+---Share of the measured variance that the model explains, 1 - nrmse^2; below 0 it is worse than the mean.
+---@param measured any # what was measured
+---@param model any # what the model says, row by row
+---@return number
+function lunid.statistics.r2(measured, model) end
+
+---100 (1 - nrmse) %: 100 for a perfect model, 0 for the measured mean.
+---@param measured any # what was measured
+---@param model any # what the model says, row by row
+---@return number
+function lunid.statistics.fit(measured, model) end
+
+---Pearson's correlation, and the probability of one as far from 0 by chance, by a block bootstrap that holds for coloured rows.
+---@param a any # one column
+---@param b any # another of the same length
+---@return number
+function lunid.statistics.correlation(a, b) end
+
+---Spearman's rank correlation, and the probability of one as far from 0 by chance if the rows were independent.
+---@param a any # one column
+---@param b any # another of the same length
+---@return number
+function lunid.statistics.spearman(a, b) end
+
+---Kendall's rank correlation tau-b, and the probability of one as far from 0 by chance if the rows were independent.
+---@param a any # one column
+---@param b any # another of the same length
+---@return number
+function lunid.statistics.kendall(a, b) end
+
+---What one column tells about another in any form, in nat, by nearest neighbours. 0 where they are independent, give or take 1/sqrt(rows).
+---@param x any # such as a feature
+---@param target any # such as the force
+---@param neighbours? integer # nearest neighbours: fewer for less bias, more for less scatter
+---@return number
+function lunid.statistics.mutual_information(x, target, neighbours) end
+
+---What one column tells about another beyond what given columns tell, in nat.
+---@param x any # such as a feature
+---@param target any # such as the force
+---@param given table # the columns that are known already
+---@param neighbours? integer # nearest neighbours: fewer for less bias, more for less scatter
+---@return number
+function lunid.statistics.conditional_mutual_information(x, target, given, neighbours) end
+
+---Mutual information of a term and the force, times the term's largest force.
+---@param information number # of feature and target [nat]
+---@param coefficient number # of the feature in the fit
+---@param feature any # its values along the record
+---@return number
+function lunid.statistics.significance_index(information, coefficient, feature) end
+
+---Dynamic time warping: the least sum of distances between two curves over all ways to run through both.
+---@param a table # the columns of one curve, such as { y, v }, in comparable units
+---@param b table # as many columns of the other; it may be longer or shorter
+---@param band? integer # rows that a pairing may stray from the diagonal; else any
+---@return number
+function lunid.statistics.dtw(a, b, band) end
+
+---The points of a quantile-quantile plot: against the normal distribution of the column's own mean and deviation, or against another column. Fields expected, found, qqcc; qq:figure() draws it.
+---@param found any # such as a residual
+---@param expected? any # a sample to compare with; else a normal distribution
+---@return lunid.quantiles
+function lunid.statistics.qq(found, expected) end
+
+---The correlation of the quantile-quantile plot's points: 1 where the distributions have one shape.
+---@param found any # such as a residual
+---@param expected? any # a sample to compare with; else a normal distribution
+---@return number
+function lunid.statistics.qqcc(found, expected) end
+
+---Largest distance of two distribution functions and the probability of as much by chance, for independent rows: a column and any normal distribution, a known one (std =), or another column.
+---@class lunid.statistics.kolmogorov_smirnov.fields
+---@field x any # the column
+---@field other? any # another column
+---@field mean? number # of the normal distribution, where std is given
+---@field std? number # of a normal distribution known beforehand; else those of the column itself
+---@param fields lunid.statistics.kolmogorov_smirnov.fields
+---@return number
+function lunid.statistics.kolmogorov_smirnov(fields) end
+
+---The directions along which columns vary most: fields mean, scale, variances, shares, directions, scores (lists of columns).
+---@class lunid.statistics.principal_components.fields
+---@field columns table # of one length
+---@field standardise? boolean # bring each column to deviation 1 first
+---@param fields lunid.statistics.principal_components.fields
+---@return lunid.components
+function lunid.statistics.principal_components(fields) end
+
+---Is a column white? The statistic of its autocorrelations at lags 1 to `lags`, and its probability by chance.
+---@class lunid.statistics.ljung_box.fields
+---@field x any # such as a residual
+---@field lags? integer # largest lag, rows
+---@field fitted? integer # parameters of the autoregression whose innovations these are
+---@param fields lunid.statistics.ljung_box.fields
+---@return number
+function lunid.statistics.ljung_box(fields) end
+
+---Are the signs about the median in random order? The normal deviate of the number of runs, and its probability.
+---@param x any # such as a residual
+---@return number
+function lunid.statistics.runs_test(x) end
+
+---Autocorrelations of a column beside their 95 % bound: fields lags, coefficients, bound, beyond (how many), statistic, p_value.
+---@class lunid.statistics.whiteness.fields
+---@field x any # such as a residual
+---@field lags? integer # largest lag, rows
+---@field fitted? integer # parameters of the autoregression whose innovations these are
+---@param fields lunid.statistics.whiteness.fields
+---@return lunid.lag_test
+function lunid.statistics.whiteness(fields) end
+
+---Correlation of a residual with an input that came so many rows before, beside its 95 % bound, which takes account of the colour of both. The fields are those of whiteness.
+---@class lunid.statistics.cross_correlation.fields
+---@field residual any # what is left
+---@field input any # what it may follow
+---@field lags? integer # from -lags to lags; negative lags show a feedback
+---@param fields lunid.statistics.cross_correlation.fields
+---@return lunid.lag_test
+function lunid.statistics.cross_correlation(fields) end
+
+---An interval for any statistic of columns, one of these or a function of your own, that holds for coloured rows: blocks of rows are resampled, or left out in turn. Fields value, low, high, std, level, block.
+---@class lunid.statistics.interval.fields
+---@field of function # gets the columns, returns a number
+---@field columns table # of one length; their rows are resampled together
+---@field level? number # probability that it holds the truth
+---@field method? "bootstrap"|"jackknife" # 'jackknife' for mutual information, which repeated rows mislead
+---@field draws? integer # of the bootstrap
+---@field block? integer # rows that stay together; else chosen by the columns' correlation
+---@field seed? integer # of the draws; else that of the run (--seed)
+---@param fields lunid.statistics.interval.fields
+---@return lunid.interval
+function lunid.statistics.interval(fields) end
+
+---How good is a model on a record? RMSE, R2, fit, QQCC, DTW of the phase portraits, mutual information, rank correlations and tests of the residual, with the mode, the data and the window they hold for.
+---@class lunid.compare.fields
+---@field record lunid.record # what was measured
+---@field run? lunid.run # a free run on the record
+---@field model? lunid.model # a model: run freely from the record's first state, or as `mode` says
+---@field regression? lunid.regression # its model: by equation error, or as `mode` says
+---@field predicted? any # a prediction of your own, row by row in the window
+---@field mode? "free_run"|"one_step"|"equation_error" # 'one_step': each row from the measured state before it; 'equation_error': the restoring force along the measured motion beside F - m*a
+---@field data? "train"|"test" # what the record was to the model
+---@field window? lunid.window # part of the time that run and record have
+---@field channel? string # the displacement that is compared
+---@field interval? number # such as 0.95: intervals by block bootstrap, for coloured errors
+---@field draws? integer # of the bootstrap
+---@field band? number # that the time warping may bend; else any, for long records less
+---@field neighbours? integer # of the mutual information
+---@field lags? integer # of the residual's tests, rows
+---@param fields lunid.compare.fields
+---@return lunid.comparison
+function lunid.compare(fields) end
+
+---Features by what they tell about the restoring force: mutual information, rank correlations, and with a regression the thesis' significance index MI*max|c f|. A list in falling order of information, each found by its name too.
+---@class lunid.rank_features.fields
+---@field record? lunid.record # what was measured
+---@field features? table # functions of displacement, velocity, time; else those of the regression
+---@field mass? number|lunid.expression # without it the target is F itself
+---@field known? number|lunid.expression # part of the restoring force that is known
+---@field window? lunid.window # part of the record
+---@field given? table # features that are chosen already: adds what each tells beyond them
+---@field regression? lunid.regression # whose coefficients the significance index takes
+---@field target? any # in place of a record: any column
+---@field columns? table # its features, as { { "y", column }, ... }
+---@field given_columns? table # those that are chosen already
+---@field neighbours? integer # of the mutual information
+---@param fields lunid.rank_features.fields
+---@return lunid.feature_ranking
+function lunid.rank_features(fields) end
 
 return lunid

@@ -1,11 +1,14 @@
 #pragma once
-// Coloured noise of known colour, and the share of false alarms of a test. The random numbers are the
-// standard library's, not those of the code under test.
+// Coloured noise of known colour, the share of false alarms of a test, and what an error says. The random numbers are
+// the standard library's, not those of the code under test.
 #include <Eigen/Core>
 #include <cstdint>
 #include <random>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "expr/error.hpp"
 
 namespace lunid::test {
 
@@ -32,6 +35,17 @@ double alarms(int draws, Test test) {
   int count = 0;
   for (int draw = 1; draw <= draws; ++draw) count += test(static_cast<std::uint64_t>(draw)) <= 0.05;
   return static_cast<double>(count) / draws;
+}
+
+/// The text of the InputError that `body` throws, "" for none.
+template <class Body>
+std::string message_of(Body body) {
+  try {
+    body();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace lunid::test
