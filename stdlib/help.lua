@@ -1,6 +1,6 @@
 -- `lunid help TOPIC` and `lunid list`: written from the schemas and the catalogue, never by hand.
 local core = require "lunid.core"
-local effects = require "lunid.effect"
+local effects = require "lunid.catalogue"
 local regression = require "lunid.regression"
 local schema = require "lunid.schema"
 local simulation = require "lunid.simulation"
@@ -101,7 +101,7 @@ local function overview()
     print(("  %-21s%s"):format(group, table.concat(names, " ")))
   end
   print "\nEffects (lunid help NAME)"
-  for _, entry in ipairs(effects.catalogue()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
+  for _, entry in ipairs(effects.entries(effects.names)) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
 end
 
 function help.explain(topic)
@@ -143,7 +143,7 @@ end
 local lists = {}
 
 function lists.effects()
-  for _, entry in ipairs(effects.catalogue()) do
+  for _, entry in ipairs(effects.entries(effects.names)) do
     print(("%-21s%-12s%s\n%33s%s"):format(entry.name, entry.family, entry.formula, "", entry.sentence))
   end
 end

@@ -5,7 +5,7 @@ local schema = require "lunid.schema"
 local public = { version = core.version }
 
 for _, room in ipairs { "symbols", "records", "models", "constraints", "regression", "surfaces", "excitation", "noise",
-  "systems", "simulation", "responses", "ensembles", "protocol", "effect", "discovery", "figures", "option" } do
+  "systems", "simulation", "responses", "ensembles", "protocol", "catalogue", "discovery", "figures", "option" } do
   local exported = require("lunid." .. room)
   for name, value in pairs(exported.public or exported) do
     if name ~= "public" then public[name] = value end
