@@ -233,9 +233,9 @@ int number_text(lua_State* L) {
   return 1;
 }
 
-/// substitute(expr, {name = expression or number, ...}, {more...}) -> the expression with these in place of its symbols.
-/// What they and the further expressions were declared with comes along; what the old symbols were declared with does
-/// not.
+/// substitute(expr, {name = expression or number, ...}, {more...}) -> the expression with these in place of its
+/// symbols. What they and the further expressions were declared with comes along; what the old symbols were declared
+/// with does not.
 int substitute_symbols(lua_State* L) {
   const Expr expr = check_value(L, 1).expr;
   check_table(L, 2);

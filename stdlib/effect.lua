@@ -1,5 +1,6 @@
 -- An entry of the catalogue: what an effect adds to the restoring force, and how it is told apart.
 local core = require "lunid.core"
+local element = require "lunid.element"
 local schema = require "lunid.schema"
 local symbols = require "lunid.symbols"
 local types = schema.types
@@ -78,7 +79,8 @@ end
 
 return schema.define({
   name = "effect",
-  help = "An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it.",
+  help = "An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it. Called with "
+    .. "values, as magnet { k = 3, p = 40 }, it is an element of a model, as those of lunid.effects.",
   fields = {
     { "name", types.string, required = true, help = "snake_case, as results will call it" },
     { "family", types.choice(families), required = true, help = "kind of physics" },
@@ -124,5 +126,5 @@ return schema.define({
   given.state_values = {}
   for i, state in ipairs(states) do given.state_values[i] = core.state(state) end
   given.formula = given.formula or tostring(forms[1])
-  return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end)
+  return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end, element.make)
 end)
