@@ -122,6 +122,7 @@ std::vector<Parameter> read_rows(lua_State* L) {
       row.unit = string_field(L, -1, "unit").value_or("");
       row.min = number_field(L, -1, "min").value_or(row.min);
       row.max = number_field(L, -1, "max").value_or(row.max);
+      row.fixed = boolean_field(L, -1, "fixed", false);
       rows.push_back(std::move(row));
     });
   });

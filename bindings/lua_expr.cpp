@@ -233,19 +233,26 @@ int number_text(lua_State* L) {
   return 1;
 }
 
-/// rename_symbols(expr, {k = "clearance_k", ...}) -> the expression over parameters and states of other names.
-int rename_symbols(lua_State* L) {
-  const Value value = check_value(L, 1);
+/// substitute(expr, {name = expression or number, ...}, {more...}) -> the expression with these in place of its
+/// symbols. What they and the further expressions were declared with comes along; what the old symbols were declared
+/// with does not.
+int substitute_symbols(lua_State* L) {
+  const Expr expr = check_value(L, 1).expr;
   check_table(L, 2);
-  Pool& pool = *runtime(L).pool();
   std::vector<std::pair<Expr, Expr>> replacements;
-  for (const Expr symbol : symbols(value.expr)) {
-    const auto name = string_field(L, 2, symbol.name().c_str());
-    if (!name) continue;
-    const Expr known = pool.find(*name);
-    replacements.emplace_back(symbol, known.valid() ? known : pool.parameter(*name));
+  DeclarationsPtr declared;
+  for (const Expr symbol : symbols(expr)) {
+    with_field(L, 2, symbol.name().c_str(), [&] {
+      const Value by = check_value(L, -1);
+      replacements.emplace_back(symbol, by.expr);
+      declared = join(declared, by.declared);
+    });
   }
-  push<Value>(L, {substitute(value.expr, replacements), nullptr});
+  if (!lua_isnoneornil(L, 3)) {
+    check_table(L, 3);
+    for_each(L, 3, [&](lua_Integer) { declared = join(declared, check_value(L, -1).declared); });
+  }
+  push<Value>(L, {substitute(expr, replacements), declared});
   return 1;
 }
 
@@ -301,7 +308,7 @@ void open_expressions(lua_State* L) {
   static constexpr Entry functions[] = {
       {"channel", guarded<make_channel>},    {"parameter", guarded<make_parameter>},
       {"state", guarded<make_state>},        {"state_symbol", guarded<make_state_symbol>},
-      {"parse", guarded<parse_text>},        {"rename_symbols", guarded<rename_symbols>},
+      {"parse", guarded<parse_text>},        {"substitute", guarded<substitute_symbols>},
       {"number_text", guarded<number_text>}, {"is_expression", guarded<is_expression>},
   };
   set_functions(L, functions);

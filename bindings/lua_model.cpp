@@ -235,8 +235,7 @@ int get(lua_State* L) {
       throw InputError(
           "a model has no '" + key +
           "' (fields: mass restoring degrees inputs forces delay states parameters imposed_motion; methods: "
-          "equation with save "
-          "export)");
+          "equation force with save export)");
     }
   }
   return 1;

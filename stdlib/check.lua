@@ -1,5 +1,7 @@
 -- `lunid check STUDY.lua`: reads a study without running it. Finds what Lua itself would let pass or find late.
+local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
+local element = require "lunid.element"
 local schema = require "lunid.schema"
 local strict = require "lunid.strict"
 
@@ -144,6 +146,9 @@ local function constructor_at(tokens, inside)
     at = at - 2
   end
   if parts[1] ~= "lunid" or #parts < 2 then return nil end
+  if #parts == 3 and parts[2] == "effects" and contains(catalogue.names, parts[3]) then
+    return element.definition(catalogue.entry(parts[3]))
+  end
   return schema.definitions[table.concat(parts, ".", 2)]
 end
 
@@ -162,6 +167,10 @@ function check.findings(text)
       end
     elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "lunid" then
       local good, message = pcall(function() return lunid[token.text] end)
+      if not good then add(token.line, tostring(message):gsub("^%S+:%d+: ", ""), true) end
+    elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "effects"
+      and tokens[i - 4] and tokens[i - 4].text == "lunid" then
+      local good, message = pcall(function() return lunid.effects[token.text] end)
       if not good then add(token.line, tostring(message):gsub("^%S+:%d+: ", ""), true) end
     elseif token.kind == "name" then
       local definition = constructor_at(tokens, inside)

@@ -1,6 +1,6 @@
 -- Discovery: what a model lacks, named out of the catalogue; and what it writes.
+local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
-local effects = require "lunid.effect"
 local models = require "lunid.models"
 local output = require "lunid.output"
 local schema = require "lunid.schema"
@@ -51,7 +51,7 @@ local definition = {
     { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
-    { "catalogue", types.list(types.string, 1), help = "names of entries to try; else all (`lunid list effects`)" },
+    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there" },
     { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
       help = "entries of your own, beside the catalogue" },
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
@@ -67,7 +67,7 @@ local definition = {
 
 --- Checks the catalogue, cuts the windows and runs the search.
 local function search(given)
-  local entries = effects.catalogue(given.catalogue)
+  local entries = catalogue.entries(given.catalogue)
   for _, entry in ipairs(given.effects) do
     for _, known in ipairs(entries) do
       if known.name == entry.name then

@@ -1,5 +1,6 @@
--- Catalogue entries: what an effect adds to the restoring force, and how it is told apart.
+-- An entry of the catalogue: what an effect adds to the restoring force, and how it is told apart.
 local core = require "lunid.core"
+local element = require "lunid.element"
 local schema = require "lunid.schema"
 local symbols = require "lunid.symbols"
 local types = schema.types
@@ -9,50 +10,99 @@ local families = { "stiffness", "damping", "friction", "hysteresis", "soil", "in
 
 local text_or_expression = types.either(types.string, types.expression)
 
---- The entry's own names become private ones, `<effect>_<name>`, in a text or in an expression.
-local function privately(entry, private)
+--- A text with the entry's own names, or an expression, over the symbols that stand for them (own: name -> symbol).
+local function with_symbols(where, own)
+  local names = {}
+  for name, symbol in pairs(own) do names[name] = tostring(symbol) end
   return function(form)
-    if type(form) == "string" then
-      return core.parse(form:gsub("[%a_][%w_]*", private), entry)
+    if type(form) ~= "string" then return core.substitute(form, own) end
+    local expression = core.parse(form:gsub("%f[%w_][%a_][%w_]*", names), where)
+    for _, symbol in ipairs(expression:symbols()) do
+      local known = symbol.kind ~= "parameter"
+      for _, name in pairs(names) do known = known or name == symbol.name end
+      if not known then
+        schema.fail(where, ("unknown name '%s' in '%s'; declare it in parameters or states"):format(symbol.name, form))
+      end
     end
-    return core.rename_symbols(form, private)
+    return expression
   end
 end
 
-local function check_row(entry, row)
-  local allowed = { min = true, max = true, unit = true }
+local function check_row(where, kind, row, known)
+  local words = table.concat(known, ", ")
   for key in pairs(row) do
-    if key ~= 1 and not allowed[key] then
-      schema.fail("effect: " .. entry, ("parameters: unknown field '%s' (fields: min, max, unit)"):format(key))
+    if key ~= 1 and not (", " .. words .. ","):find(", " .. tostring(key) .. ",", 1, true) then
+      schema.fail(where, ("%s: unknown field '%s' (fields: %s)"):format(kind, key, words))
     end
   end
-  if type(row[1]) ~= "string" then schema.fail("effect: " .. entry, "parameters: each entry begins with its name") end
-  symbols.check_name("effect: " .. entry, row[1])
+end
+
+--- The parameter that stands for an entry's own one, by a row of its table.
+local function private_parameter(entry, row)
+  check_row("effect: " .. entry.name, "parameters", row, { "min", "max", "unit", "fixed" })
+  if type(row[1]) ~= "string" then
+    schema.fail("effect: " .. entry.name, "parameters: each entry begins with its name")
+  end
+  symbols.check_name("effect: " .. entry.name, row[1])
+  return { name = entry.name .. "_" .. row[1], min = row.min, max = row.max, unit = row.unit or "",
+    fixed = row.fixed or false }
+end
+
+--- A condition "Fs >= Fc" as its two sides.
+local function condition(where, text)
+  local left, right = text:match "^(.-)>=(.*)$"
+  if not left then schema.fail(where, ("requires: expected 'a >= b', got '%s'"):format(text)) end
+  return { text = text, left = left, right = right }
 end
 
 local function list(value)
   return type(value) == "table" and getmetatable(value) ~= "lunid.expression" and value or { value }
 end
 
-local effect = schema.define({
+--- The states of an entry in a fixed order, with their expressions.
+local function take_states(entry, own)
+  local names, states = {}, {}
+  for name in pairs(entry.states) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    check_row("effect: " .. entry.name, "states: " .. name, entry.states[name], { "rate", "initial", "min", "max", "unit" })
+    own[name] = core.state_symbol(entry.name .. "_" .. name)
+  end
+  local make = with_symbols("effect: " .. entry.name, own)
+  for i, name in ipairs(names) do
+    local state = entry.states[name]
+    states[i] = { own = name, name = entry.name .. "_" .. name, rate = make(state.rate), initial = state.initial,
+      min = state.min and make(state.min), max = state.max and make(state.max), unit = state.unit or "" }
+  end
+  return states, make
+end
+
+return schema.define({
   name = "effect",
-  help = "An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it.",
+  help = "An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it. Called with "
+    .. "values, as magnet { k = 3, p = 40 }, it is an element of a model, as those of lunid.effects.",
   fields = {
     { "name", types.string, required = true, help = "snake_case, as results will call it" },
     { "family", types.choice(families), required = true, help = "kind of physics" },
     { "contribution", types.either(text_or_expression, types.list(text_or_expression, 1)), required = true, unit = "N",
       help = "what it adds to the restoring force, as text or expression; a list: its mirror images" },
     { "formula", types.string, help = "as an engineer writes it; else the text of the first contribution" },
-    { "parameters", types.list(types.table, 1), required = true, help = "rows { \"k\", min =, max =, unit = }" },
-    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max = }" },
+    { "parameters", types.list(types.table, 1), required = true,
+      help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess" },
+    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit = }" },
+    { "requires", types.list(types.string), default = {}, help = "what holds between parameters, as \"Fs >= Fc\"" },
     { "guess", types.callable,
       help = "function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters" },
     { "range", types.callable,
       help = "function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter" },
+    { "passive", types.either(types.boolean, types.string),
+      help = "false where it can create energy over a cycle; \"where c >= 0\" where that depends" },
     { "signature", types.string, default = "", help = "parity, harmonics, loop: how it shows in a record" },
     { "sentence", types.string, default = "", help = "what an engineer would say about it" },
+    { "note", types.string, default = "", help = "how the formula was made into equations, and its error" },
     { "confusers", types.list(types.string), default = {}, help = "entries that look like it" },
     { "special_case_of", types.list(types.string), default = {}, help = "entries that contain it exactly" },
+    { "acts_on", types.list(types.string), default = {}, help = "entries that it modifies" },
     { "channels", types.list(types.string), default = {}, help = "channels that it needs beside y, v and F" },
     { "source", types.string, default = "", help = "paper or textbook" },
   },
@@ -62,57 +112,19 @@ local effect = schema.define({
   guess = function(scale) return { { p = 1/scale.y_max } } end }]],
 }, function(given)
   symbols.check_name("effect", given.name)
-  local private, rows, state_names = {}, {}, {}
-  for _, row in ipairs(given.parameters) do
-    check_row(given.name, row)
-    private[row[1]] = given.name .. "_" .. row[1]
-  end
-  for name in pairs(given.states) do state_names[#state_names + 1] = name end
-  table.sort(state_names)
-  for _, name in ipairs(state_names) do
-    private[name] = given.name .. "_" .. name
-    core.state_symbol(private[name])
-  end
-  local make = privately(given.name, private)
+  local where = "effect: " .. given.name
+  local own, rows, conditions = {}, {}, {}
   for i, row in ipairs(given.parameters) do
-    rows[i] = { name = private[row[1]], min = row.min, max = row.max, unit = row.unit or "" }
+    rows[i] = private_parameter(given, row)
+    own[row[1]] = core.parse(rows[i].name, where)
   end
-  local forms, variants, states = list(given.contribution), {}, {}
+  local states, make = take_states(given, own)
+  local forms, variants = list(given.contribution), {}
   for i, form in ipairs(forms) do variants[i] = make(form) end
-  for i, name in ipairs(state_names) do
-    local state = given.states[name]
-    states[i] = core.state { name = private[name], rate = make(state.rate), initial = state.initial,
-      min = state.min and make(state.min), max = state.max and make(state.max) }
-  end
-  given.private, given.rows, given.variants, given.state_values = private, rows, variants, states
+  for i, text in ipairs(given.requires) do conditions[i] = condition(where, text) end
+  given.rows, given.states, given.variants, given.conditions = rows, states, variants, conditions
+  given.state_values = {}
+  for i, state in ipairs(states) do given.state_values[i] = core.state(state) end
   given.formula = given.formula or tostring(forms[1])
-  return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end)
+  return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end, element.make)
 end)
-
-local effects = { public = { effect = effect } }
-
--- The catalogue of this version, in the order in which it is printed.
-effects.names = { "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "clearance", "one_sided_stop",
-  "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen" }
-
---- The entries of these names (all when nil), in the catalogue's order.
-function effects.catalogue(names)
-  local wanted = names and {}
-  for _, name in ipairs(names or {}) do
-    local known = false
-    for _, each in ipairs(effects.names) do known = known or each == name end
-    if not known then
-      local near = core.nearest(name, effects.names)
-      schema.fail("discover: catalogue", ("unknown effect '%s'%s"):format(name,
-        near and (", did you mean '%s'?"):format(near) or " (see `lunid list effects`)"))
-    end
-    wanted[name] = true
-  end
-  local entries = {}
-  for _, name in ipairs(effects.names) do
-    if not wanted or wanted[name] then entries[#entries + 1] = require("lunid.effects." .. name)(effect) end
-  end
-  return entries
-end
-
-return effects

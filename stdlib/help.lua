@@ -1,6 +1,7 @@
 -- `lunid help TOPIC` and `lunid list`: written from the schemas and the catalogue, never by hand.
+local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
-local effects = require "lunid.effect"
+local element = require "lunid.element"
 local regression = require "lunid.regression"
 local schema = require "lunid.schema"
 local simulation = require "lunid.simulation"
@@ -47,16 +48,26 @@ local function explain_constructor(definition)
   print("\nGives: " .. definition.returns .. "\n\n  " .. definition.example:gsub("\n", "\n  "))
 end
 
+local passive_words = { [true] = "yes: over a cycle it creates no energy", [false] = "no: it can create energy" }
+
 local function explain_effect(entry)
-  print(("%s (%s)\n  %s"):format(entry.name, entry.family, entry.formula))
-  print("  " .. entry.sentence)
+  print(("%s (%s)\n  %s\n  %s"):format(entry.name, entry.family, entry.formula, entry.sentence))
+  if entry.note ~= "" then print("  note: " .. entry.note) end
+  print("\n" .. help.signature(element.definition(entry)))
   for _, row in ipairs(entry.parameters) do
     local bounds = (row.min and (", at least %g"):format(row.min) or "") .. (row.max and (", at most %g"):format(row.max) or "")
-    print(("  %-14s %s%s"):format(row[1], row.unit or "no unit", bounds))
+    print(("  %-14s %s%s%s"):format(row[1], row.unit or "no unit", bounds, row.fixed and ", held at its value" or ""))
   end
-  print("  shows as: " .. entry.signature)
-  if #entry.confusers > 0 then print("  easily taken for: " .. table.concat(entry.confusers, ", ")) end
-  if #entry.special_case_of > 0 then print("  a special case of: " .. table.concat(entry.special_case_of, ", ")) end
+  local function line(words, list)
+    if #list > 0 then print(("  %s: %s"):format(words, table.concat(list, ", "))) end
+  end
+  line("with", entry.requires)
+  print("\n  shows as: " .. entry.signature)
+  print("  passive: " .. (passive_words[entry.passive] or entry.passive))
+  line("easily taken for", entry.confusers)
+  line("a special case of", entry.special_case_of)
+  line("modifies", entry.acts_on)
+  line("needs the channels", entry.channels)
   print("  source: " .. entry.source)
 end
 
@@ -100,17 +111,20 @@ local function overview()
     for i, member in ipairs(members_of(group)) do names[i] = member.name end
     print(("  %-21s%s"):format(group, table.concat(names, " ")))
   end
-  print "\nEffects (lunid help NAME)"
-  for _, entry in ipairs(effects.catalogue()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
+  print "\nEffects that discovery tries (lunid help NAME)"
+  for _, entry in ipairs(catalogue.entries()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
+  print(("  and %d more in the catalogue: lunid list effects"):format(#catalogue.names - #catalogue.searched))
 end
 
 function help.explain(topic)
   require "lunid"  -- all constructors declare themselves
   if not topic then return overview() end
-  if topic == "stubs" or topic == "manual" then  -- for the editor and for docs/language.md
+  if topic == "stubs" or topic == "manual" or topic == "effects_table" then  -- for the editor and for docs
     io.write(require("lunid." .. topic).text())
     return
   end
+  topic = topic:gsub("^effects?%.", "")
+  if topic == "effects" then return help.list "effects" end
   local definition = schema.definitions[topic:gsub("^lunid%.", "")]
   local names = {}
   for _, group in ipairs(groups) do
@@ -127,10 +141,10 @@ function help.explain(topic)
       definition = row
     end
   end
-  for _, name in ipairs(effects.names) do
+  for _, name in ipairs(catalogue.names) do
     names[#names + 1] = name
     if name == topic then
-      explain_effect(effects.catalogue { name }[1])
+      explain_effect(catalogue.entry(name))
       definition = name
     end
   end
@@ -143,9 +157,13 @@ end
 local lists = {}
 
 function lists.effects()
-  for _, entry in ipairs(effects.catalogue()) do
-    print(("%-21s%-12s%s\n%33s%s"):format(entry.name, entry.family, entry.formula, "", entry.sentence))
+  local searched = {}
+  for _, name in ipairs(catalogue.searched) do searched[name] = true end
+  for _, entry in ipairs(catalogue.entries(catalogue.names)) do
+    print(("%s %-30s%-15s%s\n%47s%s"):format(searched[entry.name] and "*" or " ", entry.name, entry.family,
+      entry.formula, "", entry.sentence))
   end
+  print "\n(* tried by discovery; the others where a study names them: lunid.discover { catalogue = { ... } })"
 end
 
 function lists.features()

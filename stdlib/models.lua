@@ -253,6 +253,14 @@ core.add_method("lunid.model", "export", function(model, path)
   return output.write(path, table.concat(lines, "\n") .. "\n")
 end)
 
+--- The force m*a + restoring along the motion of a record, its internal states driven by it: a column.
+core.add_method("lunid.model", "force", function(model, record)
+  if getmetatable(record) ~= "lunid.record" then
+    schema.fail("force", "expected a record, got " .. core.describe(record))
+  end
+  return core.imposed_force(model, record)
+end)
+
 models.load = schema.define({
   name = "load",
   help = "Loads a model that model:save wrote, or that is written by hand in the same form.",

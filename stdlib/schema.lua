@@ -248,11 +248,12 @@ function schema.notes(field)
 end
 
 --- An object of the standard library: a table whose metatable is locked and says what it is.
-function schema.object(kind, fields, methods, to_string)
+function schema.object(kind, fields, methods, to_string, call)
   return setmetatable(fields, {
     __metatable = "lunid." .. kind,
     __words = (kind:match "^[aeiou]" and "an " or "a ") .. kind,
     __index = methods,
+    __call = call,
     __tostring = to_string or function() return kind end,
   })
 end
@@ -262,18 +263,27 @@ function schema.strict_table(words, public)
   local names = {}
   for name in pairs(public) do names[#names + 1] = name end
   table.sort(names)
+  return schema.strict_list(words, names, function(name) return public[name] end)
+end
+
+--- The same of names, in their order, whose values are made when they are asked for.
+function schema.strict_list(words, names, value_of)
+  local known = {}
+  for i, name in ipairs(names) do known[name] = i end
   return setmetatable({}, {
     __metatable = "locked",
     __index = function(_, name)
-      local value = public[name]
-      if value == nil then
-        local near = core.nearest(tostring(name), names)
-        core.raise(("%s has no '%s'%s"):format(words, name, near and (", did you mean '%s'?"):format(near) or ""), "study")
-      end
-      return value
+      if known[name] then return value_of(name) end
+      local near = core.nearest(tostring(name), names)
+      core.raise(("%s has no '%s'%s"):format(words, name, near and (", did you mean '%s'?"):format(near) or ""), "study")
     end,
     __newindex = function(_, name) core.raise(("%s.%s cannot be assigned"):format(words, name), "study") end,
-    __pairs = function() return next, public, nil end,
+    __pairs = function()
+      return function(_, name)
+        local next_name = names[(known[name] or 0) + 1]
+        if next_name then return next_name, value_of(next_name) end
+      end
+    end,
   })
 end
 

@@ -50,7 +50,7 @@ end
 --- The whole file.
 function stubs.text()
   require "lunid"
-  local groups, seen = {}, {}
+  local groups, seen = { "effects = {}" }, {}  -- lunid.effects.<name>: entries of the catalogue
   for _, definition in ipairs(schema.definitions) do
     local group = definition.name:match "^(.*)%."
     if group and not seen[group] then groups[#groups + 1] = group .. " = {}" end

@@ -150,7 +150,9 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
     const Expr slope = derivative(force, p);
     bool is_linear = !depends_on(slope, p);
     for (const Expr other : kept) is_linear = is_linear && !depends_on(slope, other);
-    for (const auto& state : model.states) is_linear = is_linear && !depends_on(state.rate, p);
+    for (const auto& state : model.states)
+      for (const Expr part : {state.rate, state.min, state.max})
+        is_linear = is_linear && !(part.valid() && depends_on(part, p));
     linear[i] = is_linear;
     if (is_linear) kept.push_back(p);
   }

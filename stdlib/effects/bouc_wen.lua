@@ -12,7 +12,7 @@ return function(effect)
       { "n", min = 1, max = 4 },
     },
     states = {
-      z = { rate = "v - abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)", initial = 0 },
+      z = { rate = "v - abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)", unit = "m" },
     },
     guess = function(scale)
       local guesses = {}
@@ -29,6 +29,7 @@ return function(effect)
       local range = scale.y_max - scale.y_min
       return { zy = { 1e-4 * range, range } }
     end,
+    passive = "where rho >= 1/2",  -- abs(gamma) <= beta: Baber and Wen 1981, J. Eng. Mech. Div. ASCE 107, 1069
     signature = "odd; odd harmonics; a loop even in slow motion; at equal (y, v) the force depends on the past",
     sentence = "a part of the structure yields and remembers: its force depends on the path that the motion took",
     confusers = { "coulomb_friction", "elastic_slip", "dahl_friction", "viscous_damping" },

@@ -11,6 +11,7 @@ return function(effect)
     range = function(scale)  -- without a gap: linear_stiffness
       return { g = { 0, math.max(scale.y_max, -scale.y_min) } }
     end,
+    passive = true,
     signature = "odd in y, even in v; odd harmonics; no loop; nothing below the gap, stiff beyond it",
     sentence = "a stop on both sides comes into contact beyond a gap g",
     confusers = { "cubic_stiffness", "one_sided_stop" },

@@ -4,6 +4,7 @@ return function(effect)
     family = "friction",
     contribution = "Fc*sign(v)",
     parameters = { { "Fc", min = 0, unit = "N" } },
+    passive = true,
     signature = "odd in v; odd harmonics; a rectangular loop; weighs less the larger the amplitude; sticks",
     sentence = "dry friction of constant size opposes the motion, and holds the body at rest while it can",
     confusers = { "stribeck_friction", "quadratic_drag", "bouc_wen", "viscous_damping" },

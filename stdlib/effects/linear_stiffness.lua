@@ -4,6 +4,7 @@ return function(effect)
     family = "stiffness",
     contribution = "k*y",
     parameters = { { "k", min = 0, unit = "N/m" } },
+    passive = true,
     signature = "odd in y, even in v; feeds the fundamental only; no loop; does not depend on amplitude",
     sentence = "a spring in parallel that the model does not have",
     confusers = { "added_mass" },

@@ -21,6 +21,7 @@ return function(effect)
       local low, high = reach(scale, variant)
       return { g = { low, high } }
     end,
+    passive = true,
     signature = "neither odd nor even in y, even in v; all harmonics and a mean; no loop; one side only",
     sentence = "a stop on one side comes into contact beyond a gap g",
     confusers = { "quadratic_stiffness", "bilinear_stiffness", "clearance" },

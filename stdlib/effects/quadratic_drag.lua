@@ -4,6 +4,7 @@ return function(effect)
     family = "damping",
     contribution = "c2*abs(v)*v",
     parameters = { { "c2", min = 0, unit = "N s^2/m^2" } },
+    passive = true,
     signature = "odd in v; odd harmonics; a rounded loop; damping grows with the velocity",
     sentence = "the surrounding fluid resists with the square of the velocity",
     confusers = { "cubic_damping", "viscous_damping", "coulomb_friction" },

@@ -4,6 +4,7 @@ return function(effect)
     family = "stiffness",
     contribution = "k2*y^2",
     parameters = { { "k2", unit = "N/m^2" } },
+    passive = true,
     signature = "even in y, even in v; feeds the mean and the second harmonic; no loop; grows with the amplitude",
     sentence = "the spring is stiffer on one side than on the other",
     confusers = { "one_sided_stop", "constant_force" },

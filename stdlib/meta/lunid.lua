@@ -80,20 +80,24 @@ function lunid.parameter(fields) end
 ---@return lunid.expression
 function lunid.state(fields) end
 
----An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it.
+---An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it. Called with values, as magnet { k = 3, p = 40 }, it is an element of a model, as those of lunid.effects.
 ---@class lunid.effect.fields
 ---@field name string # snake_case, as results will call it
 ---@field family "stiffness"|"damping"|"friction"|"hysteresis"|"soil"|"inertia"|"extra_dof"|"time_variation"|"input"|"sensor" # kind of physics
 ---@field contribution any # what it adds to the restoring force, as text or expression; a list: its mirror images
 ---@field formula? string # as an engineer writes it; else the text of the first contribution
----@field parameters table # rows { "k", min =, max =, unit = }
----@field states? lunid.table # z = { rate = "...", initial = 0, min =, max = }
+---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess
+---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit = }
+---@field requires? table # what holds between parameters, as "Fs >= Fc"
 ---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters
 ---@field range? function # function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter
+---@field passive? any # false where it can create energy over a cycle; "where c >= 0" where that depends
 ---@field signature? string # parity, harmonics, loop: how it shows in a record
 ---@field sentence? string # what an engineer would say about it
+---@field note? string # how the formula was made into equations, and its error
 ---@field confusers? table # entries that look like it
 ---@field special_case_of? table # entries that contain it exactly
+---@field acts_on? table # entries that it modifies
 ---@field channels? table # channels that it needs beside y, v and F
 ---@field source? string # paper or textbook
 ---@param fields lunid.effect.fields
@@ -869,7 +873,7 @@ function lunid.thesis_validation(fields) end
 ---@field test? any # opened once, after the verdict; else the last part of each record is held out
 ---@field window? lunid.window # part of the training records
 ---@field test_window? lunid.window # part of the test records; of the training files where no test is given
----@field catalogue? table # names of entries to try; else all (`lunid list effects`)
+---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
 ---@field max_effects? integer # named one after another

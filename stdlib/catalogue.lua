@@ -1,0 +1,56 @@
+-- The catalogue: its entries by name, loaded when they are asked for.
+local core = require "lunid.core"
+local effect = require "lunid.effect"
+local schema = require "lunid.schema"
+
+local catalogue = {}
+
+-- Every entry, in the order in which they are printed.
+catalogue.names = {
+  "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "quintic_stiffness", "clearance", "one_sided_stop",
+  "bilinear_stiffness", "saturating_stiffness", "preload", "constant_force", "sinusoidal_stiffness",
+  "odd_quadratic_stiffness", "impact_hunt_crossley",
+  "viscous_damping", "quadratic_drag", "cubic_damping", "power_law_damping", "van_der_pol_damping",
+  "asymmetric_damping", "coulomb_friction", "position_dependent_friction", "fractional_damping", "stribeck_friction",
+  "elastic_slip", "iwan", "dahl_friction", "lugre_friction", "bouc_wen", "pinching_degrading_hysteresis",
+  "backlash_play", "maxwell_relaxation", "friction_lift_off",
+  "hyperbolic_soil", "masing_soil", "smith_shaft", "smith_toe", "rate_power_law", "shaft_softening",
+  "vibro_liquefaction", "soil_plug", "radiation_damping", "degrading_resistance", "setup_recovery",
+  "depth_resistance", "crane_lowering",
+  "added_mass", "velocity_dependent_mass", "displacement_dependent_mass", "stiffness_drift", "damping_drift",
+  "parametric_stiffness", "hidden_mode",
+  "missing_harmonic", "base_motion",
+}
+
+-- Those that discovery tries where a study names none.
+catalogue.searched = { "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "clearance", "one_sided_stop",
+  "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen" }
+
+local loaded = {}
+
+--- The entry of that name, which must be one of catalogue.names.
+function catalogue.entry(name)
+  loaded[name] = loaded[name] or require("lunid.effects." .. name)(effect)
+  return loaded[name]
+end
+
+--- The entries of these names (nil: those searched), in the catalogue's order. Raises on a name that there is not.
+function catalogue.entries(names)
+  local wanted, known, entries = {}, {}, {}
+  for _, name in ipairs(catalogue.names) do known[name] = true end
+  for _, name in ipairs(names or catalogue.searched) do
+    if not known[name] then
+      local near = core.nearest(name, catalogue.names)
+      schema.fail("discover: catalogue", ("unknown effect '%s'%s"):format(name,
+        near and (", did you mean '%s'?"):format(near) or " (see `lunid list effects`)"))
+    end
+    wanted[name] = true
+  end
+  for _, name in ipairs(catalogue.names) do
+    if wanted[name] then entries[#entries + 1] = catalogue.entry(name) end
+  end
+  return entries
+end
+
+catalogue.public = { effect = effect, effects = schema.strict_list("lunid.effects", catalogue.names, catalogue.entry) }
+return catalogue

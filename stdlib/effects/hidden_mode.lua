@@ -1,0 +1,34 @@
+return function(effect)
+  return effect {
+    name = "hidden_mode",
+    family = "extra_dof",
+    contribution = "kh*(y - x) + ch*(v - u)",
+    formula = "kh*(y - x) + ch*(v - dx/dt), mh*d2x/dt2 = the same",
+    parameters = { { "mh", min = 0, unit = "kg" }, { "kh", min = 0, unit = "N/m" }, { "ch", min = 0, unit = "N s/m" } },
+    states = {
+      x = { rate = "u", unit = "m" },
+      u = { rate = "(kh*(y - x) + ch*(v - u))/mh", unit = "m/s" },
+    },
+    guess = function(scale)
+      local guesses = {}
+      for _, heavier in ipairs { 0.03, 0.3 } do
+        for _, ratio in ipairs { 0.5, 1, 2 } do
+          local mh = heavier * scale.stiffness / scale.omega ^ 2
+          local wh = ratio * scale.omega
+          guesses[#guesses + 1] = { mh = mh, kh = mh * wh ^ 2, ch = 0.05 * mh * wh }
+        end
+      end
+      return guesses
+    end,
+    range = function(scale)  -- very stiff: added_mass; very heavy: linear_stiffness
+      local mass = scale.stiffness / scale.omega ^ 2
+      return { mh = { 1e-6 * mass, 1e3 * mass }, kh = { 1e-6 * scale.stiffness, 1e4 * scale.stiffness } }
+    end,
+    passive = true,
+    signature = "odd, linear: the fundamental only; another resonance, and an antiresonance of the driven point",
+    sentence = "something that is not measured swings along: a second mass on a spring",
+    note = "the hidden mass is at rest at the start",
+    confusers = { "added_mass", "maxwell_relaxation", "soil_plug" },
+    source = "Ormondroyd and Den Hartog 1928, Transactions of the ASME 50, APM-50-7",
+  }
+end

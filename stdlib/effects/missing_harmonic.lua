@@ -1,0 +1,20 @@
+return function(effect)
+  return effect {
+    name = "missing_harmonic",
+    family = "input",
+    contribution = "Ac*cos(w*t) + As*sin(w*t)",
+    formula = "Ac*cos(w*t) + As*sin(w*t): the negative of what the recorded force lacks",
+    parameters = { { "Ac", unit = "N" }, { "As", unit = "N" }, { "w", min = 0, unit = "rad/s" } },
+    guess = function(scale)
+      local guesses = {}
+      for i, ratio in ipairs { 0.5, 1, 2, 3, 4, 5 } do guesses[i] = { w = ratio * scale.omega } end
+      return guesses
+    end,
+    range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,
+    passive = false,
+    signature = "does not depend on the motion; one line of the spectrum, at any amplitude of the rest",
+    sentence = "the exciter delivers a harmonic that the recorded force does not show",
+    confusers = { "cubic_stiffness", "quadratic_stiffness", "base_motion", "parametric_stiffness" },
+    source = "Pintelon and Schoukens 2012, System Identification: A Frequency Domain Approach",
+  }
+end

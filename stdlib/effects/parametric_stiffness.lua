@@ -1,0 +1,19 @@
+return function(effect)
+  return effect {
+    name = "parametric_stiffness",
+    family = "time_variation",
+    contribution = "(ac*cos(w*t) + as*sin(w*t))*y",
+    parameters = { { "ac", unit = "N/m" }, { "as", unit = "N/m" }, { "w", min = 0, unit = "rad/s" } },
+    guess = function(scale)
+      local guesses = {}
+      for i, ratio in ipairs { 0.5, 1, 2, 3 } do guesses[i] = { w = ratio * scale.omega } end
+      return guesses
+    end,
+    range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,  -- w -> 0: stiffness_drift
+    passive = false,
+    signature = "odd in y, even in v; side bands at the sum and difference of frequencies; may grow without a force",
+    sentence = "the stiffness goes up and down by itself, as of gear teeth or of a rotor that is not round",
+    confusers = { "stiffness_drift", "quadratic_stiffness", "missing_harmonic" },
+    source = "Nayfeh and Mook 1979, Nonlinear Oscillations, chapter 5",
+  }
+end

@@ -1,0 +1,24 @@
+return function(effect)
+  local function reach(scale) return math.max(scale.y_max, -scale.y_min) end
+  return effect {
+    name = "sinusoidal_stiffness",
+    family = "stiffness",
+    contribution = { "k*sin(p*y)", "k*cos(p*y)" },
+    formula = "k*sin(p*y), or k*cos(p*y) for cogging; both for cogging at any phase",
+    parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" } },
+    guess = function(scale)
+      local guesses = {}
+      for i, turns in ipairs { 0.7, 1.5, 3, 6, 12 } do guesses[i] = { p = turns / reach(scale) } end
+      return guesses
+    end,
+    range = function(scale)  -- a small part of a wave: linear_stiffness, or constant_force
+      return { p = { 0.2 / reach(scale), 200 / reach(scale) } }
+    end,
+    passive = true,
+    signature = "odd in y (the cosine even), even in v; odd harmonics; no loop; waves that repeat over the displacement",
+    sentence = "the force repeats over the displacement, as of a pendulum, of magnets or of a motor's cogging",
+    confusers = { "cubic_stiffness", "saturating_stiffness", "quintic_stiffness" },
+    source = "Nayfeh and Mook 1979, Nonlinear Oscillations, chapter 2 (pendulum); "
+      .. "Hanselman 2006, Brushless Permanent Magnet Motor Design (cogging)",
+  }
+end

@@ -1,0 +1,525 @@
+-- The catalogue: what every entry carries, its units, its guesses at three scales, its formula, its energy, the exact
+-- relations between entries, and its use in models.
+local lunid = require "lunid"
+local samples = require "effect_samples"
+local spec = require "spec"
+
+local y, v, t = lunid.displacement, lunid.velocity, lunid.time
+local effects = lunid.effects
+
+local names, is_entry = {}, {}
+for name in pairs(effects) do
+  names[#names + 1] = name
+  is_entry[name] = true
+end
+
+local function refused(text, body) spec.equal(spec.message_of(body), text) end
+
+-- ---- what an entry carries ----
+
+-- Rows of the list of effects that are no entries yet: faults of sensors and what is said of the input elsewhere.
+local later = { displacement_offset = true }
+
+spec.case("there is an entry for each row, in the list's order", function()
+  spec.equal(#names, 54)
+  spec.equal(names[1], "linear_stiffness")
+  spec.equal(names[54], "base_motion")
+  for _, name in ipairs(names) do
+    spec.equal(effects[name].name, name)
+    assert(samples[name], "no sample of " .. name)
+  end
+end)
+
+spec.case("every entry carries what the catalogue promises", function()
+  for _, name in ipairs(names) do
+    local entry = effects[name]
+    for _, field in ipairs { "family", "formula", "signature", "sentence", "source" } do
+      assert(type(entry[field]) == "string" and #entry[field] > 1, name .. " has no " .. field)
+    end
+    assert(entry.source:match "%d%d%d%d" or entry.source:match "chapter", name .. ": a source with a year")
+    assert(entry.passive ~= nil, name .. " does not say whether it is passive")
+    assert(entry.passive ~= "" and (type(entry.passive) == "boolean" or entry.passive:match "^where "), name)
+    assert(#entry.confusers > 0, name .. " has no confusers")
+    for _, list in ipairs { "confusers", "special_case_of", "acts_on" } do
+      for _, other in ipairs(entry[list]) do
+        assert(is_entry[other] or later[other], ("%s: %s: no entry '%s'"):format(name, list, other))
+        assert(other ~= name, name .. " names itself")
+      end
+    end
+  end
+end)
+
+-- Sizes as a record of 10 periods at that scale gives them.
+local function scale(length, frequency, mass)
+  local w = 2 * math.pi * frequency
+  local force = mass * w ^ 2 * length
+  return { y_max = 1.3 * length, y_min = -1.1 * length, y_std = 0.7 * length, v_max = 1.2 * w * length,
+    v_std = 0.7 * w * length, force_std = 0.7 * force, residual_std = 0.1 * force, omega = w, stiffness = mass * w ^ 2 }
+end
+local scales = { scale(2e-6, 3000, 0.01), scale(3e-3, 25, 40), scale(0.8, 0.3, 9000) }
+
+spec.case("guesses lie within bounds, ranges and conditions at every scale", function()
+  for _, name in ipairs(names) do
+    local entry = effects[name]
+    for variant = 1, #entry.variants do
+      for _, each in ipairs(scales) do
+        local range = entry.range and entry.range(each, variant) or {}
+        for key, ends in pairs(range) do assert(ends[1] < ends[2], name .. ": range of " .. key) end
+        for _, guess in ipairs(entry.guess and entry.guess(each, variant) or {}) do
+          for _, row in ipairs(entry.parameters) do
+            local value, ends = guess[row[1]], range[row[1]]
+            if value then
+              local where = ("%s: %s = %g"):format(name, row[1], value)
+              assert(value >= (row.min or value) and value <= (row.max or value), where .. " is out of bounds")
+              assert(not ends or (value >= ends[1] and value <= ends[2]), where .. " is out of range")
+            end
+          end
+          local Fs, Fc = guess.Fs or guess.Rs or guess.Ru, guess.Fs and guess.Fc or guess.Rl or guess.Rr
+          assert(not (Fs and Fc) or Fs >= Fc, name .. ": a guess against its condition")
+        end
+      end
+    end
+  end
+end)
+
+spec.case("a parameter without a guess is linear", function()
+  for _, name in ipairs(names) do
+    local entry = effects[name]
+    local guess = entry.guess and entry.guess(scales[2], 1)[1] or {}
+    local open = {}
+    for i, row in ipairs(entry.parameters) do
+      if guess[row[1]] == nil then open[entry.rows[i].name] = true end
+    end
+    local function holds_open(expression)
+      for _, symbol in ipairs(type(expression) == "number" and {} or expression:symbols()) do
+        if open[symbol.name] then return symbol.name end
+      end
+      return nil
+    end
+    for _, variant in ipairs(entry.variants) do
+      for _, symbol in ipairs(variant:symbols()) do
+        if open[symbol.name] then
+          local held = holds_open(variant:derivative(entry(samples[name]) and lunid.parameter { symbol.name }))
+          assert(not held, ("%s: %s is not linear, and has no guess"):format(name, symbol.name))
+        end
+      end
+    end
+    for _, state in ipairs(entry.states) do
+      for _, part in ipairs { state.rate, state.min or 0, state.max or 0 } do
+        assert(not holds_open(part), ("%s: %s has no guess"):format(name, tostring(holds_open(part))))
+      end
+    end
+  end
+end)
+
+-- ---- units ----
+
+--- A unit such as "N s^p/m" in other units of length, time and force, by the language itself.
+local function size_of(unit, base, at)
+  if unit == "" then return 1 end
+  local text = unit:gsub(" ", "*")
+  local form = lunid.effect { name = "unit_text", family = "sensor", contribution = text,
+    parameters = { { "N" }, { "m" }, { "s" }, { "kg" }, { "rad" }, { "n" }, { "p" } } }
+  local values = { unit_text_N = base.N, unit_text_m = base.m, unit_text_s = base.s, unit_text_rad = 1,
+    unit_text_kg = base.N * base.s ^ 2 / base.m, unit_text_n = at.n or 0, unit_text_p = at.p or 0 }
+  return form.variants[1]:at(values)
+end
+
+spec.case("every parameter has its unit: in other units of length, time and force the law is the same", function()
+  for _, name in ipairs(names) do
+    local entry, given = effects[name], samples[name]
+    local base = { N = 7, m = 3, s = 0.6 }
+    if name == "vibro_liquefaction" then base.m = base.s ^ 2 end  -- the acceleration of gravity keeps its value
+    local one = { y = 0.031, v = 0.4, a = 5, t = 0.7, ab = 2 }
+    local other = { y = one.y * base.m, v = one.v * base.m / base.s, a = one.a * base.m / base.s ^ 2, t = one.t * base.s,
+      ab = one.ab * base.m / base.s ^ 2 }
+    for i, row in ipairs(entry.parameters) do
+      one[entry.rows[i].name] = given[row[1]]
+      other[entry.rows[i].name] = given[row[1]] * size_of(row.unit or "", base, given)
+    end
+    for i, state in ipairs(entry.states) do
+      one[state.name] = 0.002 + 0.0013 * i
+      other[state.name] = one[state.name] * size_of(state.unit, base, given)
+    end
+    local function check(words, expression, factor)
+      local expected = expression:at(one) * factor
+      assert(math.abs(expression:at(other) / expected - 1) < 1e-9 or expected == 0 and expression:at(other) == 0,
+        ("%s: %s: %g is not %g"):format(name, words, expression:at(other), expected))
+    end
+    for _, variant in ipairs(entry.variants) do check("the force", variant, base.N) end
+    for _, state in ipairs(entry.states) do
+      local unit = size_of(state.unit, base, given)
+      check(state.own, state.rate, unit / base.s)
+      if state.min then check(state.own .. " min", state.min, unit) end
+      if state.max then check(state.own .. " max", state.max, unit) end
+    end
+  end
+end)
+
+-- ---- formulas without memory, written out again ----
+
+local function sgn(x) return x > 0 and 1 or x < 0 and -1 or 0 end
+local by_hand = {
+  linear_stiffness = function(p, m) return p.k * m.y end,
+  quadratic_stiffness = function(p, m) return p.k2 * m.y ^ 2 end,
+  cubic_stiffness = function(p, m) return p.k3 * m.y ^ 3 end,
+  quintic_stiffness = function(p, m) return p.k5 * m.y ^ 5 end,
+  clearance = function(p, m) return math.abs(m.y) > p.g and p.k * (m.y - p.g * sgn(m.y)) or 0 end,
+  one_sided_stop = function(p, m) return m.y > p.g and p.k * (m.y - p.g) or 0 end,
+  bilinear_stiffness = function(p, m) return m.y > p.y0 and p.dk * (m.y - p.y0) or 0 end,
+  saturating_stiffness = function(p, m)
+    local e = math.exp(2 * p.k * m.y / p.Fy)
+    return p.Fy * (e - 1) / (e + 1)
+  end,
+  preload = function(p, m) return p.F0 * sgn(m.y) end,
+  constant_force = function(p) return p.F0 end,
+  sinusoidal_stiffness = function(p, m) return p.k * math.sin(p.p * m.y) end,
+  odd_quadratic_stiffness = function(p, m) return p.k2 * m.y ^ 2 * sgn(m.y) end,
+  impact_hunt_crossley = function(p, m)
+    return m.y > p.g and p.k * (m.y - p.g) ^ p.n * math.max(1 + p.c * m.v, 0) or 0
+  end,
+  viscous_damping = function(p, m) return p.c * m.v end,
+  quadratic_drag = function(p, m) return p.c2 * m.v ^ 2 * sgn(m.v) end,
+  cubic_damping = function(p, m) return p.c3 * m.v ^ 3 end,
+  power_law_damping = function(p, m) return p.c * math.abs(m.v) ^ p.p * sgn(m.v) end,
+  van_der_pol_damping = function(p, m) return (-p.mu + p.beta * m.y ^ 2) * m.v end,
+  asymmetric_damping = function(p, m) return m.v > 0 and p.dc * m.v or 0 end,
+  coulomb_friction = function(p, m) return p.Fc * sgn(m.v) end,
+  position_dependent_friction = function(p, m) return (p.Fc + p.alpha * math.abs(m.y)) * sgn(m.v) end,
+  stribeck_friction = function(p, m) return (p.Fc + (p.Fs - p.Fc) * math.exp(-(m.v / p.vs) ^ 2)) * sgn(m.v) end,
+  hyperbolic_soil = function(p, m) return p.k * m.y / (1 + math.abs(m.y) / p.yr) end,
+  radiation_damping = function(p, m) return p.c * m.v end,
+  crane_lowering = function(p, m) return p.kc * math.max(m.y - (p.yc0 + p.Vc * m.t), 0) end,
+  added_mass = function(p, m) return p.ma * m.a end,
+  velocity_dependent_mass = function(p, m) return p.m1 * m.v * m.a end,
+  displacement_dependent_mass = function(p, m) return p.m1 * (m.y ^ 2 * m.a + m.y * m.v ^ 2) end,
+  stiffness_drift = function(p, m) return p.k1 * m.t * m.y end,
+  damping_drift = function(p, m) return p.c1 * m.t * m.v end,
+  parametric_stiffness = function(p, m) return (p.ac * math.cos(p.w * m.t) + p.as * math.sin(p.w * m.t)) * m.y end,
+  missing_harmonic = function(p, m) return p.Ac * math.cos(p.w * m.t) + p.As * math.sin(p.w * m.t) end,
+  base_motion = function(p, m) return p.mb * m.ab end,
+}
+
+spec.case("every entry without memory is its formula", function()
+  for _, name in ipairs(names) do
+    local entry = effects[name]
+    assert(#entry.states > 0 or by_hand[name], name .. " is not written out")
+    if by_hand[name] then
+      local force = entry(samples[name])
+      for i = 1, 60 do  -- all signs of y and v
+        local m = { y = 0.05 * math.sin(2.1 * i), v = math.cos(1.3 * i), a = 9 * math.sin(0.7 * i), t = 0.1 * i,
+          ab = math.cos(i) }
+        local expected = by_hand[name](samples[name], m)
+        spec.near(force:at(m), expected, 1e-12 * (1 + math.abs(expected)))
+        if #entry.variants > 1 and name ~= "sinusoidal_stiffness" then  -- the mirror image: f(-y, -v) = -f(y, v)
+          local mirrored = entry((function() local p = { variant = 2 } for k, x in pairs(samples[name]) do p[k] = x end return p end)())
+          spec.near(mirrored:at { y = -m.y, v = -m.v }, -expected, 1e-12 * (1 + math.abs(expected)))
+        end
+      end
+    end
+  end
+end)
+
+-- ---- simulation ----
+
+--- A free run of the oscillator with an element, or several.
+local function run_of(force, options)
+  options = options or {}
+  local drive = { F = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1), ab = options.ab }
+  return lunid.simulate { model = lunid.model { mass = 1, restoring = 400*y + v + force }, excitation = drive,
+    from = options.from or { 0.005, 0 }, duration = options.duration or 1.5, dt = 0.005, solver = options.solver or "fixed",
+    rtol = 1e-9 }
+end
+
+local function furthest(a, b)
+  local most = 0
+  for i = 1, #a do most = math.max(most, math.abs(a[i] - b[i])) end
+  return most
+end
+
+spec.case("the fixed path and SUNDIALS give every entry the same motion", function()
+  -- c |v|^p and J |v|^n with p, n < 1 have an infinite slope at v = 0, where both paths lose digits
+  local tolerance = { power_law_damping = 2e-5, rate_power_law = 2e-5 }
+  for _, name in ipairs(names) do
+    local force, ab = effects[name](samples[name]), name == "base_motion" and lunid.sin(10*t) or nil
+    local fixed = run_of(force, { ab = ab })
+    local other = run_of(force, { ab = ab, solver = "rk45" })
+    assert(fixed.summary.completed and other.summary.completed, name)
+    local error = furthest(fixed:column "y", other:column "y") / other:column("y"):std()
+    assert(error < (tolerance[name] or 1e-6), ("%s: %.1e of the motion apart"):format(name, error))
+  end
+end)
+
+-- ---- exact relations ----
+
+local fine = 1e-6  -- of the motion: two integrations
+local same = {
+  { "dahl_friction", { s = 300, Fc = 2.5 }, "bouc_wen", { k = 300, zy = 2.5/300, rho = 1, n = 1 } },
+  { "dahl_friction", { s = 300, Fc = 2.5 }, "lugre_friction", { s0 = 300, s1 = 0, Fc = 2.5, Fs = 2.5, vs = 0.1 } },
+  { "masing_soil", { k = 300, yr = 0.015 }, "iwan", { k = 300, Fs = 4.5, n = 1 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "iwan", { k = 300, Fs = 3, n = 50 }, 3e-3 },  -- n -> infinity
+  { "elastic_slip", { k = 300, Fs = 3 }, "smith_shaft", { Ru = 3, q = 0.01, J = 0 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "friction_lift_off", { k = 300, fN = 3, kf = 0 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "backlash_play", { k = 300, g = 0.01 } },
+  { "backlash_play", { k = 300, g = 0.01 }, "elastic_slip", { k = 300, Fs = 3 } },
+  { "coulomb_friction", { Fc = 1.5 }, "stribeck_friction", { Fc = 1.5, Fs = 1.5, vs = 0.1 } },
+  { "coulomb_friction", { Fc = 1.5 }, "power_law_damping", { c = 1.5, p = 1e-4 }, 1e-3 },  -- p -> 0
+  { "coulomb_friction", { Fc = 1.5 }, "position_dependent_friction", { Fc = 1.5, alpha = 0 } },
+  { "viscous_damping", { c = 2 }, "power_law_damping", { c = 2, p = 1 } },
+  { "viscous_damping", { c = 2 }, "radiation_damping", { c = 2 } },
+  { "quadratic_drag", { c2 = 3 }, "power_law_damping", { c = 3, p = 2 } },
+  { "cubic_damping", { c3 = 4 }, "power_law_damping", { c = 4, p = 3 } },
+  { "one_sided_stop", { k = 1500, g = 0.02 }, "bilinear_stiffness", { dk = 1500, y0 = 0.02 } },
+  { "one_sided_stop", { k = 1500, g = 0.02 }, "impact_hunt_crossley", { k = 1500, c = 0, n = 1, g = 0.02 } },
+}
+
+spec.case("special cases are the general entries at those values", function()
+  local tested = {}
+  for _, row in ipairs(same) do
+    local one, p, other, q, tolerance = table.unpack(row)
+    local rest = { from = { 0, 0 } }  -- where every element begins unstressed
+    local a, b = run_of(effects[one](p), rest):column "y", run_of(effects[other](q), rest):column "y"
+    local error = furthest(a, b) / a:std()
+    assert(error < (tolerance or fine), ("%s and %s: %.1e of the motion apart"):format(one, other, error))
+    tested[one .. " " .. other] = true
+  end
+  for _, name in ipairs(names) do
+    for _, other in ipairs(effects[name].special_case_of) do
+      assert(tested[name .. " " .. other], ("%s in %s is not tested"):format(name, other))
+    end
+  end
+end)
+
+spec.case("parallel elastic_slip elements are masing_soil and iwan", function()
+  local sum, share = 0, {}
+  for i = 0, 10 do share[i] = i < 10 and math.cos(i * math.pi / 20) ^ 2 or 0 end
+  for i = 1, 10 do
+    local k = 300 * (share[i - 1] ^ 2 - share[i] ^ 2)
+    sum = sum + effects.elastic_slip { k = k, Fs = k * 0.015 * (2 / (share[i - 1] + share[i]) - 1), prefix = "e" .. i }
+  end
+  local parallel = run_of(sum):column "y"
+  assert(furthest(parallel, run_of(effects.masing_soil { k = 300, yr = 0.015 }):column "y") < fine * parallel:std())
+end)
+
+spec.case("inertia moves to the mass", function()
+  local more = lunid.model { mass = 1.3, restoring = 400*y + v }
+  local added = lunid.model { mass = 1, restoring = 400*y + v + effects.added_mass { 0.3 } }
+  local function motion(model)
+    return lunid.simulate { model = model, excitation = 9*lunid.cos(15*t), duration = 1, dt = 0.005 }:column "y"
+  end
+  assert(furthest(motion(more), motion(added)) < 1e-12)
+  -- a body free of force keeps (m + m1 y^2) v^2/2 + k y^2/2, and m v^2/2 + m1 v^3/3 + k y^2/2
+  for _, row in ipairs { { "displacement_dependent_mass", 80, function(y, v) return (1 + 80*y^2)*v^2/2 end },
+    { "velocity_dependent_mass", 0.2, function(_, v) return v^2/2 + 0.2*v^3/3 end } } do
+    local model = lunid.model { mass = 1, restoring = 400*y + effects[row[1]] { row[2] } }
+    local run = lunid.simulate { model = model, excitation = 0, from = { 0.08, 0 }, duration = 3, dt = 0.005, rtol = 1e-10 }
+    for i = 1, run.rows do
+      local at, speed = run:column "y"[i], run:column "v"[i]
+      spec.near(row[3](at, speed) + 200*at^2, 200*0.08^2, 1e-6)
+    end
+  end
+end)
+
+-- ---- energy ----
+
+--- A motion from rest at y = 0 back to it, over one second, as a record.
+local function closed_motion(seed)
+  local motion, acceleration = 0, 0
+  for i = 1, 4 do
+    local w, A = 2 * math.pi * ((i * seed) % 5 + i), 0.03 * math.sin(7 * i + seed)
+    motion = motion + A*(lunid.cos(w*t) - 1)
+    acceleration = acceleration - A*w^2*lunid.cos(w*t)
+  end
+  return lunid.simulate { model = lunid.model { mass = 1, restoring = 0 }, excitation = acceleration, from = { 0, 0 },
+    duration = 1, dt = 5e-4, solver = "fixed" }:record()
+end
+local motions = {}
+for seed = 1, 4 do motions[seed] = closed_motion(seed) end
+
+--- The work that the motion does on the element, and the sum of its parts without sign.
+local function work(force, record)
+  local along = lunid.model { mass = 0, restoring = force, motion = "imposed" }:force(record)
+  local v, sum, size = record:column "v", 0, 0
+  for i = 1, #v - 1 do
+    local part = (along[i]*v[i] + along[i + 1]*v[i + 1])/2 * record.dt
+    sum, size = sum + part, size + math.abs(part)
+  end
+  return sum, size
+end
+
+spec.case("passive entries take up energy over a closed motion", function()
+  for _, name in ipairs(names) do
+    if effects[name].passive == true or name == "bouc_wen" or name == "pinching_degrading_hysteresis" then
+      for _, record in ipairs(motions) do
+        local done, size = work(effects[name](samples[name]), record)
+        assert(done >= -1e-4 * size, ("%s gives %.2e of %.2e J"):format(name, -done, size))
+      end
+    end
+  end
+end)
+
+spec.case("entries that are not passive can create energy where they say so", function()
+  local active = { van_der_pol_damping = { mu = 2, beta = 1 }, asymmetric_damping = { dc = -2 },
+    position_dependent_friction = { Fc = 0.1, alpha = -40 }, crane_lowering = { kc = 300, yc0 = -0.05, Vc = 0.1 },
+    lugre_friction = { s0 = 1e4, s1 = 200, Fc = 0.5, Fs = 5, vs = 0.02 } }
+  for _, name in ipairs(names) do
+    local passive = effects[name].passive
+    local given = active[name] or passive == false and name ~= "base_motion" and samples[name]
+    if given then
+      local least = math.huge
+      for _, record in ipairs(motions) do least = math.min(least, (work(effects[name](given), record))) end
+      assert(least < 0, ("%s: %g J"):format(name, least))
+    end
+  end
+end)
+
+-- ---- in models ----
+
+spec.case("an element brings its parameters and states along", function()
+  local model = lunid.model { mass = 49, restoring = 2e4*y
+    + effects.bouc_wen { k = 1e4, zy = 1e-3, rho = 0.7, n = 1.5 } + effects.coulomb_friction { prefix = "guide" } }
+  spec.equal(tostring(model):match "^[^\n]*", "49*a + 20000*y + bouc_wen_k*bouc_wen_z + guide_Fc*sign(v) = F")
+  spec.equal(model.parameters.bouc_wen_zy.unit, "m")
+  spec.equal(model.parameters.bouc_wen_n.max, 4.0)
+  spec.equal(model.parameters.guide_Fc.value, nil)
+  spec.equal(model.states[1].name, "bouc_wen_z")
+  spec.equal(tostring(effects.bouc_wen), "bouc_wen  k*z, dz/dt = v - (abs(z)/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)")
+  local path = model:with { guide_Fc = 3 }:save(spec.folder .. "/elements.lua")
+  spec.equal(lunid.load(path):equation(), model:equation())
+end)
+
+spec.case("positions, expressions in place of numbers, two of a kind, variants", function()
+  local k = lunid.parameter { "k", 2e4, unit = "N/m" }
+  spec.equal(tostring(effects.clearance { 800, 0.02 }), "clearance_k*sign(y)*max(abs(y) - clearance_g, 0)")
+  spec.equal(tostring(effects.linear_stiffness { k = k/2 }), "k/2*y")
+  spec.equal(tostring(effects.one_sided_stop { k = 3, g = 1, variant = 2 }),
+    "one_sided_stop_k*min(y + one_sided_stop_g, 0)")
+  local two = lunid.model { mass = 1, restoring = effects.elastic_slip { 300, 3, prefix = "left" }
+    + effects.elastic_slip { 100, 5, prefix = "right" } }
+  spec.equal(#two.states, 2)
+  spec.equal(two.parameters.right_Fs.value, 5.0)
+end)
+
+spec.case("an element between two masses", function()
+  local y1, y2 = lunid.displacements(2)
+  local v1, v2 = lunid.velocities(2)
+  local d = y2 - y1
+  local force = effects.bouc_wen { k = 100, zy = 0.01, rho = 1, n = 1, displacement = d }
+  local model = lunid.model { mass = { 1, 2 }, restoring = { 300*y1 - force, force } }
+  local z = lunid.state { "z", rate = function(z) return (v2 - v1) - lunid.abs(z/0.01)*lunid.abs(v2 - v1)*lunid.sign(z) end }
+  local same_model = lunid.model { mass = { 1, 2 }, restoring = { 300*y1 - 100*z, 100*z } }
+  local function motion(model)
+    return lunid.simulate { model = model, excitation = { F1 = 3*lunid.cos(12*t), F2 = 0 }, from = { 0, 0, 0, 0 },
+      duration = 1, dt = 0.005 }:column "y2"
+  end
+  assert(furthest(motion(model), motion(same_model)) < 1e-9)
+  -- a hidden mode is that second mass, not measured
+  local hidden = run_of(effects.hidden_mode { mh = 0.2, kh = 50, ch = 0.3 }):column "y"
+  local pair = lunid.model { mass = { 1, 0.2 }, forces = { 1 },
+    restoring = { 400*y1 + v1 - 50*d - 0.3*(v2 - v1), 50*d + 0.3*(v2 - v1) } }
+  local seen = lunid.simulate { model = pair, excitation = { F1 = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1) },
+    from = { 0.005, 0, 0, 0 }, duration = 1.5, dt = 0.005 }:column "y1"
+  assert(furthest(hidden, seen) < 1e-7)
+end)
+
+spec.case("elements are fitted: parameters come back from a run, through slips, gaps and yields", function()
+  for name, start in pairs { elastic_slip = { k = 380, Fs = 2.4 }, smith_toe = { Ru = 3.3, q = 0.008, J = 0.3 },
+    depth_resistance = { k = 250, Ru0 = 1.7, b = 70, tau = 0.6 }, maxwell_relaxation = { k = 150, tau = 0.08 } } do
+    local record = run_of(effects[name](samples[name]), { duration = 3 }):record()
+    local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = 400*y + v + effects[name](start) },
+      record = record, interpolation = "cubic" }
+    for key, value in pairs(samples[name]) do
+      local row = fit.model.parameters[name .. "_" .. key]
+      assert(math.abs(row.value / value - 1) < 2e-3, ("%s: %s = %g"):format(name, key, row.value))
+    end
+  end
+end)
+
+spec.case("elements are swept", function()
+  local k = lunid.parameter { "k", 300, unit = "N/m" }
+  local model = lunid.model { mass = 1, restoring = 400*y + v + effects.masing_soil { k = k, yr = 0.015 } }
+  local sweep = lunid.ensemble { model = model, vary = { k = { 100, 300 } }, duration = 1, dt = 0.005, from = { 0.005, 0 },
+    excitation = 9*lunid.cos(15*t) }
+  spec.contains(tostring(sweep), "2 members")
+end)
+
+spec.case("a user's own effect is an element too", function()
+  local magnet = lunid.effect { name = "magnet", family = "stiffness", contribution = "k*sin(p*y)",
+    parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" } } }
+  spec.equal(tostring(magnet { k = 3, p = 40 }), "magnet_k*sin(magnet_p*y)")
+  refused("effect: magnet: unknown name 'q' in 'k*sin(q*y)'; declare it in parameters or states", function()
+    lunid.effect { name = "magnet", family = "stiffness", contribution = "k*sin(q*y)", parameters = { { "k" } } }
+  end)
+end)
+
+spec.case("messages", function()
+  refused("lunid.effects has no 'bouc_wenn', did you mean 'bouc_wen'?", function() return effects.bouc_wenn end)
+  refused("effects.bouc_wen: unknown field 'zz', did you mean 'zy'?", function() effects.bouc_wen { zz = 1 } end)
+  refused("effects.bouc_wen: n: expected 1 to 4, got 7", function() effects.bouc_wen { n = 7 } end)
+  refused("effects.bouc_wen: k: expected a number >= 0 or an expression, got the string 'big'",
+    function() effects.bouc_wen { k = "big" } end)
+  refused("effects.stribeck_friction: expected Fs >= Fc", function() effects.stribeck_friction { Fc = 2, Fs = 1, vs = 1 } end)
+  refused("effects.one_sided_stop: variant: expected 1 to 2, got 3", function() effects.one_sided_stop { variant = 3 } end)
+  refused("effects.bouc_wen: name: expected letters, digits and _, got 'a b'", function() effects.bouc_wen { prefix = "a b" } end)
+  refused("effects.bouc_wen: displacement: expected an expression in displacements, such as y2 - y1, got 't' in it",
+    function() effects.bouc_wen { displacement = y + t } end)
+  refused("lunid.effects.bouc_wen cannot be assigned", function() effects.bouc_wen = 1 end)
+  refused("force: expected a record, got nothing", function() lunid.model({ mass = 1, restoring = y }):force() end)
+end)
+
+-- ---- help, lists, docs ----
+
+spec.case("help explains an effect", function()
+  local said, code = spec.lunid "help effect smith_toe"
+  spec.equal(code, 0)
+  spec.equal(spec.lunid "help smith_toe", said)
+  for _, part in ipairs { "smith_toe (soil)\n  R + J*R*v", "lunid.effects.smith_toe { Ru, q, J, displacement =, prefix = }",
+    "Ru             N, at least 0\n", "passive: yes", "easily taken for: one_sided_stop", "source: Smith 1960" } do
+    spec.contains(said, part)
+  end
+  spec.contains(spec.lunid "help stribeck_friction", "  with: Fs >= Fc\n")
+  spec.equal(spec.lunid "help effect smith_to", "no help on 'smith_to', did you mean 'smith_toe'?\n")
+end)
+
+spec.case("the list marks what discovery tries", function()
+  local said = spec.lunid "list effects"
+  local count, searched = 0, {}
+  for mark, name in ("\n" .. said):gmatch "\n([* ]) ([%l_%d]+) +%l" do
+    count = count + 1
+    spec.equal(name, names[count])
+    if mark == "*" then searched[#searched + 1] = name end
+  end
+  spec.equal(count, 54)
+  spec.equal(table.concat(searched, " "), "linear_stiffness quadratic_stiffness cubic_stiffness clearance one_sided_stop "
+    .. "constant_force viscous_damping quadratic_drag coulomb_friction bouc_wen")
+  spec.equal(spec.lunid "help effects", said)
+end)
+
+spec.case("check knows elements", function()
+  spec.write("bad.lua", "local lunid = require 'lunid'\nprint(lunid.effects.bouc_wen { kk = 1 })\nprint(lunid.effects.boucwen)\n")
+  spec.equal(spec.lunid "check bad.lua", "bad.lua:2: effects.bouc_wen: unknown field 'kk', did you mean 'k'?\n"
+    .. "bad.lua:3: lunid.effects has no 'boucwen', did you mean 'bouc_wen'?\n")
+end)
+
+spec.case("docs/effects.md has the table of the entries", function()
+  local file = assert(io.open "docs/effects.md")
+  local text = file:read "a"
+  file:close()
+  local table_text, code = spec.lunid "help effects_table"
+  spec.equal(code, 0)
+  assert(text:find(table_text, 1, true), "docs/effects.md is not what `lunid help effects_table` prints")
+end)
+
+spec.case("discovery takes any entry by name", function()
+  local record = run_of(effects.cubic_damping { 12 }, { duration = 4 }):record():with_noise { y = 1e-5, seed = 3 }
+  local k, c = lunid.parameter { "k", 400, min = 0 }, lunid.parameter { "c", 1, min = 0 }
+  local found = lunid.discover { model = lunid.model { mass = 1, restoring = k*y + c*v }, train = record,
+    catalogue = { "cubic_damping", "odd_quadratic_stiffness" }, out = spec.folder .. "/found" }
+  spec.equal(found.effects[1].name, "cubic_damping")
+  refused("discover: catalogue: unknown effect 'cubic_dampin', did you mean 'cubic_damping'?", function()
+    lunid.discover { model = lunid.model { mass = 1, restoring = k*y }, train = record, catalogue = { "cubic_dampin" } }
+  end)
+end)
+
+spec.clean()
+spec.finish()
