@@ -4,7 +4,7 @@ local schema = require "lunid.schema"
 
 local public = { version = core.version }
 
-for _, room in ipairs { "symbols", "functions", "records", "models", "constraints", "regression", "surfaces",
+for _, room in ipairs { "symbols", "functions", "records", "models", "constraints", "regression", "curves", "surfaces",
   "excitation", "noise", "systems", "simulation", "responses", "ensembles", "protocol", "catalogue", "discovery", "figures",
   "statistics", "comparison", "feature_ranking", "option" } do
   local exported = require("lunid." .. room)

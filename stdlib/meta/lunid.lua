@@ -260,6 +260,24 @@ function lunid.fixed(feature, value) end
 ---@return lunid.constraint
 function lunid.between(feature, lower, upper) end
 
+---A channel of a record, or a column of a table, by its name: what lunid.displacement is for y.
+---@param name string # as the record has it
+---@return lunid.expression
+function lunid.channel(name) end
+
+---Nonlinear least squares: fits the parameters of a formula to measured columns, by Levenberg-Marquardt with exact derivatives. What moves is fitted on its trajectory instead: lunid.fit_trajectory.
+---@class lunid.fit_curve.fields
+---@field record? any # one record or several; or else data
+---@field data? lunid.table # columns by name, such as { x = { 1, 2, 3 }, y = { 1, 4, 9 } }, of equal length
+---@field response number|lunid.expression # what was measured, such as lunid.force
+---@field formula number|lunid.expression # what it shall be: channels, lunid.time and parameters with first guesses, or with min and max
+---@field weight? number|lunid.expression # of a row's squared residual, an expression of channels; else 1
+---@field window? lunid.window # part of the records
+---@field max_iterations? integer # of Levenberg-Marquardt
+---@param fields lunid.fit_curve.fields
+---@return lunid.curve_fit
+function lunid.fit_curve(fields) end
+
 ---A curve or a cloud of points, for figure.lines.
 ---@class lunid.figure.series.fields
 ---@field x any # a column, such as record:column "t", or a list
