@@ -2,7 +2,7 @@
 // oscillator, 1601 rows at 800 Hz, rtol 1e-8. What is left over is the tape, the scales of the error and the modes.
 #include <arkode/arkode_arkstep.h>
 #include <benchmark/benchmark.h>
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -105,7 +105,8 @@ void by_hand(lunid::Solver solver, const std::vector<double>& force, std::vector
   for (int i = 1; i < rows; ++i) {
     double t = 0;
     if (!multistep) ARKStepSetStopTime(memory, i * dt);
-    const int flag = multistep ? CVode(memory, i * dt, x, &t, CV_NORMAL) : ARKStepEvolve(memory, i * dt, x, &t, ARK_NORMAL);
+    const int flag =
+        multistep ? CVode(memory, i * dt, x, &t, CV_NORMAL) : ARKStepEvolve(memory, i * dt, x, &t, ARK_NORMAL);
     if (flag < 0) std::exit(1);
     y[i] = N_VGetArrayPointer(x)[0];
   }
