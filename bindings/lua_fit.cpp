@@ -37,6 +37,11 @@ FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
   options.channels = strings_field(L, index, "channels");
   options.loss = string_field(L, index, "loss").value_or("squared") == "huber" ? Loss::huber : Loss::squared;
   options.segment = std::llround(number_field(L, index, "segment").value_or(0) / dt);
+  options.solver = solver_from(string_field(L, index, "solver").value_or("auto"));
+  const std::string gradient = string_field(L, index, "gradient").value_or("auto");
+  options.gradient = gradient == "adjoint"   ? Gradient::adjoint
+                     : gradient == "forward" ? Gradient::forward
+                                             : Gradient::automatic;
   for (const std::string& name : strings_field(L, index, "separate"))
     options.separate.push_back(parameter_index(model, name, "fit_trajectory: separate"));
   validate(options);
@@ -89,8 +94,11 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   lua_newtable(L);
   lua_pushboolean(L, r.converged);
   lua_setfield(L, -2, "converged");
-  push_text(L, r.stopped);
-  lua_setfield(L, -2, "stopped");
+  for (const auto& [field, words] :
+       {std::pair{"stopped", r.stopped}, std::pair{"solver", r.solver}, std::pair{"gradient", to_string(r.gradient)}}) {
+    push_text(L, words);
+    lua_setfield(L, -2, field);
+  }
   for (const auto& [field, value] :
        {std::pair{"iterations", static_cast<long>(r.iterations)}, std::pair{"runs", r.runs},
         std::pair{"rows", static_cast<long>(r.rows)}, std::pair{"outliers", static_cast<long>(r.outliers)},

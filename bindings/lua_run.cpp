@@ -52,6 +52,8 @@ Excitations of_expressions(lua_State* L, int index, const System& system, double
   return excitation;
 }
 
+constexpr double giga = 1e9;
+
 /// simulate(model, {record=, signals=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
 /// `record` (its channels drive) or `signals` ({channel = expression of t}). Without x0 the run starts at the record's
 /// motion.
@@ -65,6 +67,10 @@ int run(lua_State* L) {
   options.atol = number_field(L, 2, "atol").value_or(options.atol);
   options.substeps = static_cast<int>(number_field(L, 2, "substeps").value_or(0));
   options.stop_when = field_value(L, 2, "stop_when").expr;
+  options.max_memory = number_field(L, 2, "max_memory").value_or(default_memory / giga) * giga;
+  const bool sensitivities = boolean_field(L, 2, "sensitivities", false);
+  if (sensitivities && options.stop_when.valid())
+    throw InputError("simulate: sensitivities: not of a run that stop_when ends, whose end would move with them");
   options.cancelled = &runtime(L).cancelled();
 
   const System system(model);
@@ -76,7 +82,7 @@ int run(lua_State* L) {
   });
   with_field(L, 2, "signals", [&] {
     const double dt = number_field(L, 2, "dt").value_or(1e-3), duration = number_field(L, 2, "duration").value_or(1);
-    check_memory("simulate", duration / dt + 1, run_values(system));
+    check_memory("simulate", duration / dt + 1, run_values(system), options.max_memory);
     excitation = of_expressions(L, lua_gettop(L), system, dt, duration);
   });
   Eigen::VectorXd x0;
@@ -91,7 +97,14 @@ int run(lua_State* L) {
 
   FreeRun result;
   result.name = record ? record->name() : "run";
-  result.run = simulate(system, system.model().values(), excitation, x0, options);
+  if (sensitivities) {
+    SensitivityRun exact = simulate_sensitivities(system, system.model().values(), excitation, x0, options);
+    result.run = std::move(exact.run);
+    result.sensitivities = std::move(exact.dx);
+    for (const Parameter& parameter : system.model().parameters) result.parameters.push_back(parameter.name);
+  } else {
+    result.run = simulate(system, system.model().values(), excitation, x0, options);
+  }
   excitation = excitation.ordered(system);
   for (int k = 0; k < excitation.count(); ++k)
     result.inputs.emplace_back(excitation.channel(k), excitation[k].samples());
@@ -127,7 +140,7 @@ void push_summary(lua_State* L, const RunSummary& summary) {
     lua_setfield(L, -2, "ended_in");
   }
   for (const auto& [field, value] : {std::pair{"steps", summary.steps}, std::pair{"evaluations", summary.evaluations},
-                                     std::pair{"events", summary.events}}) {
+                                     std::pair{"tried", summary.tried}, std::pair{"events", summary.events}}) {
     lua_pushinteger(L, value);
     lua_setfield(L, -2, field);
   }
@@ -170,6 +183,27 @@ int column(lua_State* L) {
   return 1;
 }
 
+/// The place of `name` in a list of words, which `what` says in the message.
+std::size_t place_of(const std::vector<std::string>& words, const std::string& name, const std::string& what) {
+  const auto at = std::find(words.begin(), words.end(), name);
+  if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : " ") + word;
+  throw InputError("sensitivity: " + what + ": expected one of " + all + ", got '" + name + "'");
+}
+
+/// run:sensitivity("y", "k") -> column: dy/dk; to first states by "y(0)".
+int sensitivity(lua_State* L) {
+  const FreeRun& free = check<FreeRun>(L, 1);
+  if (free.sensitivities.empty()) throw InputError("sensitivity: the run has none; simulate with sensitivities = true");
+  std::vector<std::string> columns = free.parameters;
+  for (const std::string& state : free.states) columns.push_back(state + "(0)");
+  const std::size_t of = place_of(free.states, check_string(L, 2), "of"),
+                    to = place_of(columns, check_string(L, 3), "to");
+  push_column(L, free.sensitivities[of].col(static_cast<Eigen::Index>(to)));
+  return 1;
+}
+
 /// run:record() -> the rows up to where the run stopped, as a record.
 int as_record(lua_State* L) {
   const FreeRun& free = check<FreeRun>(L, 1);
@@ -209,7 +243,7 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a run has no '" + key + "' (fields: summary rows dt; methods: column record save)");
+      throw InputError("a run has no '" + key + "' (fields: summary rows dt; methods: column record save sensitivity)");
     }
   }
   return 1;
@@ -239,7 +273,8 @@ int to_string(lua_State* L) {
 }  // namespace
 
 void open_runs(lua_State* L) {
-  static constexpr Entry methods[] = {{"column", guarded<column>}, {"record", guarded<as_record>}};
+  static constexpr Entry methods[] = {
+      {"column", guarded<column>}, {"record", guarded<as_record>}, {"sensitivity", guarded<sensitivity>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<FreeRun>(L, methods, meta);
   static constexpr Entry functions[] = {{"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}};

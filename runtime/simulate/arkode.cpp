@@ -79,7 +79,7 @@ class Arkode : public SundialsBase {
     double step = max_step_;
     evolve(to, t);
     for (int retry = 0; retry < shorter_steps && flag_ == ARK_UNREC_RHSFUNC_ERR; ++retry) {
-      restart(from, x);
+      restart(from, x, nullptr);
       step *= shorter;
       check(ARKStepSetInitStep(memory_.get(), step), "ARKStepSetInitStep");
       evolve(to, t);
@@ -90,7 +90,9 @@ class Arkode : public SundialsBase {
     return flag_ == ARK_ROOT_RETURN ? Result::event : flag_ >= 0 ? Result::reached : Result::failed;
   }
 
-  void restart(double t, const Eigen::VectorXd& x) override {
+  void sensitivities(double*) override {}
+
+  void restart(double t, const Eigen::VectorXd& x, const double*) override {
     load(x);
     check(ARKStepReset(memory_.get(), t, x_.get()), "ARKStepReset");
   }

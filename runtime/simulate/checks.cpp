@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cmath>
 
 #include "simulate/dormand_prince.hpp"
@@ -31,6 +29,7 @@ void check_options(const std::string& caller, const SimulateOptions& o) {
   if (!(o.atol >= 0)) refuse("atol: expected >= 0, got " + number(o.atol));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
   if (!(o.bound >= 0)) refuse("bound: expected >= 0, got " + number(o.bound));
+  if (!(o.max_memory > 0)) refuse("max_memory: expected > 0, got " + number(o.max_memory));
   if (o.max_events < 1) refuse("max_events: expected >= 1, got " + std::to_string(o.max_events));
 }
 
@@ -96,7 +95,7 @@ void check_run(const char* caller, const System& system, std::span<const double>
                        number(x0[i]));
   if (excitation.empty() || excitation.rows() < 2) throw InputError(name + ": the excitation is empty");
   check_options(name, options);
-  check_memory(name, excitation.rows(), run_values(system));
+  check_memory(name, excitation.rows(), run_values(system), options.max_memory);
 }
 
 int run_values(const System& system) {
@@ -105,13 +104,12 @@ int run_values(const System& system) {
   return 2 * (system.states() + system.degrees()) + inputs * (1 + coarse_and_fine * dormand_prince::nodes);
 }
 
-void check_memory(const std::string& caller, double rows, int values) {
-  const double needed = rows * values * sizeof(double);
-  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (needed <= there) return;
-  throw InputError(caller + ": " + number(rows) + " output points need " + number(std::round(needed / 1e9)) +
-                   " GB of memory, this machine has " + number(std::round(there / 1e9)) +
-                   "; take a longer dt or a shorter duration");
+void check_memory(const std::string& caller, double rows, int values, double limit) {
+  const double needed = rows * values * sizeof(double), giga = 1e9;
+  if (needed <= limit) return;
+  throw InputError(caller + ": " + number(rows) + " output points need " + number(needed / giga) +
+                   " GB of memory, more than max_memory = " + number(limit / giga) +
+                   " GB; take a longer dt or a shorter duration, or allow more");
 }
 
 Run empty_run(const System& system, const Excitations& excitation) {

@@ -1,4 +1,4 @@
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 
 #include <cstdlib>
 
@@ -11,9 +11,18 @@ struct MemoryDeleter {
   void operator()(void* memory) const noexcept { CVodeFree(&memory); }
 };
 
+/// Columns of sensitivities as CVODES holds them.
+struct VectorArrayDeleter {
+  int count = 0;
+  void operator()(N_Vector* v) const noexcept { N_VDestroyVectorArray(v, count); }
+};
+
+/// After each step of the state the sensitivities take theirs, all at once (the staggered corrector; Feehery, Tolsma &
+/// Barton 1997, Appl. Numer. Math. 25, 41), under the error control of the step.
 class Cvode : public SundialsBase {
  public:
-  Cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) : SundialsBase(ode, x0) {
+  Cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step, const double* s0)
+      : SundialsBase(ode, x0) {
     memory_.reset(CVodeCreate(method == Solver::adams ? CV_ADAMS : CV_BDF, context_.get()));
     check(memory_.get(), "CVodeCreate");
     void* m = memory_.get();
@@ -26,6 +35,7 @@ class Cvode : public SundialsBase {
     make_newton();
     check(CVodeSetLinearSolver(m, newton_->solver(), newton_->matrix()), "CVodeSetLinearSolver");
     check(CVodeSetJacFn(m, jacobian), "CVodeSetJacFn");
+    if (s0) begin_sensitivities(s0);
     if (ode.events() == 0) return;
     check(CVodeRootInit(m, 2 * ode.events(), events), "CVodeRootInit");
     std::vector<int> directions(ode.events(), -1);
@@ -42,11 +52,24 @@ class Cvode : public SundialsBase {
     return flag_ == CV_ROOT_RETURN ? Result::event : flag_ >= 0 ? Result::reached : Result::failed;
   }
 
-  void restart(double t, const Eigen::VectorXd& x) override {
+  void restart(double t, const Eigen::VectorXd& x, const double* s) override {
     steps_ = steps();
     evaluations_ = evaluations();
     load(x);
     check(CVodeReInit(memory_.get(), t, x_.get()), "CVodeReInit");
+    if (!s) return;
+    load_sensitivities(s);
+    check(CVodeSensReInit(memory_.get(), CV_STAGGERED, s_.get()), "CVodeSensReInit");
+  }
+
+  void sensitivities(double* s) override {
+    double t = 0;
+    check(CVodeGetSens(memory_.get(), &t, s_.get()), "CVodeGetSens");
+    const int columns = ode_.columns();
+    for (int c = 0; c < columns; ++c) {
+      const double* column = N_VGetArrayPointer(s_[c]);
+      for (int i = 0; i < ode_.states(); ++i) s[i * columns + c] = column[i];
+    }
   }
 
   std::vector<int> fired() const override {
@@ -74,10 +97,32 @@ class Cvode : public SundialsBase {
     long rates = 0, jacobians = 0;
     check(CVodeGetNumRhsEvals(memory_.get(), &rates), "CVodeGetNumRhsEvals");
     check(CVodeGetNumJacEvals(memory_.get(), &jacobians), "CVodeGetNumJacEvals");
-    return evaluations_ + rates + jacobians;
+    long sensitivities = 0;
+    if (s_) check(CVodeGetSensNumRhsEvals(memory_.get(), &sensitivities), "CVodeGetSensNumRhsEvals");
+    return evaluations_ + rates + jacobians + sensitivities;
   }
 
  private:
+  void begin_sensitivities(const double* s0) {
+    void* m = memory_.get();
+    const int columns = ode_.columns();
+    s_ = {N_VCloneVectorArray(columns, x_.get()), VectorArrayDeleter{columns}};
+    check(s_.get(), "N_VCloneVectorArray");
+    load_sensitivities(s0);
+    check(CVodeSensInit(m, columns, CV_STAGGERED, sensitivity_rates, s_.get()), "CVodeSensInit");
+    check(CVodeSensEEtolerances(m), "CVodeSensEEtolerances");  // by weights(), as those of the state
+    check(CVodeSetSensErrCon(m, SUNTRUE), "CVodeSetSensErrCon");
+  }
+
+  void load_sensitivities(const double* s) {
+    const int columns = ode_.columns();
+    for (int c = 0; c < columns; ++c) {
+      double* column = N_VGetArrayPointer(s_[c]);
+      for (int i = 0; i < ode_.states(); ++i) column[i] = s[i * columns + c];
+    }
+  }
+
+  std::unique_ptr<N_Vector[], VectorArrayDeleter> s_;
   // the integrator goes first, before the solver, matrix, vector and context of the base that it uses
   std::unique_ptr<void, MemoryDeleter> memory_;
   int flag_ = 0;
@@ -86,8 +131,9 @@ class Cvode : public SundialsBase {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step) {
-  return std::make_unique<Cvode>(method, ode, t0, x0, max_step);
+std::unique_ptr<Integrator> make_cvode(Solver method, Ode& ode, double t0, const Eigen::VectorXd& x0, double max_step,
+                                       const double* s0) {
+  return std::make_unique<Cvode>(method, ode, t0, x0, max_step, s0);
 }
 
 }  // namespace lunid

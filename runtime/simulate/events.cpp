@@ -2,13 +2,14 @@
 // below zero within it, the place is found by stepping to a part of the substep (a bracketed Newton), the mode is
 // decided there and the rest of the substep follows.
 #include <algorithm>
-#include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "simulate/dormand_prince.hpp"
 #include "simulate/fixed.hpp"
-#include "simulate/modes.hpp"
+#include "simulate/saltation.hpp"
+#include "simulate/segment.hpp"
 
 namespace lunid {
 namespace {
@@ -22,86 +23,6 @@ constexpr int location_iterations = 100;
 constexpr int newton_iterations = 10;
 /// Beyond this many events the rest of a substep is taken in one mode: the motion chatters faster than steps resolve.
 constexpr int events_per_substep = 50;
-/// A crossing whose speed is below this part of the fastest one met is a graze: its jump is not to be trusted.
-constexpr double grazing_speed = 1e-6;
-/// A slope dx_i'/dx_i beyond this over the step cannot be carried by an explicit step of the sensitivities. It is that
-/// of a root at its zero (a power law below 1 at v = 0), infinite at one point and finite in its integral: cut there.
-constexpr double steepest = 2;
-/// Rates that agree to this part on both sides of an event do not jump there.
-constexpr double continuity = 1e-12;
-
-constexpr int places = dp::nodes + 1;
-
-/// Coefficients of the polynomial through values at the places of the stages and the end: the inverse of the
-/// Vandermonde matrix, coefficient i of value j at [i][j].
-using Inverse = std::array<std::array<double, places>, places>;
-Inverse invert_places() {
-  Inverse inverse{};
-  for (int j = 0; j < places; ++j) {  // Lagrange's basis polynomial j, multiplied out
-    std::array<double, places> c{1};
-    for (int other = 0, degree = 0; other < places; ++other) {
-      if (other == j) continue;
-      const double scale = 1 / (dp::place[j] - dp::place[other]);
-      for (int i = ++degree; i >= 0; --i) c[i] = scale * ((i > 0 ? c[i - 1] : 0) - dp::place[other] * c[i]);
-    }
-    for (int i = 0; i < places; ++i) inverse[i][j] = c[i];
-  }
-  return inverse;
-}
-
-/// One substep: time, length, and its inputs at the places of the stages, the end the last.
-class Segment {
- public:
-  double t = 0, h = 0;
-  int exogenous = 0;
-  double input[max_inputs][places];
-
-  /// At the place of a stage of the whole substep.
-  Drive at_node(int node) const noexcept {
-    Drive d(t + dp::place[node] * h, exogenous);
-    for (int i = 0; i < exogenous; ++i) d.u[i] = input[i][node];
-    return d;
-  }
-
-  /// The polynomial through all places, at the part s of the substep.
-  Drive drive(double s) noexcept {
-    if (s == 0) return at_node(0);
-    if (s == 1) return at_node(dp::nodes);
-    Drive d(t + s * h, exogenous);
-    for (int i = 0; i < exogenous; ++i) {
-      const double* c = polynomial(i);
-      for (int k = places - 1; k >= 0; --k) d.u[i] = d.u[i] * s + c[k];
-    }
-    return d;
-  }
-
-  /// The same with the time derivatives of the inputs.
-  Drive drive_with_rates(double s) noexcept {
-    Drive d = drive(s);
-    for (int i = 0; i < exogenous; ++i) {
-      const double* c = polynomial(i);
-      for (int k = places - 1; k > 0; --k) d.rate[i] = d.rate[i] * s + k * c[k];
-      d.rate[i] /= h;
-    }
-    return d;
-  }
-
- private:
-  const double* polynomial(int i) noexcept {
-    if (known_) return coefficient_[i];
-    static const Inverse inverse = invert_places();
-    for (int k = 0; k < exogenous; ++k)
-      for (int row = 0; row < places; ++row) {
-        coefficient_[k][row] = 0;
-        for (int j = 0; j < places; ++j) coefficient_[k][row] += inverse[row][j] * input[k][j];
-      }
-    known_ = true;
-    return coefficient_[i];
-  }
-
-  bool known_ = false;
-  double coefficient_[max_inputs][places];
-};
 
 class EventRun {
  public:
@@ -109,13 +30,12 @@ class EventRun {
   FixedOutcome run(RowSink& sink);
 
  private:
-  Segment segment(Index row, int substep) const noexcept;
   /// The inputs, with their rates where an event function moves with them.
   Drive drive(Segment& segment, double s) const noexcept {
     return d_.input_rates ? segment.drive_with_rates(s) : segment.drive(s);
   }
   Drive drive_at_start(Index row) const noexcept {
-    Segment first = segment(row, 0);
+    Segment first = segment_of(problem_, row, 0);
     return drive(first, 0);
   }
   void begin();
@@ -132,19 +52,17 @@ class EventRun {
   double inside(Segment& segment, double from, double to, int event) noexcept;
   void accept(Segment& segment, double from, double to);
   void happen(Segment& segment, double at, int event);
-  void jump(const double* gradient, const std::vector<double>& before);
-  void project_sensitivities(const Drive& drive);
-  void rest_sensitivities(int surface, const Drive& drive);
-  void project_row(const double* gradient, int state, int side);
   bool failed(Segment& segment, double at, Stop stop);
 
   const FixedProblem& problem_;
   const Dynamics& d_;
-  const int n_, p_, columns_;
+  const int n_, p_;
   ModeMachine modes_;
+  std::optional<Sensitivities> sensitivities_;
+  Saltation saltation_;
   std::vector<double> x_, trial_, stage_, k_;
   Observation now_, then_;
-  std::vector<double> s_, ks_, s_stage_, gradient_;
+  std::vector<double> ks_, s_stage_;
   FixedOutcome outcome_;
 };
 
@@ -153,56 +71,24 @@ EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
       d_(*problem.dynamics),
       n_(d_.n),
       p_(d_.p),
-      columns_(d_.p + d_.n),
       modes_(d_, problem.theta, problem.dt / problem.substeps),
+      sensitivities_(problem.sensitivities ? std::optional<Sensitivities>(d_) : std::nullopt),
+      saltation_(modes_, sensitivities_ ? &*sensitivities_ : static_cast<JumpSink*>(problem.motion)),
       x_(x0.data(), x0.data() + n_),
       trial_(n_),
       stage_(n_),
       k_(dp::stages * n_),
       now_(modes_.observation()),
-      then_(modes_.observation()),
-      gradient_(d_.inputs()) {
-  if (!problem.sensitivities) return;
-  s_.assign(n_ * columns_, 0.0);
-  for (int i = 0; i < n_; ++i) s_[i * columns_ + p_ + i] = 1;
-  s_stage_ = s_;
-  ks_.resize(dp::stages * s_.size());
+      then_(modes_.observation()) {
+  if (!sensitivities_) return;
+  s_stage_ = sensitivities_->s;
+  ks_.resize(dp::stages * s_stage_.size());
 }
 
-Segment EventRun::segment(Index row, int substep) const noexcept {
-  Segment g;
-  g.h = problem_.dt / problem_.substeps;
-  const Index index = row * problem_.substeps + substep;
-  g.t = problem_.t0 + static_cast<double>(index) * g.h;
-  g.exogenous = d_.exogenous;
-  const bool last = row + 1 == problem_.rows;  // the last row has no interval after it
-  for (int i = 0; i < d_.exogenous; ++i) {
-    const double* u = problem_.drive[i] + dp::nodes * index;
-    for (int node = 0; node <= dp::nodes; ++node) g.input[i][node] = last ? u[0] : u[node];
-    if (problem_.hold) g.input[i][dp::nodes] = u[0];
-  }
-  return g;
-}
-
-/// Modes at the first state. What it is set to (a bound, a surface) no longer depends on x0.
 void EventRun::begin() {
   const Drive drive = drive_at_start(0);
-  const std::vector<double> given = x_;
-  modes_.start(drive, x_.data());
+  saltation_.start(drive, x_.data());
   modes_.observe(drive, x_.data(), now_);
-  if (!problem_.sensitivities) return;
-  const int surfaces = static_cast<int>(d_.surfaces.size());
-  for (std::size_t j = 0; j < d_.bounds.size(); ++j) {
-    const auto [state, side] = d_.bounds[j];
-    const bool cut = side > 0 ? x_[state] < given[state] : x_[state] > given[state];
-    if (cut || modes_.held(static_cast<int>(j)))
-      project_row(modes_.gradient(surfaces + static_cast<int>(j), drive, x_.data()), state, side);
-  }
-  for (int i = 0; i < surfaces; ++i)
-    if (modes_.rests_on(i))
-      rest_sensitivities(i, drive);
-    else if (modes_.slides_on(i) && d_.surfaces[i].component >= 0)
-      std::fill_n(s_.begin() + d_.surfaces[i].component * columns_, columns_, 0.0);
 }
 
 FixedOutcome EventRun::run(RowSink& sink) {
@@ -214,18 +100,19 @@ FixedOutcome EventRun::run(RowSink& sink) {
       modes_.settle(drive, x_.data());
       modes_.observe(drive, x_.data(), now_);
     }
-    sink.row(row, x_.data(), now_.f.data(), problem_.sensitivities ? s_.data() : nullptr);
+    sink.row(row, x_.data(), now_.f.data(), sensitivities_ ? sensitivities_->s.data() : nullptr);
     if (row + 1 == problem_.rows) break;
     bool going = true;
     for (int j = 0; j < problem_.substeps && going; ++j) {
       if ((count++ & (cancel_interval - 1)) == 0) check_cancelled(problem_.cancelled);
-      Segment part = segment(row, j);
+      Segment part = segment_of(problem_, row, j);
       going = advance(part);
     }
     if (!going) break;
   }
   outcome_.steps = count;
   outcome_.evaluations = modes_.evaluations;
+  outcome_.grazing = saltation_.grazing;
   return outcome_;
 }
 
@@ -267,12 +154,6 @@ bool EventRun::advance(Segment& segment) {
   return true;
 }
 
-/// The input at a stage of the step from one part of the substep to another.
-Drive stage_drive(Segment& segment, double from, double to, int stage) noexcept {
-  if (from == 0 && to == 1) return segment.at_node(std::min(stage, dp::nodes));
-  return segment.drive(stage >= dp::nodes ? to : from + dp::place[stage] * (to - from));
-}
-
 /// trial_ = x_ carried from one part of the substep to another in the present mode; N states (0: any number).
 template <int N>
 void EventRun::step_state(Segment& segment, double from, double to) noexcept {
@@ -297,23 +178,24 @@ void EventRun::step(Segment& segment, double from, double to) noexcept {
   step_state<0>(segment, from, to);
 }
 
-/// s_ carried along with x_, which stays.
+/// The sensitivities carried along with x_, which stays.
 void EventRun::step_sensitivities(Segment& segment, double from, double to) noexcept {
   const double h = (to - from) * segment.h;
-  const int size = static_cast<int>(s_.size());
+  std::vector<double>& s = sensitivities_->s;
+  const int size = static_cast<int>(s.size());
   for (int stage = 0; stage < dp::stages; ++stage) {
     if (stage == 0) {
       stage_ = x_;
-      s_stage_ = s_;
+      s_stage_ = s;
     } else {
       dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
-      dp::stage_state(stage, size, h, s_.data(), ks_.data(), s_stage_.data());
+      dp::stage_state(stage, size, h, s.data(), ks_.data(), s_stage_.data());
     }
     const Derivatives at = modes_.derivatives(stage_drive(segment, from, to, stage), stage_.data());
     sensitivity_rate(n_, p_, at.jx, at.jtheta, steepest / h, s_stage_.data(), ks_.data() + stage * size);
     std::copy_n(at.f, n_, k_.data() + stage * n_);
   }
-  dp::stage_state<6>(size, h, s_.data(), ks_.data(), s_.data());
+  dp::stage_state<6>(size, h, s.data(), ks_.data(), s.data());
 }
 
 /// Steps to a part of the substep and returns the event function there (NaN where the state is not finite).
@@ -419,90 +301,16 @@ double EventRun::locate(Segment& segment, double from, double to, int event) noe
 
 /// Makes the trial the present state, sensitivities included.
 void EventRun::accept(Segment& segment, double from, double to) {
-  if (problem_.sensitivities) step_sensitivities(segment, from, to);
+  if (sensitivities_) step_sensitivities(segment, from, to);
+  if (problem_.motion) problem_.motion->step(modes_, segment, from, to, x_.data());
   if (modes_.sliding()) outcome_.stuck += (to - from) * segment.h;
   x_.swap(trial_);
   std::swap(now_, then_);
-  if (!modes_.needs_projection()) return;
-  const Drive drive = this->drive(segment, to);
-  modes_.project(drive, x_.data());
-  if (problem_.sensitivities) project_sensitivities(drive);
+  if (modes_.needs_projection()) saltation_.project(drive(segment, to), x_.data());
 }
 
 void EventRun::happen(Segment& segment, double at, int event) {
-  const Drive drive = this->drive(segment, at);
-  const bool jumps = problem_.sensitivities && modes_.jumps(event);
-  const std::vector<double> before = now_.f;
-  if (jumps) std::copy_n(modes_.gradient(event, drive, x_.data()), d_.inputs(), gradient_.data());
-  modes_.resolve(event, drive, x_.data());
-  modes_.observe(drive, x_.data(), now_);
-  if (!jumps) return;
-  for (int i = 0; i < d_.exogenous; ++i) gradient_[0] += gradient_[1 + i] * drive.rate[i];
-  if (event < static_cast<int>(d_.surfaces.size()) && modes_.rests_on(event))
-    rest_sensitivities(event, drive);
-  else
-    jump(gradient_.data(), before);
-  project_sensitivities(drive);
-}
-
-/// s+ = s- + (f+ - f-) (gx s- + gtheta) / (gx f- + gt): the time of the event moves with theta and x0 (saltation;
-/// Leine & Nijmeijer 2004, chapter 7). gradient[0] holds the whole derivative by time.
-void EventRun::jump(const double* gradient, const std::vector<double>& before) {
-  const double* gx = gradient + 1 + d_.exogenous;
-  const double* gtheta = gx + n_;
-  double speed = gradient[0], size = std::abs(gradient[0]);
-  for (int i = 0; i < n_; ++i) {
-    speed += gx[i] * before[i];
-    size += std::abs(gx[i] * before[i]);
-  }
-  bool continuous = true;
-  for (int i = 0; i < n_; ++i)
-    continuous &= std::abs(now_.f[i] - before[i]) <= continuity * (std::abs(now_.f[i]) + std::abs(before[i]));
-  if (continuous) return;
-  if (!(std::abs(speed) > grazing_speed * size)) {
-    ++outcome_.grazing;
-    return;
-  }
-  for (int c = 0; c < columns_; ++c) {
-    double moved = c < p_ ? gtheta[c] : 0;
-    for (int i = 0; i < n_; ++i) moved += gx[i] * s_[i * columns_ + c];
-    for (int i = 0; i < n_; ++i) s_[i * columns_ + c] += (now_.f[i] - before[i]) * moved / speed;
-  }
-}
-
-/// The row of a state that sits on its bound: ds = d bound.
-void EventRun::project_row(const double* gradient, int state, int side) {
-  const double* gx = gradient + 1 + d_.exogenous;
-  for (int c = 0; c < columns_; ++c) {
-    double gap = c < p_ ? gx[n_ + c] : 0;
-    for (int i = 0; i < n_; ++i) gap += gx[i] * s_[i * columns_ + c];
-    s_[state * columns_ + c] += side * gap;
-  }
-}
-
-/// At rest on a surface of displacements: g and dg/dt stay zero, taken up along the accelerations of the surface.
-void EventRun::rest_sensitivities(int surface, const Drive& drive) {
-  const double* place = modes_.gradient(surface, drive, x_.data());
-  const double* speed = modes_.rate_gradient(surface);
-  const double* jump = modes_.jump_of(surface);
-  double slope = 0;
-  for (int i = 0; i < d_.degrees; ++i) slope += place[1 + d_.exogenous + 2 * i] * jump[2 * i + 1];
-  for (int row = 0; row < 2; ++row) {
-    const double* gradient = (row == 0 ? place : speed) + 1 + d_.exogenous;
-    for (int c = 0; c < columns_; ++c) {
-      double change = c < p_ ? gradient[n_ + c] : 0;
-      for (int i = 0; i < n_; ++i) change += gradient[i] * s_[i * columns_ + c];
-      for (int i = 0; i < d_.degrees; ++i) s_[(2 * i + row) * columns_ + c] -= change / slope * jump[2 * i + 1];
-    }
-  }
-}
-
-void EventRun::project_sensitivities(const Drive& drive) {
-  const int surfaces = static_cast<int>(d_.surfaces.size());
-  for (std::size_t j = 0; j < d_.bounds.size(); ++j)
-    if (modes_.held(static_cast<int>(j)))
-      project_row(modes_.gradient(surfaces + static_cast<int>(j), drive, x_.data()), d_.bounds[j].state,
-                  d_.bounds[j].side);
+  saltation_.resolve(event, drive(segment, at), x_.data(), now_);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 #include "simulate/fit_problem.hpp"
+#include "simulate/integrator.hpp"
+#include "simulate/run.hpp"
 
 namespace lunid {
 namespace {
@@ -31,6 +33,12 @@ double robust_scale(const FitResult& result) {
   return 1.4826 * sizes[sizes.size() / 2];
 }
 
+FitResult minimise_by(const FitOptions& options, const System& system, const Eigen::VectorXd& theta,
+                      const std::vector<FitData>& data, std::vector<FitSegment> segments, int substeps, double clip) {
+  const auto by = options.gradient == Gradient::adjoint ? minimise_by_adjoint : minimise;
+  return by(system, theta, data, options, std::move(segments), substeps, clip);
+}
+
 /// Huber's clip at 1.345 standard deviations (95 % of the efficiency for Gaussian noise), the deviation taken anew from
 /// each pass.
 FitResult refit_robustly(const System& system, const std::vector<FitData>& data, const FitOptions& options,
@@ -41,11 +49,17 @@ FitResult refit_robustly(const System& system, const std::vector<FitData>& data,
     const double scale = robust_scale(result);
     if (!(scale > 0)) break;
     const long runs = result.runs;
-    result = minimise(system, result.theta, data, options, result.segments, result.substeps, huber * scale);
+    result = minimise_by(options, system, result.theta, data, result.segments, result.substeps, huber * scale);
     result.runs += runs;
     result.clip = huber * scale;
   }
   return result;
+}
+
+/// Part of the middle of a record: what the choice of a step is made on.
+Eigen::Index middle(const FitData& data, Eigen::Index& rows) {
+  rows = std::min<Eigen::Index>(data.record.rows(), 400);
+  return (data.record.rows() - rows) / 2;
 }
 
 int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
@@ -53,8 +67,8 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
   if (system.model().imposed_motion) return 4;
   int most = 1;
   for (const auto& d : data) {
-    const Eigen::Index rows = std::min<Eigen::Index>(d.record.rows(), 400);
-    const Eigen::Index first = (d.record.rows() - rows) / 2;
+    Eigen::Index rows = 0;
+    const Eigen::Index first = middle(d, rows);
     const std::string channel = outputs_of(system.model(), d.record, options.channels)[0].channel;
     // A tenth of what the sensor's noise hides.
     const double tolerance =
@@ -64,7 +78,32 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
                         d.excitation.part(first, rows), measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
-  return std::min(most, 64);
+  return std::min(most, explicit_limit);
+}
+
+/// What the options leave open: the solver and the gradient. `substeps`: of the fixed path; its limit may be a stiff
+/// model.
+FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                   FitOptions options, int substeps) {
+  const bool stiff = substeps == explicit_limit && options.substeps == 0;
+  if (options.solver == Solver::automatic && !system.model().imposed_motion) {
+    options.solver = Solver::fixed;
+    for (std::size_t r = 0; r < data.size() && stiff; ++r) {
+      Eigen::Index rows = 0;
+      const Eigen::Index first = middle(data[r], rows);
+      const Run run = simulate(system, {theta.data(), static_cast<std::size_t>(system.parameters())},
+                               data[r].excitation.part(first, rows), measured_state(system, data[r].record, first));
+      if (run.summary.solver.starts_with(sundials_name(Solver::bdf))) options.solver = Solver::bdf;
+    }
+  }
+  if (options.gradient != Gradient::automatic) return options;
+  const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
+  const bool possible = options.solver == Solver::fixed && !system.model().imposed_motion &&
+                        options.whitening.average == 1 && options.whitening.ar.empty() && options.hold < 0 &&
+                        (system.dynamics().smooth() || system.dynamics().dense());
+  const bool better = layout.size() >= adjoint_parameters || !system.dynamics().dense();
+  options.gradient = possible && better ? Gradient::adjoint : Gradient::forward;
+  return options;
 }
 
 void check(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
@@ -86,8 +125,22 @@ void check(const System& system, const Eigen::VectorXd& theta, const std::vector
 
 }  // namespace
 
+std::string to_string(Gradient gradient) {
+  return gradient == Gradient::automatic ? "auto" : gradient == Gradient::forward ? "forward" : "adjoint";
+}
+
+std::string fit_solver_name(const FitOptions& options, int substeps) {
+  return is_multistep(options.solver) ? sundials_name(options.solver) : fixed_solver_name(substeps);
+}
+
 void validate(const FitOptions& o) {
   auto refuse = [](const std::string& what) { throw InputError("fit_trajectory: " + what); };
+  if (o.solver != Solver::automatic && o.solver != Solver::fixed && !is_multistep(o.solver))
+    refuse("solver: expected auto, fixed, bdf or adams, which carry sensitivities, got '" + to_string(o.solver) + "'");
+  if (o.gradient == Gradient::adjoint && is_multistep(o.solver))
+    refuse("gradient: 'adjoint' is that of the fixed path; take 'forward' with solver '" + to_string(o.solver) + "'");
+  if (o.gradient == Gradient::adjoint && (o.whitening.average > 1 || !o.whitening.ar.empty()))
+    refuse("gradient: 'adjoint' takes residuals as they are; take 'forward' with a whitening");
   if (o.segment < 0) refuse("segment: expected >= 0 rows, got " + std::to_string(o.segment));
   if (o.max_iterations < 1) refuse("max_iterations: expected >= 1, got " + std::to_string(o.max_iterations));
   if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + std::to_string(o.tolerance));
@@ -119,8 +172,9 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
   validate(options);
   check(system, theta, data, options);
   const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
-  FitResult result = minimise(system, theta, data, options, cut(system, data, options.segment), substeps);
-  return options.loss == Loss::huber ? refit_robustly(system, data, options, std::move(result)) : result;
+  const FitOptions chosen = decided(system, theta, data, options, substeps);
+  FitResult result = minimise_by(chosen, system, theta, data, cut(system, data, options.segment), substeps, 0);
+  return options.loss == Loss::huber ? refit_robustly(system, data, chosen, std::move(result)) : result;
 }
 
 Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
@@ -130,6 +184,8 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
   FitOptions options = given;
   options.hold = index;
+  options.gradient = Gradient::forward;
+  if (result.solver == sundials_name(Solver::bdf)) options.solver = Solver::bdf;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   const Bounds bounds(system.model(), layout, given);
   const double centre = result.theta[index], std = std::sqrt(result.covariance(index, index));
@@ -184,8 +240,10 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
     length = std::max(length, static_cast<Eigen::Index>(2 * period));
   }
   length = std::clamp<Eigen::Index>(length, 20, longest);
-  FitOptions stage = options;
-  stage.substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
+  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
+  const FitOptions chosen = decided(system, theta, data, options, substeps);
+  FitOptions stage = chosen;
+  stage.substeps = substeps;
   stage.whitening = {};
   stage.tolerance = std::max(options.tolerance, 1e-3);
   stage.max_iterations = std::min(options.max_iterations, 12);
@@ -198,8 +256,8 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
     runs += fit.runs;
     if (std::isfinite(fit.cost)) current = fit.theta;
   }
-  FitOptions final_stage = options;
-  final_stage.substeps = stage.substeps;
+  FitOptions final_stage = chosen;
+  final_stage.substeps = substeps;
   FitResult result = fit_trajectory(system, current, data, final_stage);
   result.runs += runs;
   return result;

@@ -31,6 +31,13 @@ void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use,
 /// Squared residuals, or Huber's: beyond 1.345 standard deviations a residual counts linearly.
 enum class Loss { squared, huber };
 
+/// How a fit gets its gradient. forward: exact sensitivities of every row, for Levenberg-Marquardt. adjoint: the slope
+/// of the cost alone, by one backward sweep whatever the number of parameters, for the L-BFGS of NLopt. automatic: the
+/// adjoint from adjoint_parameters on, or where there are too many states for sensitivities.
+enum class Gradient { automatic, forward, adjoint };
+inline constexpr int adjoint_parameters = 40;
+std::string to_string(Gradient);
+
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
   int max_iterations = 40;   ///< >= 1
@@ -41,7 +48,9 @@ struct FitOptions {
   std::vector<std::string> channels;
   std::vector<int> separate;  ///< parameters (from 0) that each record has for itself
   Loss loss = Loss::squared;
-  int hold = -1;  ///< an entry of the fitted vector that stays where it starts
+  int hold = -1;                            ///< an entry of the fitted vector that stays where it starts
+  Solver solver = Solver::automatic;        ///< fixed, bdf or adams; automatic: fixed, or bdf where the start is stiff
+  Gradient gradient = Gradient::automatic;  ///< adjoint: by the fixed path, of residuals that are not whitened
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.
@@ -93,6 +102,8 @@ struct FitResult {
   int iterations = 0;
   long runs = 0;
   int substeps = 1;
+  std::string solver;                     ///< what integrated: "fixed DP5, 2 substeps", "CVODE BDF" ...
+  Gradient gradient = Gradient::forward;  ///< what was used
 };
 
 /// Levenberg-Marquardt with bounds (projected, active set; Nocedal & Wright 2006, chapters 10 and 16) on free runs

@@ -138,6 +138,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   const Eigen::VectorXd start = problem.layout().expanded(given);
   FitResult result;
   result.substeps = substeps;
+  result.solver = system.model().imposed_motion ? "imposed motion" : fit_solver_name(options, substeps);
   result.theta = start.cwiseMax(bounds.min).cwiseMin(bounds.max);
   result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
   Normal normal = problem.evaluate(result.theta, segments, true);

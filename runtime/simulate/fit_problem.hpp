@@ -48,7 +48,7 @@ class Problem {
         data_(data),
         options_(options),
         layout_(system.parameters(), static_cast<int>(data.size()), options.separate) {
-    run_options_.solver = Solver::fixed;
+    run_options_.solver = options.solver == Solver::automatic ? Solver::fixed : options.solver;
     run_options_.substeps = substeps;
     run_options_.cancelled = options.cancelled;
     for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
@@ -252,6 +252,14 @@ struct Bounds {
     }
   }
 };
+
+/// L-BFGS by the adjoint, from the same. Throws InputError where there is none (Adjoint), or a whitened residual.
+FitResult minimise_by_adjoint(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
+                              const FitOptions& options, std::vector<FitSegment> segments, int substeps,
+                              double clip = 0);
+
+/// "fixed DP5, 2 substeps", "CVODE BDF" ...
+std::string fit_solver_name(const FitOptions& options, int substeps);
 
 /// Levenberg-Marquardt from `start` (of one record, or of all) and the first states of the segments.
 FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,

@@ -13,6 +13,8 @@
 
 namespace lunid {
 
+struct MotionSink;
+
 struct FixedProblem {
   const Dynamics* dynamics = nullptr;
   std::span<const double> theta;
@@ -25,6 +27,7 @@ struct FixedProblem {
   long max_events = 1000000;
   const std::atomic<bool>* cancelled = nullptr;
   bool sensitivities = false;
+  MotionSink* motion = nullptr;  ///< told of every step and jump of a run with switches; not with sensitivities
 };
 
 /// Receives the rows of a run. `f` is x'; `s` the sensitivities of x to (theta, x0), n x (p + n) row-major, or null.
@@ -68,6 +71,10 @@ constexpr long cancel_interval = 4096;
 /// rows of s' = J s + (P, 0): n x (p + n), all row-major. The diagonal of J is cut at +-`steepest`.
 void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, double steepest, const double* s,
                       double* out) noexcept;
+
+/// A slope dx_i'/dx_i beyond this over the step cannot be carried by an explicit step of the sensitivities. It is that
+/// of a root at its zero (a power law below 1 at v = 0), infinite at one point and finite in its integral: cut there.
+inline constexpr double steepest = 2;
 
 inline bool all_finite(const double* x, int n) noexcept {
   double sum = 0;

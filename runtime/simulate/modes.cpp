@@ -118,6 +118,22 @@ void ModeMachine::set_sliding(int surface, int order) {
   update_drifting();
 }
 
+ModeMachine::Mode ModeMachine::mode() const {
+  Mode mode;
+  for (const SurfaceState& surface : surfaces_) mode.side.push_back(surface.mode);
+  for (const int s : sliding_) mode.sliding.emplace_back(s, surfaces_[s].order);
+  for (const BoundState& bound : bounds_) mode.held.push_back(bound.held ? 1 : 0);
+  return mode;
+}
+
+void ModeMachine::take_up(const Mode& mode) {
+  while (sliding()) set_sliding(sliding_.back(), 0);
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), mode.side[s]);
+  for (const auto& [surface, order] : mode.sliding) set_sliding(surface, order);
+  for (std::size_t j = 0; j < bounds_.size(); ++j) bounds_[j].held = mode.held[j] != 0;
+  update_drifting();
+}
+
 void ModeMachine::update_drifting() noexcept {
   drifting_ = std::any_of(bounds_.begin(), bounds_.end(), [](const BoundState& b) { return b.held; }) ||
               std::any_of(sliding_.begin(), sliding_.end(), [&](int s) { return d_.surfaces[s].component < 0; });

@@ -8,6 +8,7 @@
 // class.
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "simulate/dynamics.hpp"
@@ -70,6 +71,16 @@ class ModeMachine {
   /// Takes away what a step has drifted off the sliding surfaces and held bounds.
   void project(const Drive& drive, double* x) noexcept;
   bool needs_projection() const { return drifting_; }
+
+  /// The present mode, so that it can be taken up again.
+  struct Mode {
+    std::vector<std::int8_t> side;
+    std::vector<std::pair<int, int>> sliding;  ///< surface and order
+    std::vector<std::uint8_t> held;
+    bool operator==(const Mode&) const = default;
+  };
+  Mode mode() const;
+  void take_up(const Mode& mode);
 
   /// True when the state of a bound is held by the other one: the two bounds have met.
   bool held_by_opposite(int bound) const {

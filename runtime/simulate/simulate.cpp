@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "expr/external.hpp"
+#include "simulate/integrator.hpp"
 #include "simulate/run.hpp"
+#include "simulate/sundials.hpp"
 
 namespace lunid {
 namespace {
@@ -12,25 +14,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Above this many substeps per sample the implicit method is the better choice.
-constexpr int explicit_limit = 64;
-/// A forced fixed path goes this far.
-constexpr int fixed_limit = 4096;
-/// Change of y on halving the step, over std(y), with which a run is content.
-constexpr double default_tolerance = 1e-5;
-
 struct Clock {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
-};
-
-struct FreeSink : RowSink {
-  explicit FreeSink(Run& run) : run(run) {}
-  void row(Index row, const double* x, const double* f, const double*) override {
-    for (Index i = 0; i < run.x.cols(); ++i) run.x(row, i) = x[i];
-    for (Index i = 0; i < run.a.cols(); ++i) run.a(row, i) = f[2 * i + 1];
-  }
-  Run& run;
 };
 
 struct SensitivitySink : FreeSink {
@@ -53,19 +39,6 @@ void close(RunSummary& summary, const Clock& clock, const ExternalWatch& externa
   summary.notes = externals.notes(summary.seconds);
 }
 
-void summarise(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome, const System& system) {
-  summary.solver = fixed_solver_name(problem.substeps);
-  summary.steps = outcome.steps;
-  summary.evaluations = outcome.evaluations;
-  summary.events = outcome.events;
-  summary.grazing = outcome.grazing;
-  summary.stuck = outcome.stuck;
-  if (outcome.stop == Stop::none) return;
-  summary.completed = false;
-  summary.stopped_at = outcome.stopped_at;
-  summary.cause = stop_cause(system, problem, outcome);
-}
-
 /// A run that cannot begin, or nothing.
 bool refuse_start(const System& system, std::span<const double> theta, const Excitations& excitation,
                   const VectorXd& x0, Run& run) {
@@ -77,22 +50,61 @@ bool refuse_start(const System& system, std::span<const double> theta, const Exc
   return true;
 }
 
-/// BDF where explicit steps are too many, or where they exploded or did not converge, which may have been the method
-/// and not the model: the implicit run then replaces `run` if it completes.
-void try_implicit(const System& system, std::span<const double> theta, const Excitations& excitation,
-                  const VectorXd& x0, SimulateOptions options, const StepChoice& choice, Run& run) {
-  options.solver = Solver::bdf;
-  Run implicit = run_sundials(system, theta, excitation, x0, options);
-  if (choice.reached && !implicit.summary.completed) return;
-  const bool exploded = !run.summary.completed;
-  run = std::move(implicit);
-  run.summary.solver +=
-      !choice.reached ? " (auto: explicit steps would need more than " + std::to_string(explicit_limit) + " per sample)"
-      : exploded      ? " (auto: explicit steps explode)"
-                      : " (auto: halving explicit steps does not converge)";
+StepChoice choose_fixed(const System& system, std::span<const double> theta, const Excitations& excitation,
+                        const VectorXd& x0, const SimulateOptions& options) {
+  StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, fixed_limit, options);
+  const double least = least_substeps(system, theta, excitation, x0, choice);
+  if (choice.substeps >= least) return choice;
+  const long spent = choice.spent;
+  choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, fixed_limit, options, least);
+  choice.spent += spent;
+  return choice;
+}
+
+Run run_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
+                   const VectorXd& x0, const SimulateOptions& options) {
+  StepChoice choice = choose_fixed(system, theta, excitation, x0, options);
+  Run run = std::move(choice.finer);
+  run.summary.error = choice.change;
+  run.summary.tried = choice.spent - run.summary.evaluations;
+  return run;
+}
+
+Run run_sundials(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
+                 const SimulateOptions& options) {
+  Run run = empty_run(system, excitation);
+  FreeSink sink(run);
+  SundialsRun sundials(system, theta, excitation, x0, options, sink, false);
+  sundials.go();
+  run.summary = sundials.summary();
+  return run;
+}
+
+void check_sensitivities(const System& system, const SimulateOptions& options) {
+  const Solver solver = options.solver;
+  if (solver != Solver::automatic && solver != Solver::fixed && !is_multistep(solver))
+    throw InputError("simulate_sensitivities: solver: 'fixed', 'bdf' and 'adams' carry sensitivities, '" +
+                     to_string(solver) + "' does not");
+  if (!system.dynamics().dense())
+    throw InputError("simulate_sensitivities: expected at most " + std::to_string(Dynamics::dense_limit) +
+                     " states, got " + std::to_string(system.states()));
 }
 
 }  // namespace
+
+void summarise_fixed(RunSummary& summary, const FixedProblem& problem, const FixedOutcome& outcome,
+                     const System& system) {
+  summary.solver = fixed_solver_name(problem.substeps);
+  summary.steps = outcome.steps;
+  summary.evaluations = outcome.evaluations;
+  summary.events = outcome.events;
+  summary.grazing = outcome.grazing;
+  summary.stuck = outcome.stuck;
+  if (outcome.stop == Stop::none) return;
+  summary.completed = false;
+  summary.stopped_at = outcome.stopped_at;
+  summary.cause = stop_cause(system, problem, outcome);
+}
 
 FixedProblem free_problem(const System& system, std::span<const double> theta, const Excitations& excitation,
                           const VectorXd& x0, int substeps, const SimulateOptions& options) {
@@ -126,7 +138,7 @@ Run run_free(const System& system, std::span<const double> theta, const Excitati
   Run run = empty_run(system, excitation);
   const FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
   FreeSink sink(run);
-  summarise(run.summary, problem, run_fixed(problem, x0, sink), system);
+  summarise_fixed(run.summary, problem, run_fixed(problem, x0, sink), system);
   return run;
 }
 
@@ -139,24 +151,12 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   Run run = empty_run(system, excitation);
   if (refuse_start(system, theta, excitation, x0, run)) return externals.rethrow(), run;
 
-  const bool automatic = options.solver == Solver::automatic;
-  if ((automatic || options.solver == Solver::fixed) && options.substeps > 0) {
-    run = run_free(system, theta, excitation, x0, options.substeps, options);
-  } else if (automatic || options.solver == Solver::fixed) {
-    const int limit = automatic ? explicit_limit : fixed_limit;
-    StepChoice choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, limit, options);
-    if (choice.finer.summary.events > 0) {  // two runs whose steps are too long for a contact can agree by chance
-      const double contact = contact_substeps(system, theta, excitation, x0);
-      if (choice.substeps < contact)
-        choice = choose_by_halving(system, theta, excitation, x0, default_tolerance, limit, options, contact);
-    }
-    run = std::move(choice.finer);
-    run.summary.error = choice.change;
-    if (automatic && !(choice.change < default_tolerance && run.summary.completed))
-      try_implicit(system, theta, excitation, x0, options, choice, run);
-  } else {
-    run = run_sundials(system, theta, excitation, x0, options);
-  }
+  const bool automatic = options.solver == Solver::automatic, fixed = options.solver == Solver::fixed;
+  run = (automatic || fixed) && options.substeps > 0
+            ? run_free(system, theta, excitation, x0, options.substeps, options)
+        : automatic ? run_automatic(system, theta, excitation, x0, options).run
+        : fixed     ? run_by_halving(system, theta, excitation, x0, options)
+                    : run_sundials(system, theta, excitation, x0, options);
   if (options.stop_when.valid()) stop_where(system, theta, excitation, options, run);
   close(run.summary, clock, externals);
   return run;
@@ -166,12 +166,7 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
                                       const VectorXd& x0, const SimulateOptions& options, std::span<const int> wanted) {
   check_run("simulate_sensitivities", system, theta, given, x0, options);
   const Excitations excitation = given.of(system, theta);
-  if (options.solver != Solver::automatic && options.solver != Solver::fixed)
-    throw InputError("simulate_sensitivities: solver: only 'fixed' carries sensitivities, got '" +
-                     to_string(options.solver) + "'");
-  if (!system.dynamics().dense())
-    throw InputError("simulate_sensitivities: expected at most " + std::to_string(Dynamics::dense_limit) +
-                     " states, got " + std::to_string(system.states()));
+  check_sensitivities(system, options);
   std::vector<int> states(wanted.begin(), wanted.end());
   for (int i = 0; wanted.empty() && i < system.states(); ++i) states.push_back(i);
   const Clock clock;
@@ -185,19 +180,33 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
   if (refuse_start(system, theta, excitation, x0, out.run)) return externals.rethrow(), out;
 
   RunSummary& summary = out.run.summary;
-  int substeps = options.substeps;
-  if (substeps == 0) {
-    const StepChoice choice =
-        choose_by_halving(system, theta, excitation, x0, default_tolerance,
-                          options.solver == Solver::fixed ? fixed_limit : explicit_limit, options);
-    substeps = choice.substeps;
-    summary.error = choice.change;
-  }
-  FixedProblem problem = free_problem(system, theta, excitation, x0, substeps, options);
-  problem.sensitivities = true;
   SensitivitySink sink(out, columns, std::move(states));
-  const FixedOutcome outcome = run_fixed(problem, x0, sink);
-  summarise(summary, problem, outcome, system);
+  SimulateOptions chosen = options;
+  double error = 0;
+  std::string why;
+  if (options.solver == Solver::automatic && options.substeps == 0) {
+    const AutomaticRun plain = run_automatic(system, theta, excitation, x0, options);
+    chosen.solver = plain.implicit ? Solver::bdf : Solver::fixed;
+    chosen.substeps = plain.substeps;
+    error = plain.implicit ? 0 : plain.run.summary.error;
+    if (plain.implicit) why = plain.run.summary.solver.substr(plain.run.summary.solver.find(" (auto"));
+  } else if (options.solver == Solver::fixed && options.substeps == 0) {
+    const StepChoice choice = choose_fixed(system, theta, excitation, x0, options);
+    chosen.substeps = choice.substeps;
+    error = choice.change;
+  }
+  if (is_multistep(chosen.solver)) {
+    SundialsRun sundials(system, theta, excitation, x0, chosen, sink, true);
+    sundials.go();
+    summary = sundials.summary();
+    summary.solver += why;
+  } else {
+    FixedProblem problem = free_problem(system, theta, excitation, x0, chosen.substeps, options);
+    problem.sensitivities = true;
+    const FixedOutcome outcome = run_fixed(problem, x0, sink);
+    summarise_fixed(summary, problem, outcome, system);
+  }
+  summary.error = error;
   close(summary, clock, externals);
   return out;
 }

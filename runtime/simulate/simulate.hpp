@@ -114,6 +114,9 @@ std::span<const Solver> all_solvers();
 /// "auto" "fixed" "bdf" "adams" "rk23" "rk45" "rk78" "esdirk". Throws InputError with the choices.
 Solver solver_from(std::string_view name);
 
+/// [bytes] that a run may need where nothing else is said.
+inline constexpr double default_memory = 8e9;
+
 struct SimulateOptions {
   Solver solver = Solver::automatic;  ///< automatic: fixed; BDF where the explicit path is limited by stability
   double rtol = 1e-8;                 ///< SUNDIALS, < 1 and at least 100 roundings, 2.3e-14
@@ -123,6 +126,7 @@ struct SimulateOptions {
   int max_events = 1000000;           ///< switches in a run; beyond it the run stops with a message
   Expr stop_when;  ///< of t, the inputs, the states and the parameters: the run ends where it rises above 0; empty:
                    ///< never
+  double max_memory = default_memory;            ///< [bytes] that a run may need, > 0; more is refused
   const std::atomic<bool>* cancelled = nullptr;  ///< set by Ctrl-C; throws InputError(Fault::interrupted)
 };
 
@@ -136,6 +140,7 @@ struct RunSummary {
   double stopped_at = 0;  ///< [s], when not completed
   std::string cause;      ///< in words, when not completed
   long steps = 0, evaluations = 0, events = 0;
+  long tried = 0;    ///< evaluations of runs made to choose this one
   long grazing = 0;  ///< switches met so flatly that the sensitivities after them are not to be trusted
   double stuck = 0;  ///< [s] spent sticking (sliding on a switch)
   double ended_at = std::numeric_limits<double>::quiet_NaN();  ///< [s] where stop_when ended the run
@@ -155,9 +160,9 @@ struct Run {
 
 /// Numbers that a run keeps per row, those of its excitation included.
 int run_values(const System& system);
-/// Throws InputError, naming `caller`, when `rows` of `values` numbers each exceed the memory of this machine. For
-/// callers that make an excitation of a given length; simulate() asks it by itself.
-void check_memory(const std::string& caller, double rows, int values);
+/// Throws InputError, naming `caller`, when `rows` of `values` numbers each need more than `limit` bytes. For callers
+/// that make an excitation of a given length; simulate() asks it by itself.
+void check_memory(const std::string& caller, double rows, int values, double limit = default_memory);
 
 /// Integrates from x0 (size states()) over the excitation. theta has parameters() values.
 /// Throws InputError for wrong sizes or non-finite values; a failed run is a result.
@@ -171,8 +176,9 @@ struct SensitivityRun {
   const Eigen::MatrixXd& dy() const { return dx[0]; }  ///< of the first displacement
   const Eigen::MatrixXd& dv() const { return dx[1]; }  ///< of the first velocity
 };
-/// `wanted`: the states whose sensitivities are kept, from 0; empty: all. Throws InputError as simulate() does, and for
-/// a system of more than Dynamics::dense_limit states.
+/// By the fixed path, or by CVODES (solver bdf or adams, and automatic where that is stiff), which holds them to rtol
+/// of what a parameter of its own size makes. `wanted`: the states whose sensitivities are kept, from 0; empty: all.
+/// Throws InputError as simulate() does, for a solver of ARKODE, and for more than Dynamics::dense_limit states.
 SensitivityRun simulate_sensitivities(const System& system, std::span<const double> theta,
                                       const Excitations& excitation, const Eigen::VectorXd& x0,
                                       const SimulateOptions& options = {}, std::span<const int> wanted = {});

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -32,10 +33,9 @@ double spectral_radius(const Dynamics& d, const std::vector<double>& entries) {
   return std::exp(growth / power_counted);
 }
 
-}  // namespace
-
-Fastest fastest_motion(const System& system, std::span<const double> theta, const Excitations& excitation, double t,
-                       const Eigen::VectorXd& x) {
+/// The entries of Dynamics::pattern at a state.
+std::vector<double> jacobian_at(const System& system, std::span<const double> theta, const Excitations& excitation,
+                                double t, const Eigen::VectorXd& x) {
   const Dynamics& d = system.dynamics();
   std::vector<double> in(d.inputs(), 0.0), entries(d.jacobian.outputs()), scratch(d.jacobian.registers() + 1);
   in[0] = t;
@@ -43,8 +43,47 @@ Fastest fastest_motion(const System& system, std::span<const double> theta, cons
   std::copy(x.begin(), x.end(), in.begin() + 1 + d.exogenous);
   std::copy(theta.begin(), theta.end(), in.end() - d.p);
   d.jacobian.run_point(in.data(), entries.data(), scratch.data());
-  for (const double entry : entries)
-    if (!std::isfinite(entry)) return {};
+  return entries;
+}
+
+bool finite(const std::vector<double>& entries) {
+  return std::all_of(entries.begin(), entries.end(), [](double entry) { return std::isfinite(entry); });
+}
+
+/// Up to this many states eigenvalues cost no more than an estimate of the greatest.
+constexpr int small = 8;
+/// Rows of a run that are looked at for fast decays.
+constexpr Eigen::Index looks = 16;
+
+bool decays_fast(const System& system, std::span<const double> theta, const Excitations& excitation, double t,
+                 const Eigen::VectorXd& x) {
+  const Dynamics& d = system.dynamics();
+  if (d.n > small) {
+    const std::vector<double> entries = jacobian_at(system, theta, excitation, t, x);
+    if (!finite(entries) || !(excitation.dt() * spectral_radius(d, entries) > stability)) return false;
+    if (!d.dense()) return true;
+  }
+  const Fastest fastest = fastest_motion(system, theta, excitation, t, x);
+  return fastest.decays && excitation.dt() * fastest.rate > stability;
+}
+
+}  // namespace
+
+bool may_be_stiff(const System& system, std::span<const double> theta, const Excitations& excitation, const Run& run) {
+  Eigen::Index rows = run.x.rows();
+  while (rows > 0 && !run.x.row(rows - 1).allFinite()) --rows;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, rows / looks);
+  for (Eigen::Index row = rows - 1; row >= 0; row -= stride)
+    if (decays_fast(system, theta, excitation, run.t0 + run.dt * static_cast<double>(row), run.x.row(row).transpose()))
+      return true;
+  return false;
+}
+
+Fastest fastest_motion(const System& system, std::span<const double> theta, const Excitations& excitation, double t,
+                       const Eigen::VectorXd& x) {
+  const Dynamics& d = system.dynamics();
+  const std::vector<double> entries = jacobian_at(system, theta, excitation, t, x);
+  if (!finite(entries)) return {};
   if (!d.dense()) return {spectral_radius(d, entries), false};
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(d.n, d.n);
   for (std::size_t e = 0; e < entries.size(); ++e) jacobian(d.pattern[e].row, d.pattern[e].column) = entries[e];
@@ -54,10 +93,10 @@ Fastest fastest_motion(const System& system, std::span<const double> theta, cons
   return {rate, eigenvalues[place].real() < -std::abs(eigenvalues[place].imag())};
 }
 
-double contact_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
-                        const Eigen::VectorXd& x0) {
+double least_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,
+                      const Eigen::VectorXd& x0, const StepChoice& choice) {
   const Dynamics& d = system.dynamics();
-  if (!d.dense() || d.surfaces.empty()) return 1;
+  if (!d.dense() || d.surfaces.empty() || choice.finer.summary.events == 0) return 1;
   std::vector<double> in(d.inputs(), 0.0), out(d.derivatives.outputs()), scratch(d.derivatives.registers() + 1);
   in[0] = excitation.t0();
   for (int i = 0; i < d.exogenous; ++i) in[1 + i] = excitation[i].at(excitation.t0());
@@ -99,35 +138,65 @@ double relative_change(const Run& a, const Run& b) {
   return worst;
 }
 
-StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
-                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options,
-                             double at_least) {
-  StepChoice choice;
+Halving::Halving(const System& system, std::span<const double> theta, const Excitations& excitation,
+                 const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options,
+                 double at_least)
+    : system_(system),
+      theta_(theta),
+      excitation_(excitation),
+      x0_(x0),
+      options_(options),
+      tolerance_(tolerance),
+      previous_(std::numeric_limits<double>::infinity()),
+      limit_(limit) {
   // substeps without which the linearisation at x0 is unstable
   const double least = std::max(
       at_least, excitation.dt() * fastest_motion(system, theta, excitation, excitation.t0(), x0).rate / stability);
   if (least > limit) {
-    choice.substeps = limit;
-    choice.change = std::numeric_limits<double>::infinity();
-    choice.finer = empty_run(system, excitation);
-    choice.finer.summary.completed = false;
-    choice.finer.summary.cause =
+    choice_.substeps = limit;
+    choice_.change = std::numeric_limits<double>::infinity();
+    choice_.finer = empty_run(system, excitation);
+    choice_.finer.summary.completed = false;
+    choice_.finer.summary.cause =
         "steps of 1/" + std::to_string(limit) + " sample are unstable: the model is stiff; " + take_implicit;
-    return choice;
+    done_ = true;
   }
-  while (choice.substeps < least) choice.substeps *= 2;
-  Run coarse = run_free(system, theta, excitation, x0, choice.substeps, options);
-  double previous = std::numeric_limits<double>::infinity();
-  for (int stalled = 0;;) {
-    choice.finer = run_free(system, theta, excitation, x0, 2 * choice.substeps, options);
-    choice.change = relative_change(coarse, choice.finer);
-    if (std::isfinite(previous) && choice.change > stalled_ratio * previous) ++stalled;
-    choice.reached = choice.change < tolerance || stalled == 2;
-    if (choice.reached || 2 * choice.substeps > limit) return choice;
-    previous = choice.change;
-    coarse = std::move(choice.finer);
-    choice.substeps *= 2;
+  while (choice_.substeps < least) choice_.substeps *= 2;
+}
+
+Run Halving::run(int substeps) {
+  Run run = run_free(system_, theta_, excitation_, x0_, substeps, options_);
+  choice_.spent += run.summary.evaluations;
+  return run;
+}
+
+double Halving::next_cost() const {
+  const double steps = static_cast<double>(excitation_.rows()) * choice_.substeps * (coarse_ ? 2 : 1);
+  return dormand_prince::stages * steps;
+}
+
+void Halving::next() {
+  if (!coarse_) {
+    coarse_ = run(choice_.substeps);
+    return;
   }
+  choice_.finer = run(2 * choice_.substeps);
+  choice_.change = relative_change(*coarse_, choice_.finer);
+  if (std::isfinite(previous_) && choice_.change > stalled_ratio * previous_) ++stalled_;
+  choice_.reached = choice_.change < tolerance_ || stalled_ == 2;
+  done_ = choice_.reached || 2 * choice_.substeps > limit_;
+  if (done_) return;
+  previous_ = choice_.change;
+  coarse_ = std::move(choice_.finer);
+  choice_.substeps *= 2;
+}
+
+StepChoice choose_by_halving(const System& system, std::span<const double> theta, const Excitations& excitation,
+                             const Eigen::VectorXd& x0, double tolerance, int limit, const SimulateOptions& options,
+                             double at_least) {
+  Halving halving(system, theta, excitation, x0, tolerance, limit, options, at_least);
+  while (!halving.done()) halving.next();
+  return halving.take();
 }
 
 int choose_substeps(const System& system, std::span<const double> theta, const Excitations& excitation,

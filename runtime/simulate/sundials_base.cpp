@@ -65,7 +65,32 @@ int SundialsBase::events(double t, N_Vector x, double* g, void* self) noexcept {
 
 int SundialsBase::weights(N_Vector x, N_Vector w, void* self) noexcept {
   return guarded(self, [&](SundialsBase& base) {
-    base.ode_.error_weights(N_VGetArrayPointer(x), N_VGetArrayPointer(w));
+    const bool second = base.weight_calls_ == 1 && base.ode_.columns() > 0;
+    if (base.weight_calls_ < 2) ++base.weight_calls_;
+    if (second) base.scaled_ = x;
+    if (x != base.scaled_) {
+      base.next_column_ = 0;
+      base.ode_.error_weights(N_VGetArrayPointer(x), N_VGetArrayPointer(w));
+    } else {
+      base.ode_.sensitivity_weights(base.next_column_, N_VGetArrayPointer(x), N_VGetArrayPointer(w));
+      base.next_column_ = (base.next_column_ + 1) % base.ode_.columns();
+    }
+    return 0;
+  });
+}
+
+int SundialsBase::sensitivity_rates(int count, double t, N_Vector x, N_Vector, N_Vector* s, N_Vector* ds, void* self,
+                                    N_Vector, N_Vector) noexcept {
+  return guarded(self, [&](SundialsBase& base) {
+    base.columns_.resize(static_cast<std::size_t>(count));
+    base.column_rates_.resize(static_cast<std::size_t>(count));
+    for (int c = 0; c < count; ++c) {
+      base.columns_[c] = N_VGetArrayPointer(s[c]);
+      base.column_rates_[c] = N_VGetArrayPointer(ds[c]);
+    }
+    base.ode_.sensitivity_rate(t, N_VGetArrayPointer(x), base.columns_.data(), base.column_rates_.data());
+    for (double* rates : base.column_rates_)
+      if (!all_finite(rates, base.ode_.states())) return recoverable;
     return 0;
   });
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the CVODE and the ARKODE wrapper share: context, vector, callbacks, return codes. Internal to this room.
+// What the CVODES and the ARKODE wrapper share: context, vector, callbacks, return codes. Internal to this room.
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 
@@ -35,6 +35,8 @@ class SundialsBase : public Integrator {
   static int rate(double t, N_Vector x, N_Vector f, void* self) noexcept;
   static int events(double t, N_Vector x, double* g, void* self) noexcept;
   static int weights(N_Vector x, N_Vector w, void* self) noexcept;
+  static int sensitivity_rates(int, double t, N_Vector x, N_Vector, N_Vector* s, N_Vector* ds, void* self, N_Vector,
+                               N_Vector) noexcept;
   static int jacobian(double t, N_Vector x, N_Vector f, SUNMatrix j, void* self, N_Vector, N_Vector, N_Vector) noexcept;
   static void silent(int, const char*, const char*, char*, void*) noexcept {}
 
@@ -45,6 +47,12 @@ class SundialsBase : public Integrator {
   std::exception_ptr thrown_;
 
  private:
+  /// CVODES asks for the weights of the state, then for those of each column in turn, which it hands over in one vector
+  /// of its own: the second that it ever asks for.
+  N_Vector scaled_ = nullptr;
+  int weight_calls_ = 0, next_column_ = 0;
+  std::vector<const double*> columns_;  ///< of a call of sensitivity_rates
+  std::vector<double*> column_rates_;
   template <class Body>
   static int guarded(void* self, Body body) noexcept;
 };

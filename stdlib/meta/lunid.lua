@@ -160,6 +160,8 @@ function lunid.regress(fields) end
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field substeps? integer # of the fixed path, per sample; else chosen
+---@field sensitivities? boolean # exact ones of every state to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
+---@field max_memory? number # a run that needs more is refused
 ---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1
 ---@param fields lunid.simulate.fields
 ---@return lunid.run
@@ -175,7 +177,9 @@ function lunid.simulate(fields) end
 ---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
 ---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
----@field max_iterations? integer # of Levenberg-Marquardt
+---@field solver? "auto"|"fixed"|"bdf"|"adams" # what integrates the runs and their sensitivities; auto: fixed, or bdf where the model is stiff at the start
+---@field gradient? "auto"|"forward"|"adjoint" # forward: sensitivities and Levenberg-Marquardt; adjoint: one backward sweep for all parameters and NLopt's L-BFGS; auto: adjoint from 40 parameters on, or beyond 64 states
+---@field max_iterations? integer # of Levenberg-Marquardt; L-BFGS may take 25 evaluations for each
 ---@param fields lunid.fit_trajectory.fields
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end

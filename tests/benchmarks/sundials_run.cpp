@@ -2,7 +2,7 @@
 // oscillator, 1601 rows at 800 Hz, rtol 1e-8. What is left over is the tape, the scales of the error and the modes.
 #include <arkode/arkode_arkstep.h>
 #include <benchmark/benchmark.h>
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
