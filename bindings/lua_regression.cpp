@@ -79,6 +79,16 @@ RegressionSolver read_solver(lua_State* L) {
   return LeastSquaresOptions{};
 }
 
+/// The search on top of the stack, as stdlib/regression.lua made it.
+SearchOptions read_search(lua_State* L, std::uint64_t seed) {
+  SearchOptions search;
+  search.method = search_method(string_field(L, -1, "method").value_or("slsqp"));
+  search.starts = static_cast<int>(number_field(L, -1, "starts").value_or(search.starts));
+  search.evaluations = static_cast<int>(number_field(L, -1, "evaluations").value_or(search.evaluations));
+  search.seed = static_cast<std::uint64_t>(number_field(L, -1, "seed").value_or(static_cast<double>(seed)));
+  return search;
+}
+
 /// Parameters in the features: fixed ones have a value, the others are searched for within finite bounds.
 void read_parameters(const Expr expr, const DeclarationsPtr& declared, RegressOptions& options) {
   for (const Expr symbol : symbols(expr, SymbolKind::parameter)) {
@@ -181,6 +191,8 @@ int run(lua_State* L) {
   with_field(L, 2, "constraints",
              [&] { for_each(L, -1, [&](lua_Integer) { options.constraints.push_back(read_constraint(L)); }); });
   with_field(L, 2, "solver", [&] { options.solver = read_solver(L); });
+  with_field(L, 2, "objective", [&] { options.objective.mean_force = number_field(L, -1, "mean_force").value_or(0); });
+  with_field(L, 2, "search", [&] { options.search = read_search(L, runtime(L).seed); });
   Regression result = regress(records, options);
   Model model = model_of(L, result, options.mass, options, declared);
   push<SolvedRegression>(L, {std::move(result), declared, std::move(model)});

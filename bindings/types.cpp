@@ -15,6 +15,8 @@ void open_responses(lua_State* L);
 void open_ensembles(lua_State* L);
 void open_regressions(lua_State* L);
 void open_curves(lua_State* L);
+void open_histories(lua_State* L);
+void open_selections(lua_State* L);
 void open_surfaces(lua_State* L);
 void open_statistics(lua_State* L);
 void open_comparisons(lua_State* L);
@@ -23,11 +25,11 @@ void open_figures(lua_State* L);
 void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
-  static constexpr Opener all[] = {open_files,       open_expressions, open_lua_functions, open_columns,
-                                   open_records,     open_signals,     open_models,        open_runs,
-                                   open_fits,        open_responses,   open_ensembles,     open_regressions,
-                                   open_curves,      open_surfaces,    open_statistics,    open_comparisons,
-                                   open_discoveries, open_figures,     open_doctor};
+  static constexpr Opener all[] = {
+      open_files,       open_expressions, open_lua_functions, open_columns,   open_records,    open_signals,
+      open_models,      open_runs,        open_fits,          open_responses, open_ensembles,  open_regressions,
+      open_curves,      open_histories,   open_selections,    open_surfaces,  open_statistics, open_comparisons,
+      open_discoveries, open_figures,     open_doctor};
   return all;
 }
 

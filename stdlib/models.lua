@@ -265,7 +265,7 @@ models.load = schema.define({
   name = "load",
   help = "Loads a model that model:save wrote, or that is written by hand in the same form.",
   positional = { "path" },
-  fields = { { "path", types.string, required = true, help = "a Lua file that returns a lunid.model" } },
+  fields = { { "path", types.string, required = true, help = "a Lua file that returns a lunid.model, or a lunid.history_model" } },
   returns = "model",
   example = [[local model = lunid.load "pile.lua"]],
 }, function(given)
@@ -273,7 +273,7 @@ models.load = schema.define({
   local chunk = strict.load_file(path)
   core.note_input(path)
   local model = chunk()
-  if getmetatable(model) ~= "lunid.model" then
+  if getmetatable(model) ~= "lunid.model" and getmetatable(model) ~= "lunid.history_model" then
     schema.fail("load", ("'%s' returned %s, not a lunid.model"):format(path, core.describe(model)))
   end
   return model

@@ -58,6 +58,36 @@ public.lasso = solver {
   example = [[solver = lunid.lasso { lambda = "cross-validate" }]],
 }
 
+local searches = { "slsqp", "lbfgs", "mlsl", "direct", "esch", "crs", "isres", "stogo", "annealing", "particle_swarm",
+  "puddle_jumping", "monte_carlo", "stochastic_gradient" }
+
+public.search = schema.define({
+  name = "search",
+  help = "How parameters inside features are searched for between their bounds. Whatever the method, it ends with a local "
+    .. "descent along the exact gradient.",
+  positional = { "method" },
+  fields = {
+    { "method", types.choice(searches), default = "slsqp",
+      help = "local from several starts: slsqp, lbfgs; of NLopt: mlsl, direct, esch, crs, isres, stogo; Lunid's own: "
+        .. "annealing, particle_swarm, puddle_jumping, monte_carlo, stochastic_gradient" },
+    { "starts", types.integer { min = 1 }, default = 4, help = "of the local methods, the first guess among them" },
+    { "evaluations", types.integer { min = 10 }, default = 500, help = "passes over the data of the other methods" },
+    { "seed", types.integer { min = 0 }, help = "of the methods that draw random numbers; else that of the run" },
+  },
+  returns = "search",
+  example = [[search = lunid.search { "mlsl", evaluations = 300 }]],
+}, function(given)
+  return schema.object("search", given, nil, function(self) return "search by " .. self.method end)
+end)
+
+local function check_objective(objective)
+  for key in pairs(objective or {}) do
+    if key ~= "mean_force" then
+      schema.fail("regress: objective", ("unknown field '%s' (fields: mean_force)"):format(key))
+    end
+  end
+end
+
 --- Features, with sets of features (lunid.polynomials) laid flat, each once.
 local function flat(list)
   local features, seen = {}, {}
@@ -95,6 +125,9 @@ public.regress = schema.define({
       help = "what is known about the coefficients" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
     { "solver", types.is("solver", "lunid.least_squares, ridge, stlsq or lasso"), help = "least squares by default" },
+    { "objective", types.table, help = "{ mean_force = 0.25 }: so much of what is minimised is the square of the mean "
+      .. "residual in each block of time, which keeps the force from shifting; the rest is the mean square" },
+    { "search", types.is("search", "lunid.search"), help = "for parameters inside features; local from 4 starts by default" },
     { "blocks", types.integer { min = 1, max = 1000 }, default = 8,
       help = "blocks of time, for cross-validation and standard errors" },
   },
@@ -106,7 +139,10 @@ public.regress = schema.define({
     list[i] = given.window and each:window(given.window.from, given.window.to) or each
   end
   given.features = flat(given.features)
+  check_objective(given.objective)
   return core.regress(list, given)
 end)
+
+regression.flat = flat
 
 return regression

@@ -159,8 +159,7 @@ LongMatrix Search::reduced(LongVector& z) const {
 void Search::accept(VectorXd next, Tangent tangent) {
   theta = std::move(next);
   at = std::move(tangent);
-  for (Index i = 0; i < theta.size(); ++i)
-    scale_[i] = std::max(scale_[i], static_cast<double>(at.r().col(i).norm()));
+  for (Index i = 0; i < theta.size(); ++i) scale_[i] = std::max(scale_[i], static_cast<double>(at.r().col(i).norm()));
   hold();
 }
 
@@ -236,8 +235,7 @@ void Search::polish() {
     if (!full_rank(r)) return;
     const LongVector change = r.triangularView<Eigen::Upper>().solve(z);
     VectorXd next = theta;
-    for (std::size_t j = 0; j < free.size(); ++j)
-      next[free[j]] += static_cast<double>(change[static_cast<Index>(j)]);
+    for (std::size_t j = 0; j < free.size(); ++j) next[free[j]] += static_cast<double>(change[static_cast<Index>(j)]);
     next = within(std::move(next));
     Tangent tangent = pass_.at(next);
     if (!tangent.finite || !(tangent.rss() <= at.rss() * (1 + 1e-12))) return;
@@ -296,7 +294,8 @@ void Search::run(VectorXd start, double first_radius) {
 
 void validate_parameter(const CurveParameter& p, const CurveOptions& options, Expr symbol) {
   const std::string where = "fit_curve: parameter '" + p.name + "'";
-  if (!(p.min < p.max)) throw InputError(where + ": expected min < max, got " + number(p.min) + " and " + number(p.max));
+  if (!(p.min < p.max))
+    throw InputError(where + ": expected min < max, got " + number(p.min) + " and " + number(p.max));
   if (!std::isfinite(p.value)) throw InputError(where + ": expected a first guess, got " + number(p.value));
   if (!(p.value >= p.min && p.value <= p.max))
     throw InputError(where + ": expected a first guess in " + number(p.min) + ".." + number(p.max) + ", got " +
@@ -352,10 +351,9 @@ void finish(CurveFit& fit, const Search& best, const CurvePass& pass) {
   const long double variance = static_cast<long double>(fit.residual_std) * fit.residual_std;
   for (std::size_t a = 0; a < excited.size(); ++a)
     for (std::size_t b = 0; b < excited.size(); ++b)
-      fit.covariance(excited[a], excited[b]) = static_cast<double>(
-          variance * unit(static_cast<Index>(a), static_cast<Index>(b)) / (length(a) * length(b)));
-  for (const Index i : excited)
-    fit.parameters[static_cast<std::size_t>(i)].std = std::sqrt(fit.covariance(i, i));
+      fit.covariance(excited[a], excited[b]) =
+          static_cast<double>(variance * unit(static_cast<Index>(a), static_cast<Index>(b)) / (length(a) * length(b)));
+  for (const Index i : excited) fit.parameters[static_cast<std::size_t>(i)].std = std::sqrt(fit.covariance(i, i));
 }
 
 Expr with_values(const CurveOptions& options, const CurveFit& fit) {
@@ -382,8 +380,8 @@ void validate(const CurveOptions& options) {
     if (!part.valid()) continue;
     const std::vector<Expr> found = symbols(part, SymbolKind::parameter);
     if (!found.empty())
-      throw InputError("fit_curve: expected no parameter in the response and the weight, got '" +
-                       found.front().name() + "'");
+      throw InputError("fit_curve: expected no parameter in the response and the weight, got '" + found.front().name() +
+                       "'");
   }
   for (const Expr& s : symbols(options.formula, SymbolKind::parameter)) {
     const bool fitted = std::any_of(options.parameters.begin(), options.parameters.end(),

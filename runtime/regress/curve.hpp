@@ -57,8 +57,8 @@ struct CurveFit {
 /// a scaled trust region (More 1978, Lect. Notes Math. 630, 105) with exact derivatives, in one streaming QR pass per
 /// evaluation; bounds by projection. A far start may run into a place from which the formula does not depend on its
 /// parameters; the search is therefore made from trust regions of several sizes, and the best is the result.
-/// Throws InputError: a channel that a record lacks, a parameter without a value, fewer rows than parameters, a row that
-/// is not finite at the first guess.
+/// Throws InputError: a channel that a record lacks, a parameter without a value, fewer rows than parameters, a row
+/// that is not finite at the first guess.
 CurveFit fit_curve(std::span<const Record> records, const CurveOptions& options);
 
 }  // namespace lunid

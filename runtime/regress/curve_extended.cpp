@@ -71,8 +71,9 @@ long double Extended::run(std::span<const double> in) {
   const auto at = [&](int place) { return place < 0 ? Real(0) : nodes_[static_cast<std::size_t>(place)].value; };
   for (Node& node : nodes_) {
     if (node.op == Op::constant) continue;
-    node.value = node.op == Op::symbol ? Real(in[static_cast<std::size_t>(node.argument[0])])
-                                       : apply(node.op, at(node.argument[0]), at(node.argument[1]), at(node.argument[2]));
+    node.value = node.op == Op::symbol
+                     ? Real(in[static_cast<std::size_t>(node.argument[0])])
+                     : apply(node.op, at(node.argument[0]), at(node.argument[1]), at(node.argument[2]));
   }
   return nodes_.back().value;
 }

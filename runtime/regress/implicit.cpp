@@ -1,12 +1,9 @@
 #include "regress/implicit.hpp"
 
-#include <nlopt.h>
-
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <memory>
 
+#include "regress/minimise.hpp"
 #include "regress/reduce.hpp"
 
 namespace lunid::detail {
@@ -25,7 +22,9 @@ class Projection {
         features_(static_cast<int>(problem.features.size())),
         columns_(extended(problem, implicit), problem.target) {}
 
-  int evaluations() const { return evaluations_; }
+  /// Passes over all rows.
+  int evaluations() const { return static_cast<int>(std::ceil(passes_)); }
+  int blocks() const { return static_cast<int>(problem_.blocks.size()); }
 
   std::vector<double> unscaled(const double* x) const {
     std::vector<double> p;
@@ -36,17 +35,11 @@ class Projection {
 
   /// Half the mean square of the residual, and its gradient by the envelope theorem: the coefficients are optimal, so
   /// that only the features' own change counts.
-  double value(const double* x, double* gradient) {
-    const Statistic data = columns_at(unscaled(x));
-    const LongMatrix factor = data.factor();
-    const LongVector b = inner(data).coefficients.cast<long double>();
-    const LongVector residual = factor.rightCols(1) - factor.leftCols(features_) * b;
-    const double rows = static_cast<double>(data.rows());
-    if (gradient)
-      for (std::size_t i = 0; i < implicit_.size(); ++i)
-        gradient[i] =
-            -static_cast<double>(residual.dot(direction(factor, b, i))) / rows * (implicit_[i].max - implicit_[i].min);
-    return static_cast<double>(residual.squaredNorm()) / (2 * rows);
+  double value(const double* x, double* gradient) { return value(columns_at(unscaled(x)), gradient); }
+
+  /// The same of one block of time alone.
+  double part(const double* x, double* gradient, int block) {
+    return value(columns_at(unscaled(x), problem_.blocks.subspan(static_cast<std::size_t>(block), 1)), gradient);
   }
 
   /// Standard deviations of the implicit parameters, joint with the coefficients that are not zero.
@@ -72,6 +65,18 @@ class Projection {
   }
 
  private:
+  double value(const Statistic& data, double* gradient) const {
+    const LongMatrix factor = data.factor();
+    const LongVector b = inner(data).coefficients.cast<long double>();
+    const LongVector residual = factor.rightCols(1) - factor.leftCols(features_) * b;
+    const double rows = static_cast<double>(data.rows());
+    if (gradient)
+      for (std::size_t i = 0; i < implicit_.size(); ++i)
+        gradient[i] =
+            -static_cast<double>(residual.dot(direction(factor, b, i))) / rows * (implicit_[i].max - implicit_[i].min);
+    return static_cast<double>(residual.squaredNorm()) / (2 * rows);
+  }
+
   /// Features, then for each implicit parameter the derivatives of the features that depend on it.
   std::vector<Expr> extended(const ImplicitProblem& problem, const std::vector<ImplicitParameter>& implicit) {
     std::vector<Expr> out = problem.features;
@@ -91,15 +96,19 @@ class Projection {
     return out;
   }
 
-  Statistic columns_at(const std::vector<double>& p) {
-    ++evaluations_;
+  Statistic columns_at(const std::vector<double>& p) { return columns_at(p, problem_.blocks); }
+
+  Statistic columns_at(const std::vector<double>& p, std::span<const TimeBlock> blocks) {
+    passes_ += static_cast<double>(blocks.size()) / static_cast<double>(problem_.blocks.size());
     std::vector<double> values;
     for (const std::string& name : columns_.parameters()) {
       const auto own = std::find_if(implicit_.begin(), implicit_.end(), [&](const auto& i) { return i.name == name; });
       values.push_back(own != implicit_.end() ? p[static_cast<std::size_t>(own - implicit_.begin())]
                                               : problem_.values->at(name));
     }
-    return merged(statistics(columns_, problem_.records, problem_.blocks, values, problem_.threads));
+    std::vector<Statistic> parts = statistics(columns_, problem_.records, blocks, values, problem_.threads);
+    for (Statistic& part : parts) part.weigh_mean(problem_.mean_force);
+    return merged(parts);
   }
 
   /// The inner regression. A feature may vanish at a bound (tanh(p*y) at p = 0); it is then left out.
@@ -124,78 +133,23 @@ class Projection {
   int features_;
   std::vector<std::vector<std::pair<int, Index>>> slopes_;  // for each parameter: feature, column of its derivative
   Columns columns_;
-  int evaluations_ = 0;
+  double passes_ = 0;
 };
-
-/// What crosses NLopt's frame: an exception is kept and thrown after it.
-struct Call {
-  Projection* projection;
-  nlopt_opt optimiser;
-  double scale = 1;
-  std::exception_ptr fault;
-};
-
-double call_value(unsigned n, const double* x, double* gradient, void* data) {
-  Call& call = *static_cast<Call*>(data);
-  try {
-    const double value = call.projection->value(x, gradient) / call.scale;
-    if (gradient)
-      for (unsigned i = 0; i < n; ++i) gradient[i] /= call.scale;
-    return value;
-  } catch (...) {
-    call.fault = std::current_exception();
-    nlopt_force_stop(call.optimiser);
-    return HUGE_VAL;
-  }
-}
-
-/// One local search from x; the value reached.
-double descend(Projection& projection, std::vector<double>& x) {
-  const unsigned n = static_cast<unsigned>(x.size());
-  const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, void (*)(nlopt_opt)> optimiser(
-      nlopt_create(NLOPT_LD_SLSQP, n), nlopt_destroy);
-  const double first = projection.value(x.data(), nullptr);
-  Call call{&projection, optimiser.get(), first > 0 ? first : 1, nullptr};
-  nlopt_set_lower_bounds1(optimiser.get(), 0);
-  nlopt_set_upper_bounds1(optimiser.get(), 1);
-  nlopt_set_min_objective(optimiser.get(), call_value, &call);
-  nlopt_set_xtol_rel(optimiser.get(), 1e-8);
-  nlopt_set_ftol_rel(optimiser.get(), 1e-14);
-  nlopt_set_maxeval(optimiser.get(), 200);
-  double value = first / call.scale;
-  // A code below 0 other than a fault of ours is the line search at its limit of rounding: x holds the best point.
-  nlopt_optimize(optimiser.get(), x.data(), &value);
-  if (call.fault) std::rethrow_exception(call.fault);
-  return value * call.scale;
-}
-
-/// The k-th point of the van der Corput sequence in a prime base: starts spread evenly without a random number.
-double spread(int k, int base) {
-  double value = 0, part = 1;
-  for (; k > 0; k /= base) value += (part /= base) * (k % base);
-  return value;
-}
 
 }  // namespace
 
 std::vector<ImplicitParameter> search(const ImplicitProblem& problem, std::vector<ImplicitParameter> implicit,
                                       int& evaluations) {
-  constexpr int primes[] = {2, 3, 5, 7, 11, 13, 17, 19};
   Projection projection(problem, implicit);
-  std::vector<double> best;
-  double least = HUGE_VAL;
-  for (int start = 0; start < problem.starts; ++start) {
-    std::vector<double> x(implicit.size());
-    for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] = start == 0 ? (implicit[i].value - implicit[i].min) / (implicit[i].max - implicit[i].min)
-                        : spread(start, primes[i % std::size(primes)]);
-    const double value = descend(projection, x);
-    if (value < least) {
-      least = value;
-      best = x;
-    }
-  }
-  const std::vector<double> values = projection.unscaled(best.data()), std = projection.deviations(best.data());
+  Objective objective;
+  objective.size = static_cast<int>(implicit.size());
+  objective.value = [&](const double* x, double* gradient) { return projection.value(x, gradient); };
+  objective.blocks = projection.blocks();
+  objective.part = [&](const double* x, double* gradient, int block) { return projection.part(x, gradient, block); };
+  std::vector<double> start;
+  for (const ImplicitParameter& p : implicit) start.push_back((p.value - p.min) / (p.max - p.min));
+  const Minimum best = minimise(objective, start, problem.search);
+  const std::vector<double> values = projection.unscaled(best.x.data()), std = projection.deviations(best.x.data());
   for (std::size_t i = 0; i < implicit.size(); ++i) {
     implicit[i].value = values[i];
     implicit[i].std = std[i];

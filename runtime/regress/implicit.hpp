@@ -17,13 +17,14 @@ struct ImplicitProblem {
   std::span<const TimeBlock> blocks;
   const std::map<std::string, double>* values;  ///< of the other parameters
   int threads = 0;
-  int starts = 1;
+  SearchOptions search;
+  double mean_force = 0;  ///< part of the objective
 };
 
 /// Minimises the residual sum of squares of the constrained least-squares fit over the implicit parameters, within
 /// their bounds: variable projection (Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413) with the exact gradient,
-/// NLopt's SLSQP from several starts. Returns them with values and standard deviations (joint with the coefficients).
-/// `evaluations` counts passes over the data.
+/// by the method asked for (minimise.hpp). Returns them with values and standard deviations (joint with the
+/// coefficients). `evaluations` counts passes over the data.
 std::vector<ImplicitParameter> search(const ImplicitProblem& problem, std::vector<ImplicitParameter> implicit,
                                       int& evaluations);
 

@@ -196,9 +196,9 @@ int find_implicit(Regression& result, const RegressOptions& options, Expr target
                   std::span<const detail::TimeBlock> blocks, std::map<std::string, double>& values) {
   if (options.implicit.empty()) return 0;
   int passes = 0;
-  result.implicit = detail::search(
-      {options.features, target, constraints, records, blocks, &options.values, options.threads, options.starts},
-      options.implicit, passes);
+  result.implicit = detail::search({options.features, target, constraints, records, blocks, &options.values,
+                                    options.threads, options.search, options.objective.mean_force},
+                                   options.implicit, passes);
   for (const ImplicitParameter& p : result.implicit) values[p.name] = p.value;
   return passes;
 }
@@ -220,7 +220,10 @@ void validate(const RegressOptions& options) {
       throw InputError("regress: features: expected expressions of one pool");
   if (options.blocks < 1 || options.blocks > 1000)
     throw InputError("regress: blocks: expected 1 to 1000, got " + std::to_string(options.blocks));
-  if (options.starts < 1) throw InputError("regress: starts: expected >= 1, got " + std::to_string(options.starts));
+  validate(options.search);
+  if (!(options.objective.mean_force >= 0 && options.objective.mean_force < 1))
+    throw InputError("regress: objective: mean_force: expected >= 0 and < 1, got " +
+                     number(options.objective.mean_force));
   if (options.threads < 0) throw InputError("regress: threads: expected >= 0, got " + std::to_string(options.threads));
   for (const ImplicitParameter& p : options.implicit) validate_implicit(p, options);
   std::visit(ValidateSolver{}, options.solver);
@@ -239,23 +242,27 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   Regression result;
   result.mode = "equation error, train";
   std::map<std::string, double> known = options.values;
-  const int passes = find_implicit(result, options, target, constraints, records, blocks, known);
+  result.passes = find_implicit(result, options, target, constraints, records, blocks, known);
   const detail::Columns columns(options.features, target);
   std::vector<double> values;
   for (const std::string& name : columns.parameters()) values.push_back(known.at(name));
-  const std::vector<Statistic> parts = detail::statistics(columns, records, blocks, values, options.threads);
-  result.fit = solve(options.solver, parts, constraints, result.path);
-  add_terms(result, options, block_deviations(parts, constraints, result.fit));
+  std::vector<Statistic> parts = detail::statistics(columns, records, blocks, values, options.threads);
   const Statistic all = merged(parts);
+  if (options.objective.mean_force > 0)
+    for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
+  result.fit = solve(options.solver, parts, constraints, result.path);
+  result.fit.rmse = std::sqrt(all.residual_sum(result.fit.coefficients) / static_cast<double>(all.rows()));
+  add_terms(result, options, block_deviations(parts, constraints, result.fit));
   const double spread = all.deviation()[all.features()];
   result.rmse = result.fit.rmse;
   result.r2 = spread > 0 ? 1 - result.rmse * result.rmse / (spread * spread) : std::nan("");
   for (const Record& record : records) result.windows.push_back(describe(record));
   result.warnings = warnings(result.fit, records, options);
   result.restoring = restoring_of(result, options);
-  if (passes > 0)
-    result.fit.summary.solver += ", around SLSQP on " + std::to_string(options.implicit.size()) +
-                                 " implicit parameters (" + std::to_string(passes) + " passes)";
+  if (result.passes > 0)
+    result.fit.summary.solver += ", around " + to_text(options.search.method) + " on " +
+                                 std::to_string(options.implicit.size()) + " implicit parameters (" +
+                                 std::to_string(result.passes) + " passes)";
   result.fit.summary.seconds = watch.seconds();
   for (std::string& note : externals.notes(result.fit.summary.seconds)) result.warnings.push_back(std::move(note));
   return result;

@@ -10,6 +10,7 @@
 #include "expr/expr.hpp"
 #include "record/record.hpp"
 #include "regress/fit.hpp"
+#include "regress/search.hpp"
 
 namespace lunid {
 
@@ -37,6 +38,13 @@ struct ImplicitParameter {
 struct LeastSquaresOptions {};
 using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions>;
 
+/// What a regression minimises: (1 - mean_force) * mean square of the residual + mean_force * mean over the blocks of
+/// time of the squared mean residual. A penalty on the mean keeps the force from shifting where no constant is among
+/// the features (the thesis takes 0.25). R2 as an objective has the same minimum as the mean square.
+struct RegressObjective {
+  double mean_force = 0;  ///< 0 <= mean_force < 1
+};
+
 struct RegressOptions {
   std::vector<Expr> features;            ///< functions of channels, t, and parameters that have a value below
   Expr mass;                             ///< [kg]; may depend on channels; empty: none, the target is F - known
@@ -45,9 +53,10 @@ struct RegressOptions {
   std::vector<ImplicitParameter> implicit;
   std::vector<TermConstraint> constraints;
   RegressionSolver solver = LeastSquaresOptions{};
-  int blocks = 8;   ///< of time in each record, 1..1000: for cross-validation and block errors
-  int starts = 4;   ///< of the search for implicit parameters, the first guess among them, >= 1
-  int threads = 0;  ///< 0: all cores; the result does not depend on it
+  RegressObjective objective;
+  int blocks = 8;        ///< of time in each record, 1..1000: for cross-validation and block errors
+  SearchOptions search;  ///< for the implicit parameters
+  int threads = 0;       ///< 0: all cores; the result does not depend on it
 };
 /// Throws InputError: no features, bad counts, bounds of implicit parameters, options of the solver.
 void validate(const RegressOptions& options);
@@ -69,6 +78,7 @@ struct Regression {
   std::string mode;                  ///< "equation error, train": what r2 and rmse measure
   std::vector<std::string> windows;  ///< "run3.csv, 2 to 10 s, 6401 rows"
   std::vector<std::string> warnings;
+  int passes = 0;               ///< over the data by the search for implicit parameters
   std::vector<PathPoint> path;  ///< of a lasso by cross-validation
   Expr restoring;               ///< sum of the terms that are not 0, implicit values put in, plus the known part
 };

@@ -72,6 +72,12 @@ void Statistic::merge(const Statistic& other) {
   rows_ += other.rows_;
 }
 
+void Statistic::weigh_mean(double part) {
+  LongMatrix row = r_.row(0) / r_(0, 0) * std::sqrt(static_cast<long double>(rows_) * part / (1 - part));
+  row(0, 0) = 0;
+  triangularise(r_, std::move(row));
+}
+
 Statistic Statistic::leading(int count) const {
   Statistic out(std::vector<std::string>(names_.begin(), names_.begin() + count));
   LongMatrix block(r_.rows(), count + 2);

@@ -42,6 +42,11 @@ class Statistic {
   /// Adds the rows of another statistic of the same features. Throws InputError when they differ.
   void merge(const Statistic& other);
 
+  /// Adds the square of the residual's mean to the sum of squares, so that it is `part` of the objective beside the
+  /// mean square: rows() * part / (1 - part) * mean^2, 0 <= part < 1. Means and rows stay; residual_sum and deviation
+  /// do not.
+  void weigh_mean(double part);
+
   /// The statistic of the first `count` features and the target.
   Statistic leading(int count) const;
 

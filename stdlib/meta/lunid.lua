@@ -135,6 +135,16 @@ function lunid.stlsq(fields) end
 ---@return lunid.solver
 function lunid.lasso(fields) end
 
+---How parameters inside features are searched for between their bounds. Whatever the method, it ends with a local descent along the exact gradient.
+---@class lunid.search.fields
+---@field method? "slsqp"|"lbfgs"|"mlsl"|"direct"|"esch"|"crs"|"isres"|"stogo"|"annealing"|"particle_swarm"|"puddle_jumping"|"monte_carlo"|"stochastic_gradient" # local from several starts: slsqp, lbfgs; of NLopt: mlsl, direct, esch, crs, isres, stogo; Lunid's own: annealing, particle_swarm, puddle_jumping, monte_carlo, stochastic_gradient
+---@field starts? integer # of the local methods, the first guess among them
+---@field evaluations? integer # passes over the data of the other methods
+---@field seed? integer # of the methods that draw random numbers; else that of the run
+---@param fields lunid.search.fields
+---@return lunid.search
+function lunid.search(fields) end
+
 ---Fits the coefficients of features to the restoring force F - m*a along the measured motion.
 ---@class lunid.regress.fields
 ---@field record any # one record or several
@@ -144,6 +154,8 @@ function lunid.lasso(fields) end
 ---@field constraints? table # what is known about the coefficients
 ---@field window? lunid.window # part of the records
 ---@field solver? any # least squares by default
+---@field objective? lunid.table # { mean_force = 0.25 }: so much of what is minimised is the square of the mean residual in each block of time, which keeps the force from shifting; the rest is the mean square
+---@field search? lunid.search # for parameters inside features; local from 4 starts by default
 ---@field blocks? integer # blocks of time, for cross-validation and standard errors
 ---@param fields lunid.regress.fields
 ---@return lunid.regression
@@ -227,7 +239,7 @@ function lunid.chain(fields) end
 
 ---Loads a model that model:save wrote, or that is written by hand in the same form.
 ---@class lunid.load.fields
----@field path string # a Lua file that returns a lunid.model
+---@field path string # a Lua file that returns a lunid.model, or a lunid.history_model
 ---@param fields lunid.load.fields
 ---@return lunid.model
 function lunid.load(fields) end
@@ -281,6 +293,114 @@ function lunid.channel(name) end
 ---@param fields lunid.fit_curve.fields
 ---@return lunid.curve_fit
 function lunid.fit_curve(fields) end
+
+---The next output as a linear sum of past outputs and inputs, by least squares. Noise that is measured with the output biases it: see armax, and model:free_run.
+---@class lunid.arx.fields
+---@field record any # one record or several
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field outputs? integer # past samples of the output: y_1, y_2
+---@field inputs? integer # samples of the input, beginning with delay
+---@field delay? integer # first lag of the input: 1 for a force held between samples (F_1, F_2), 0 for a straight one (F_0, F_1 ...)
+---@field constant? boolean # a constant among the terms
+---@field window? lunid.window # part of the records
+---@param fields lunid.arx.fields
+---@return lunid.history_model
+function lunid.arx(fields) end
+
+---An ARX model with past prediction errors, which describe coloured noise, by extended least squares.
+---@class lunid.armax.fields
+---@field record any # one record or several
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field outputs? integer # past samples of the output: y_1, y_2
+---@field inputs? integer # samples of the input, beginning with delay
+---@field delay? integer # first lag of the input: 1 for a force held between samples (F_1, F_2), 0 for a straight one (F_0, F_1 ...)
+---@field noise? integer # past prediction errors: e_1, e_2
+---@field constant? boolean # a constant among the terms
+---@field max_passes? integer # of extended least squares
+---@field window? lunid.window # part of the records
+---@param fields lunid.armax.fields
+---@return lunid.history_model
+function lunid.armax(fields) end
+
+---The next output as a polynomial, or as given terms, of past outputs and inputs.
+---@class lunid.narx.fields
+---@field record any # one record or several
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field outputs? integer # past samples of the output: y_1, y_2
+---@field inputs? integer # samples of the input, beginning with delay
+---@field delay? integer # first lag of the input: 1 for a force held between samples (F_1, F_2), 0 for a straight one (F_0, F_1 ...)
+---@field degree? integer # of the polynomial in all lagged samples
+---@field features? table # terms in place of the polynomial: expressions of lunid.channel "y_1", "F_1", "e_1" ...
+---@field constant? boolean # a constant among the terms
+---@field window? lunid.window # part of the records
+---@param fields lunid.narx.fields
+---@return lunid.history_model
+function lunid.narx(fields) end
+
+---A NARX model with past prediction errors, by extended least squares.
+---@class lunid.narmax.fields
+---@field record any # one record or several
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field outputs? integer # past samples of the output: y_1, y_2
+---@field inputs? integer # samples of the input, beginning with delay
+---@field delay? integer # first lag of the input: 1 for a force held between samples (F_1, F_2), 0 for a straight one (F_0, F_1 ...)
+---@field noise? integer # past prediction errors: e_1, e_2
+---@field degree? integer # of the polynomial in all lagged samples
+---@field features? table # terms in place of the polynomial: expressions of lunid.channel "y_1", "F_1", "e_1" ...
+---@field constant? boolean # a constant among the terms
+---@field max_passes? integer # of extended least squares
+---@field window? lunid.window # part of the records
+---@param fields lunid.narmax.fields
+---@return lunid.history_model
+function lunid.narmax(fields) end
+
+---Compares ARX models of all orders on the same rows, the one with the least BIC first.
+---@class lunid.history_orders.fields
+---@field record any # one record or several
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field outputs? integer # past outputs, at most
+---@field inputs? integer # inputs, at most
+---@field delay? integer # first lag of the input: 1 for a force held between samples (F_1, F_2), 0 for a straight one (F_0, F_1 ...)
+---@field window? lunid.window # part of the records
+---@param fields lunid.history_orders.fields
+---@return lunid.orders
+function lunid.history_orders(fields) end
+
+---A history model by its terms, as model:save writes it.
+---@class lunid.history_model.fields
+---@field output? string # channel that is predicted
+---@field input? string # channel that drives it
+---@field dt number # time between samples
+---@field between? "hold"|"linear"|"cubic"|"band_limited" # what the input does between samples
+---@field residual_std? number # of one-step predictions
+---@field terms table # entries { "y_1", 1.97, std = 1e-3 }
+---@param fields lunid.history_model.fields
+---@return lunid.history_model
+function lunid.history_model(fields) end
+
+---Chooses a model out of a library of features: candidates from regressions on the motion smoothed to several widths, judged by free runs, refined on the trajectory. What runs away is rejected, with the reason.
+---@class lunid.select.fields
+---@field record any # one record or several, to learn from
+---@field holdout? any # records on which free runs judge; else the last part of the records
+---@field holdout_part? number # of each record that is kept from the fits to judge, where no holdout is given
+---@field test? any # opened once, after the choice
+---@field mass number|lunid.expression # of the moving body
+---@field features table # the library; parameters inside them need min and max
+---@field known? number|lunid.expression # part of the restoring force that is known
+---@field most_terms? integer # of a candidate that is run
+---@field cut_off? number # least rms of a term over that of the restoring force; below it a candidate is rejected
+---@field channels? table # fitted on the trajectory; else y, and v where it was measured
+---@field widths? table # half widths of the smoothing filters in samples; else parts of the motion's period
+---@field search? lunid.search # for parameters inside features
+---@field iterations? integer # of each trajectory fit
+---@param fields lunid.select.fields
+---@return lunid.selection
+function lunid.select(fields) end
 
 ---A curve or a cloud of points, for figure.lines.
 ---@class lunid.figure.series.fields

@@ -35,9 +35,9 @@ bool linear(const std::filesystem::path& folder, const std::string& name) {
 bool nonlinear(const std::filesystem::path& folder, const nist::Formula& formula, int start) {
   const nist::Solved solved = nist::solve(nist::read_nonlinear(folder, formula.name), formula, start);
   const bool good = solved.values >= kValues && solved.deviations >= kDeviations;
-  std::printf("%-10s from start %d digits %4.1f   std %4.1f   %d iterations, %d evaluations: %s%s\n", formula.name, start + 1,
-              solved.values, solved.deviations, solved.iterations, solved.evaluations, solved.stopped.c_str(),
-              good ? "" : "   MISSED");
+  std::printf("%-10s from start %d digits %4.1f   std %4.1f   %d iterations, %d evaluations: %s%s\n", formula.name,
+              start + 1, solved.values, solved.deviations, solved.iterations, solved.evaluations,
+              solved.stopped.c_str(), good ? "" : "   MISSED");
   return good;
 }
 

@@ -129,8 +129,8 @@ const std::vector<Formula>& formulas() {
 
 namespace {
 
-/// Lanczos1's residuals are 1e-13 of numbers with 13 digits: rounding these to double moves the deviations in the fourth
-/// digit. In units of 1e-14, and of 0.05 for x, they are whole numbers, which double holds exactly.
+/// Lanczos1's residuals are 1e-13 of numbers with 13 digits: rounding these to double moves the deviations in the
+/// fourth digit. In units of 1e-14, and of 0.05 for x, they are whole numbers, which double holds exactly.
 void make_exact(std::vector<std::vector<double>>& rows) {
   for (std::vector<double>& row : rows) row = {std::round(row[0] * 1e14), std::round(row[1] * 20)};
 }

@@ -1,4 +1,5 @@
-// Nonlinear least squares: NIST's nonlinear problems, and what a fit does with bounds, weights and data that do not tell.
+// Nonlinear least squares: NIST's nonlinear problems, and what a fit does with bounds, weights and data that do not
+// tell.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,8 @@ class NistNonlinear : public testing::TestWithParam<nist::Formula> {};
 
 TEST_P(NistNonlinear, from_both_starts) {
   const std::filesystem::path folder = std::filesystem::path(LUNID_SHARED_DATA) / "nist/nonlinear";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no ../shared/data/nist/nonlinear: the NIST problems are not run";
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "no ../shared/data/nist/nonlinear: the NIST problems are not run";
   const nist::NonlinearProblem problem = nist::read_nonlinear(folder, GetParam().name);
   for (int start = 0; start < 2; ++start) {
     const nist::Solved solved = nist::solve(problem, GetParam(), start);

@@ -1,0 +1,469 @@
+-- The choice of a model: many cheap candidates out of one library of features, all judged by free runs.
+--
+-- Candidates come from regressions on motions smoothed to several widths, term after term taken away. Free runs reject
+-- what is unstable, the best of each size are fitted on the trajectory and thinned there by what is not significant, and
+-- the judge of the rest is a free run over data that nothing was fitted to.
+local core = require "lunid.core"
+local regression = require("lunid.regression")
+local schema = require "lunid.schema"
+local types = schema.types
+
+local selection = {}
+
+local record = types.is("record", "lunid.read")
+
+--- Half widths of the smoothing filters in samples, from a twelfth of a period of the motion down.
+local function half_widths(list)
+  local crossings, rows = 0, 0
+  for _, each in ipairs(list) do
+    local y = each:column "y"
+    local mean, before = y:mean(), nil
+    for i = 1, #y do
+      local above = y[i] > mean
+      if before ~= nil and above ~= before then crossings = crossings + 1 end
+      before = above
+    end
+    rows = rows + #y
+  end
+  local period = 2*rows / math.max(crossings, 1)
+  local widths, seen = {}, {}
+  for _, part in ipairs { 1/2, 1/3, 1/4, 1/6, 1/10 } do
+    local half = math.max(2, math.floor(part*period/2 + 0.5))
+    if not seen[half] then widths[#widths + 1] = half end
+    seen[half] = true
+  end
+  return widths
+end
+
+local function smoothed(list, half)
+  local out = {}
+  for i, each in ipairs(list) do out[i] = core.smooth_motion(each, half) end
+  return out
+end
+
+--- The term of a fit whose loss raises the residual least: the least value over standard deviation.
+local function weakest(fit, features)
+  local least, index = math.huge, nil
+  for i = 1, #features do
+    local term = fit.terms[i]
+    local size = term.std and term.std > 0 and math.abs(term.value or 0) / term.std or 0
+    if size < least then least, index = size, i end
+  end
+  return index
+end
+
+local function without(list, index)
+  local out = {}
+  for i, entry in ipairs(list) do
+    if i ~= index then out[#out + 1] = entry end
+  end
+  return out
+end
+
+local function key_of(features)
+  local names = {}
+  for i, feature in ipairs(features) do names[i] = tostring(feature) end
+  table.sort(names)
+  return table.concat(names, ", ")
+end
+
+--- "c_y3", "c_y_v2": a name for a feature's coefficient, as regressions have it.
+local function coefficient_name(feature)
+  local name = "c_" .. tostring(feature):gsub("[%^ ]", ""):gsub("[^%w_]+", "_")
+  return (name:gsub("_+$", ""))
+end
+
+--- mass*a + known + sum of value*feature = F.
+local function model_of(given, features, values)
+  local restoring = given.known or 0
+  for i, feature in ipairs(features) do
+    restoring = restoring + core.parameter { name = coefficient_name(feature), value = values[i], place = "" } * feature
+  end
+  return core.model { mass = { given.mass }, restoring = { restoring }, states = {} }
+end
+
+local function add(pool, given, candidate)
+  local key = key_of(candidate.features)
+  if #candidate.features > given.most_terms or pool.known[key .. candidate.from] then return end
+  pool.known[key .. candidate.from] = true
+  candidate.terms = #candidate.features
+  pool[#pool + 1] = candidate
+end
+
+--- Regressions with ever fewer terms on motions of one width; those with at most given.most_terms are candidates.
+local function add_strong(pool, given, train, half)
+  local motion, features = smoothed(train, half), given.features
+  while #features > 0 do
+    local fit = core.regress(motion, { mass = given.mass, known = given.known, features = features, blocks = 1,
+      search = given.search })
+    add(pool, given, { features = features, model = fit.model, r2 = fit.r2,
+      from = ("motion smoothed over %d samples"):format(2*half + 1) })
+    features = without(features, weakest(fit, features))
+  end
+end
+
+--- The same on the weak form, which takes no derivative of the data.
+local function add_weak(pool, given, train, half)
+  for _, step in ipairs(core.weak_path(train, given.features, given.mass, half, given.known)) do
+    local features = {}
+    for i, place in ipairs(step.features) do features[i] = given.features[place] end
+    if #features <= given.most_terms then
+      add(pool, given, { features = features, model = model_of(given, features, step.values), r2 = step.r2,
+        from = ("weak form over %d samples"):format(2*half + 1) })
+    end
+  end
+end
+
+--- The weak form needs a mass that is a number and features without parameters inside.
+local function is_linear(given)
+  if type(given.mass) ~= "number" then return false end
+  for _, feature in ipairs(given.features) do
+    for _, symbol in ipairs(core.is_expression(feature) and feature:symbols() or {}) do
+      if symbol.kind == "parameter" then return false end
+    end
+  end
+  return true
+end
+
+--- Free run over records; gap, or the reason for which it ended.
+local function judge(candidate, list)
+  local run = core.judge(candidate.model, list)
+  if not run.gap then return nil, ("free run stopped at t = %.4g s: %s"):format(run.stopped_at, run.cause) end
+  return run.gap
+end
+
+local function reject(candidate, reason)
+  candidate.rejected = reason
+  return nil
+end
+
+--- log of the number of ways to choose k of n.
+local function log_choices(n, k)
+  local sum = 0
+  for i = 1, k do sum = sum + math.log((n - k + i) / i) end
+  return sum
+end
+
+--- Schwarz's criterion, extended by the number of models of this size that the library holds (Chen & Chen 2008).
+--- `share`: of the rows that count as independent.
+local function criterion(candidate, library, share)
+  local terms, rows = #candidate.model.parameters, candidate.rows
+  return share*rows*math.log(candidate.cost / rows) + terms*math.log(math.max(share*rows, 2))
+    + 2*log_choices(math.max(library, terms), terms)
+end
+
+--- The share of rows that count as independent, from the residual's correlation with the row before: what a fit leaves
+--- where there is no noise is the error of the integration, and that of neighbouring rows is one.
+local function independent_share(fit, records)
+  local products, squares = 0, 0
+  for i = 1, #records do
+    local residual = fit:residual(i)
+    for k = 2, #residual do
+      local product, square = residual[k]*residual[k - 1], residual[k]^2
+      if product == product then products, squares = products + product, squares + square end
+    end
+  end
+  local correlation = squares > 0 and math.max(0, math.min(0.9999, products / squares)) or 0
+  return (1 - correlation) / (1 + correlation)
+end
+
+--- Fits a candidate on the trajectory; a new candidate, or nil.
+local function refined(candidate, given, list, iterations)
+  local good, fit = pcall(core.fit_trajectory, candidate.model, list,
+    { channels = given.channels, max_iterations = iterations or given.iterations })
+  if not good then
+    if tostring(fit):match "interrupted" then error(fit, 0) end
+    return reject(candidate, "no trajectory fit: " .. tostring(fit))
+  end
+  if not (fit.summary.cost < math.huge) then return reject(candidate, "no trajectory fit: " .. fit.summary.stopped) end
+  local new = { terms = candidate.terms, features = candidate.features, model = fit.model, r2 = candidate.r2, fit = fit,
+    from = candidate.from, cost = fit.summary.cost, rows = fit.summary.rows }
+  new.criterion = criterion(new, #given.features, 1)
+  return new
+end
+
+--- The candidate without the term that its trajectory needs least: least coefficient over its standard deviation.
+local function thinned(candidate, given)
+  local least, index = math.huge, nil
+  for i = 1, candidate.terms do
+    local parameter = candidate.model.parameters[i]
+    local size = parameter.std and parameter.std > 0 and math.abs(parameter.value) / parameter.std or 0
+    if size < least then least, index = size, i end
+  end
+  local values = {}
+  for i = 1, candidate.terms do values[i] = candidate.model.parameters[i].value end
+  local features = without(candidate.features, index)
+  return { terms = candidate.terms - 1, features = features, r2 = candidate.r2,
+    from = candidate.from .. ", thinned on the trajectory", model = model_of(given, features, without(values, index)) }
+end
+
+--- The best three stable candidates of each size, fitted on the trajectory.
+local function best_of_each_size(pool, given, train, known)
+  local fitted = {}
+  for terms = 1, given.most_terms do
+    local stable = {}
+    for _, candidate in ipairs(pool) do
+      if candidate.terms == terms then
+        local reason
+        candidate.gap, reason = judge(candidate, train)
+        if candidate.gap then stable[#stable + 1] = candidate else reject(candidate, reason) end
+      end
+    end
+    table.sort(stable, function(a, b) return a.gap < b.gap end)
+    local seen, count = {}, 0
+    for _, candidate in ipairs(stable) do
+      local key = key_of(candidate.features)
+      if not seen[key] and count < 3 then
+        count = count + 1
+        fitted[#fitted + 1] = refined(candidate, given, train)
+      end
+      seen[key], known[key] = true, true
+    end
+  end
+  return fitted
+end
+
+--- Takes term after term away from a fit, on the trajectory.
+local function thin_out(candidate, fitted, given, train, known)
+  while candidate and candidate.terms > 1 do
+    local smaller = thinned(candidate, given)
+    local key = key_of(smaller.features)
+    if known[key] then return end
+    known[key] = true
+    candidate = refined(smaller, given, train)
+    fitted[#fitted + 1] = candidate
+  end
+end
+
+local screening = 4  -- iterations of a fit that only ranks a feature
+
+--- The candidate with the one more feature that lowers the criterion most; nil where none does.
+local function grown(candidate, fitted, given, train, known)
+  local best = candidate
+  local there, values = {}, {}
+  for i, feature in ipairs(candidate.features) do
+    there[tostring(feature)], values[i] = true, candidate.model.parameters[i].value
+  end
+  values[#values + 1] = 0
+  for _, feature in ipairs(given.features) do
+    local features = { table.unpack(candidate.features) }
+    features[#features + 1] = feature
+    local key = key_of(features)
+    if not there[tostring(feature)] and not known[key] then
+      known[key] = true
+      local larger = refined({ terms = #features, features = features, r2 = candidate.r2,
+        from = candidate.from .. ", grown on the trajectory", model = model_of(given, features, values) }, given, train,
+        screening)
+      if larger and larger.criterion < best.criterion then best = larger end
+    end
+  end
+  if best == candidate then return nil end
+  best = refined(best, given, train)
+  fitted[#fitted + 1] = best
+  return best
+end
+
+local function least_criterion(list)
+  table.sort(list, function(a, b) return a.criterion < b.criterion end)
+  return list[1]
+end
+
+--- Thins the best fits and grows the best of what is left, until neither helps.
+local function search_on_trajectory(fitted, given, train, known)
+  least_criterion(fitted)
+  for _, start in ipairs { table.unpack(fitted, 1, math.min(3, #fitted)) } do
+    thin_out(start, fitted, given, train, known)
+  end
+  for _ = 1, 4 do
+    local best = least_criterion(fitted)
+    if not best or best.terms >= given.most_terms then return end
+    local larger = grown(best, fitted, given, train, known)
+    if not larger then return end
+    thin_out(larger, fitted, given, train, known)
+  end
+end
+
+--- Per term its rms over that of the restoring force along the measured motion; nil for one with a parameter inside.
+local function contributions(candidate, given, records)
+  local features, held, places, out = {}, {}, {}, {}
+  for i, feature in ipairs(candidate.features) do
+    local inner = false
+    for _, symbol in ipairs(core.is_expression(feature) and feature:symbols() or {}) do
+      inner = inner or symbol.kind == "parameter"
+    end
+    if not inner then
+      features[#features + 1], places[#places + 1] = feature, i
+      held[#held + 1] = { kind = "fixed", feature = feature, value = candidate.model.parameters[i].value, place = "" }
+    end
+  end
+  if #features == 0 then return out end
+  local fit = core.regress(records, { mass = given.mass, known = given.known, features = features, constraints = held,
+    blocks = 1 })
+  for i, place in ipairs(places) do out[place] = fit.terms[i].contribution end
+  return out
+end
+
+--- Rejects a candidate with a term that contributes less than the cut-off: what such a term describes is error.
+local function cut_off(candidate, given, records)
+  candidate.contributions = contributions(candidate, given, records)
+  for i = 1, candidate.terms do
+    local part = candidate.contributions[i]
+    if part and part < given.cut_off then
+      reject(candidate, ("%s is %.2g %% of the restoring force, below the cut-off of %g %%"):format(candidate.features[i],
+        100*part, 100*given.cut_off))
+      return
+    end
+  end
+end
+
+--- The candidate of least criterion for each number of terms, judged on the holdout.
+local function pareto_front(fitted, given, train, holdout)
+  local best, sharp = {}, least_criterion(fitted)
+  local share = sharp and independent_share(sharp.fit, train)
+  for _, candidate in ipairs(fitted) do candidate.criterion = criterion(candidate, #given.features, share) end
+  for _, candidate in ipairs(fitted) do
+    local other = best[candidate.terms]
+    if not other or candidate.criterion < other.criterion then best[candidate.terms] = candidate end
+  end
+  local sizes, front, least = {}, {}, math.huge
+  for terms in pairs(best) do sizes[#sizes + 1] = terms end
+  table.sort(sizes)
+  for _, terms in ipairs(sizes) do
+    local candidate, reason = best[terms], nil
+    candidate.train_gap, reason = judge(candidate, train)
+    if not candidate.train_gap then reject(candidate, reason) end
+    candidate.holdout_gap, reason = judge(candidate, holdout)
+    if not candidate.holdout_gap then reject(candidate, "on the holdout, " .. reason) end
+    if not candidate.rejected then cut_off(candidate, given, train) end
+    if not candidate.rejected then
+      candidate.on_front = candidate.cost < least
+      least = math.min(least, candidate.cost)
+    end
+    front[#front + 1] = candidate
+  end
+  return front
+end
+
+--- Among those whose free run on the holdout is within a tenth of the best one: the fewest terms whose criterion is
+--- within `strong` of the least, since only strong evidence (Kass & Raftery 1995) is to add a term.
+local function choose(front)
+  local strong = 10
+  local gap, least = math.huge, math.huge
+  for _, candidate in ipairs(front) do
+    if not candidate.rejected then gap = math.min(gap, candidate.holdout_gap) end
+  end
+  local function good(candidate) return not candidate.rejected and candidate.holdout_gap <= 1.1*gap end
+  for _, candidate in ipairs(front) do
+    if good(candidate) then least = math.min(least, candidate.criterion) end
+  end
+  for _, candidate in ipairs(front) do
+    if good(candidate) and candidate.criterion <= least + strong then return candidate end
+  end
+end
+
+--- What the usual pipeline gives: central differences and thresholded least squares.
+local function naive_model(given, train)
+  local fit = core.regress(smoothed(train, 0), { mass = given.mass, known = given.known, features = given.features,
+    blocks = 1, search = given.search, solver = regression.public.stlsq {} })
+  return { model = fit.model, regression = fit, r2 = fit.r2 }
+end
+
+--- The first part of each record to learn from, the rest to judge.
+local function split(list, part)
+  local train, holdout = {}, {}
+  for i, each in ipairs(list) do
+    local at = each.start + (1 - part)*each.duration
+    train[i], holdout[i] = each:window(each.start, at), each:window(at, each.start + each.duration)
+  end
+  return train, holdout
+end
+
+local function list_of(value) return type(value) == "table" and value or { value } end
+
+local function gap_text(gap) return gap and ("%.4g"):format(gap) or "-" end
+
+local function words_of(found)
+  local lines = { ("selected %d of %d features by the free run on %s"):format(found.terms, found.library, found.holdout_name),
+    "  terms   train gap  holdout gap    criterion" }
+  for _, row in ipairs(found.front) do
+    lines[#lines + 1] = ("%s %5d %11s %12s %12.1f  %s"):format(row == found.chosen and "*" or " ", row.terms,
+      gap_text(row.train_gap), gap_text(row.holdout_gap), row.criterion, row.names .. (row.rejected and ": " .. row.rejected or ""))
+  end
+  for _, row in ipairs(found.model.parameters) do
+    lines[#lines + 1] = ("  %s = %.6g%s"):format(row.name, row.value, row.std and (" +- %.2g"):format(row.std) or "")
+  end
+  if found.test_gap then lines[#lines + 1] = ("  test gap %s, opened once"):format(gap_text(found.test_gap)) end
+  lines[#lines + 1] = ("  rejected: %d of %d candidates"):format(#found.rejected, found.candidates)
+  return table.concat(lines, "\n")
+end
+
+selection.select = schema.define({
+  name = "select",
+  help = "Chooses a model out of a library of features: candidates from regressions on the motion smoothed to several "
+    .. "widths, judged by free runs, refined on the trajectory. What runs away is rejected, with the reason.",
+  fields = {
+    { "record", types.either(record, types.list(record, 1)), required = true, help = "one record or several, to learn from" },
+    { "holdout", types.either(record, types.list(record, 1)),
+      help = "records on which free runs judge; else the last part of the records" },
+    { "holdout_part", types.number { above = 0, below = 1 }, default = 0.25,
+      help = "of each record that is kept from the fits to judge, where no holdout is given" },
+    { "test", types.either(record, types.list(record, 1)), help = "opened once, after the choice" },
+    { "mass", types.expression, required = true, unit = "kg", help = "of the moving body" },
+    { "features", types.list(types.either(types.expression, types.is("features", "lunid.polynomials")), 1),
+      required = true, help = "the library; parameters inside them need min and max" },
+    { "known", types.expression, unit = "N", help = "part of the restoring force that is known" },
+    { "most_terms", types.integer { min = 1, max = 30 }, default = 7, help = "of a candidate that is run" },
+    { "cut_off", types.number { min = 0, below = 1 }, default = 0.005,
+      help = "least rms of a term over that of the restoring force; below it a candidate is rejected" },
+    { "channels", types.list(types.string, 1), help = "fitted on the trajectory; else y, and v where it was measured" },
+    { "widths", types.list(types.integer { min = 2 }, 1),
+      help = "half widths of the smoothing filters in samples; else parts of the motion's period" },
+    { "search", types.is("search", "lunid.search"), help = "for parameters inside features" },
+    { "iterations", types.integer { min = 1 }, default = 20, help = "of each trajectory fit" },
+  },
+  returns = "selection",
+  example = [[local found = lunid.select { record = train, test = test, mass = 1, features = { lunid.polynomials({ y, v }, 5) } }]],
+}, function(given)
+  local records = list_of(given.record)
+  given.features = regression.flat(given.features)
+  local train, holdout = records, given.holdout and list_of(given.holdout)
+  if not holdout then train, holdout = split(records, given.holdout_part) end
+  local measured = records[1].channels.v
+  given.channels = given.channels or (measured and not measured.derived and { "y", "v" } or { "y" })
+  given.most_terms = math.min(given.most_terms, #given.features)
+  local pool = { known = {} }
+  local weak = is_linear(given)
+  for _, half in ipairs(given.widths or half_widths(train)) do
+    if weak then add_weak(pool, given, train, 2*half) end
+    add_strong(pool, given, train, half)
+  end
+  local fitted = best_of_each_size(pool, given, train, pool.known)
+  search_on_trajectory(fitted, given, train, pool.known)
+  local front = pareto_front(fitted, given, train, holdout)
+  for _, row in ipairs(front) do row.names = key_of(row.features) end
+  local chosen = choose(front)
+  local rejected = {}
+  for _, list in ipairs { pool, front } do
+    for _, row in ipairs(list) do
+      if row.rejected then rejected[#rejected + 1] = { names = key_of(row.features), reason = row.rejected } end
+    end
+  end
+  if not chosen then
+    schema.fail("select", ("no candidate runs freely over the holdout (%d tried; the first: %s): other features, or fewer "
+      .. "terms"):format(#pool, rejected[1] and rejected[1].reason or "no candidate"))
+  end
+  local last = given.holdout and chosen or refined(chosen, given, records) or chosen
+  local naive = naive_model(given, train)
+  naive.holdout_gap, naive.rejected = judge(naive, holdout)
+  local found = { front = front, chosen = chosen, model = last.model, fit = last.fit, terms = chosen.terms,
+    features = chosen.features, library = #given.features, candidates = #pool, rejected = rejected, naive = naive,
+    train_gap = chosen.train_gap, holdout_gap = chosen.holdout_gap,
+    holdout_name = given.holdout and holdout[1].name or "the last part of the records" }
+  if given.test then
+    found.test_gap, found.test_rejected = judge(last, list_of(given.test))
+    naive.test_gap = judge(naive, list_of(given.test))
+  end
+  return schema.object("selection", found, nil, words_of)
+end)
+
+return selection
