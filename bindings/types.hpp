@@ -80,6 +80,7 @@ struct TrajectoryFit {
   std::vector<FitData> data;
   FitOptions options;
   FitResult result;
+  std::vector<std::string> notes;  ///< on external functions: what they cost
 };
 
 template <>
