@@ -1,6 +1,8 @@
 // Fits on the trajectory.
+#include <chrono>
 #include <cmath>
 
+#include "expr/external.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -62,9 +64,12 @@ int fit(lua_State* L) {
     if (std::isnan(parameter.value))
       throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess; give it one");
   const std::vector<double> start = model.values();
+  const ExternalWatch externals(*model.pool);
+  const auto begin = std::chrono::steady_clock::now();
   fit.result = fit_progressively(
       *fit.system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), fit.data,
       fit.options);
+  fit.notes = externals.notes(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   push<TrajectoryFit>(L, std::move(fit));
   return 1;
 }
@@ -219,6 +224,7 @@ int to_string(lua_State* L) {
       all += " (at its bound)";
     if (parameter.fixed) all += " (fixed)";
   }
+  for (const std::string& note : fit.notes) all += "\n  note: " + note;
   push_text(L, all);
   return 1;
 }

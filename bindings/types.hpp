@@ -82,6 +82,7 @@ struct TrajectoryFit {
   std::vector<FitData> data;
   FitOptions options;
   FitResult result;
+  std::vector<std::string> notes;  ///< on external functions: what they cost
 };
 
 template <>

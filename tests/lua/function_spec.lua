@@ -39,6 +39,17 @@ spec.case("it says what it costs", function()
   spec.contains(tostring(sweep), "\n  note: Lua function 'damper': ")
 end)
 
+spec.case("it is fitted on the trajectory as the expression is", function()
+  local record = run(written):record()
+  local function fitted(model)
+    return lunid.fit_trajectory { model = model:with { c = 12 }, record = record, channels = { "y", "v" } }
+  end
+  local found = fitted(called)
+  spec.near(found.model.parameters.c.value, 20, 0.1)  -- the record's force is straight between its samples
+  spec.near(found.model.parameters.c.value, fitted(written).model.parameters.c.value, 1e-7)
+  spec.contains(tostring(found), "\n  note: Lua function 'damper': ")
+end)
+
 spec.case("a gradient takes the place of differences", function()
   local exact = lunid.lua_function { "exact", function(v) return v^3 end, gradient = function(v) return 3*v^2 end }
   local slope = exact(v):derivative(v)
