@@ -21,9 +21,10 @@ void open_figures(lua_State* L);
 void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
-  static constexpr Opener all[] = {open_files,       open_expressions, open_columns,     open_records,   open_signals,
-                                   open_models,      open_runs,        open_fits,        open_responses, open_ensembles,
-                                   open_regressions, open_surfaces, open_statistics, open_comparisons, open_discoveries, open_figures,   open_doctor};
+  static constexpr Opener all[] = {
+      open_files,      open_expressions, open_columns,     open_records,   open_signals,     open_models,
+      open_runs,       open_fits,        open_responses,   open_ensembles, open_regressions, open_surfaces,
+      open_statistics, open_comparisons, open_discoveries, open_figures,   open_doctor};
   return all;
 }
 
