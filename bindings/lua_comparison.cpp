@@ -62,15 +62,14 @@ int evaluate(lua_State* L) {
   for (Index i = 0; i < result.size(); ++i)
     if (!std::isfinite(result[i]))
       throw InputError(check_string(L, 3) + ": '" + to_text(value.expr) + "' is not finite at t = " +
-                           write_number(record.time(i), Format::plain).text +
-                           " s: leave such rows out of the window",
+                           write_number(record.time(i), Format::plain).text + " s: leave such rows out of the window",
                        {}, Fault::data);
   push_column(L, result);
   return 1;
 }
 
-/// predict_one_step(model, record) -> column y, column v: each row but the first is run to from the measured state of the
-/// row before it, over four substeps.
+/// predict_one_step(model, record) -> column y, column v: each row but the first is run to from the measured state of
+/// the row before it, over four substeps.
 int predict_one_step(lua_State* L) {
   const System system(check<Model>(L, 1));
   const Record& record = check<Record>(L, 2);
@@ -119,7 +118,8 @@ void set_lag_test(lua_State* L, const char* field, const std::optional<LagTest>&
   lua_setfield(L, -2, "coefficients");
   set_number(L, "bound", test->bound);
   set_number(L, "p_value", test->p_value);
-  for (const auto& [name, value] : {std::pair{"beyond", test->beyond}, std::pair{"count", static_cast<int>(test->lags.size())}}) {
+  for (const auto& [name, value] :
+       {std::pair{"beyond", test->beyond}, std::pair{"count", static_cast<int>(test->lags.size())}}) {
     lua_pushinteger(L, value);
     lua_setfield(L, -2, name);
   }

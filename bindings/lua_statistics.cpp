@@ -119,8 +119,8 @@ int time_warping(lua_State* L) {
 /// quantiles(x) against a normal distribution, or quantiles(expected, found) -> expected, found, QQCC
 int quantiles(lua_State* L) {
   const VectorXd x = check_column(L, 1);
-  const Quantiles points = lua_isnoneornil(L, 2) ? normal_quantiles(span_of(x))
-                                                 : paired_quantiles(span_of(x), span_of(check_column(L, 2)));
+  const Quantiles points =
+      lua_isnoneornil(L, 2) ? normal_quantiles(span_of(x)) : paired_quantiles(span_of(x), span_of(check_column(L, 2)));
   push_column(L, points.expected);
   push_column(L, points.found);
   lua_pushnumber(L, quantile_correlation(points));
@@ -141,8 +141,7 @@ int kolmogorov_smirnov(lua_State* L) {
   with_field(L, 2, "other", [&] { other = check_column(L, -1); });
   if (other) return push_test(L, kolmogorov_two(span_of(x), span_of(*other)));
   const auto deviation = number_field(L, 2, "std");
-  if (deviation)
-    return push_test(L, kolmogorov_normal(span_of(x), number_field(L, 2, "mean").value_or(0), *deviation));
+  if (deviation) return push_test(L, kolmogorov_normal(span_of(x), number_field(L, 2, "mean").value_or(0), *deviation));
   return push_test(L, lilliefors(span_of(x), runtime(L).seed));
 }
 
@@ -151,7 +150,8 @@ int kolmogorov_smirnov(lua_State* L) {
 int ljung_box_of(lua_State* L) {
   const VectorXd x = check_column(L, 1);
   check_columns("ljung_box", {span_of(x)}, {.rows = 5});
-  return push_test(L, ljung_box(span_of(x), static_cast<int>(check_integer(L, 2)), static_cast<int>(check_integer(L, 3))));
+  return push_test(L,
+                   ljung_box(span_of(x), static_cast<int>(check_integer(L, 2)), static_cast<int>(check_integer(L, 3))));
 }
 
 int runs_test_of(lua_State* L) {

@@ -47,20 +47,19 @@ end
 
 --- A run beside a record on the samples and in the time that both have.
 local function of_run(given, run)
-  local whole = run:record()
-  local record = given.record
-  if math.abs(whole.dt / record.dt - 1) > 1e-9 then
-    fail(("the run steps by %g s, the record by %g s: simulate with the record as excitation"):format(whole.dt, record.dt))
+  local record, summary = given.record, run.summary
+  if math.abs(run.dt / record.dt - 1) > 1e-9 then
+    fail(("the run steps by %g s, the record by %g s: simulate with the record as excitation"):format(run.dt, record.dt))
   end
-  local summary = run.summary
-  local ends = whole.start + (run.rows - 1)*run.dt
-  local from = math.max(record.start, whole.start)
+  local start = run:column "t"[1]
+  local ends = start + (run.rows - 1)*run.dt
+  local from = math.max(record.start, start)
   local to = math.min(record.start + record.duration, ends)
   if to < from then
-    fail(("the run is from %g to %g s, the record from %g to %g s: they have no time in common"):format(whole.start, ends,
+    fail(("the run is from %g to %g s, the record from %g to %g s: they have no time in common"):format(start, ends,
       record.start, record.start + record.duration))
   end
-  local offset = (whole.start - record.start) / record.dt
+  local offset = (start - record.start) / record.dt
   if math.abs(offset - math.floor(offset + 0.5)) > 1e-3 then
     fail("the samples of the run lie between those of the record: simulate with the record as excitation")
   end
@@ -73,14 +72,15 @@ local function of_run(given, run)
     data.cause = summary.cause or "stop_when"
     return data
   end
-  whole = whole:window(record.start, record.start + record.duration)
-  data.predicted = whole:column(given.channel)
-  with_rates(data, record, given.channel, function(rate) return whole:column(rate) end)
+  local part = run:record():window(record.start, record.start + record.duration)
+  data.predicted = part:column(given.channel)
+  with_rates(data, record, given.channel, function(rate) return part:column(rate) end)
   return data
 end
 
-local function one_coordinate(model, mode)
+local function one_coordinate(given, model, mode)
   if model.degrees > 1 then fail(("mode '%s' takes a model of one coordinate, got one of %d"):format(mode, model.degrees)) end
+  if given.channel ~= "y" then fail(("channel: mode '%s' has no other, got '%s'"):format(mode, given.channel)) end
 end
 
 local ways = {}
@@ -92,7 +92,7 @@ function ways.free_run(given, model)
 end
 
 function ways.one_step(given, model)
-  one_coordinate(model, "one_step")
+  one_coordinate(given, model, "one_step")
   local record = cut(given.record, given.window, "the record")
   local y, v = core.predict_one_step(model, record)
   record = record:window(record.start + record.dt, record.start + record.duration)
@@ -102,7 +102,7 @@ end
 
 --- The restoring force along the measured motion, beside F - m*a.
 function ways.equation_error(given, model)
-  one_coordinate(model, "equation_error")
+  one_coordinate(given, model, "equation_error")
   local record = cut(given.record, given.window, "the record")
   local target = core.channel "F" - model.mass*core.channel "a"
   return { record = record, mode = "equation_error", quantity = tostring(model.mass) == "0" and "F" or "F - m*a", unit = "N",
@@ -137,7 +137,10 @@ local function gather(given)
     return of_run(given, given.run)
   end
   local model = given.model or given.regression.model
-  if model.imposed_motion then return ways.imposed_motion(given, model) end
+  if model.imposed_motion then
+    if given.mode then fail(("mode: the motion of this model is imposed, its force is compared; got '%s'"):format(given.mode)) end
+    return ways.imposed_motion(given, model)
+  end
   return ways[given.mode or (given.regression and "equation_error" or "free_run")](given, model)
 end
 

@@ -58,12 +58,12 @@ local function of_two(name, help, example)
   }, function(given) return measures[name](given.a, given.b) end)
 end
 
-of_two("correlation", "Pearson's correlation, and the probability of one as far from 0 by chance, by a block bootstrap that "
-  .. "holds for coloured rows.", [[local r, p = lunid.statistics.correlation(record:column "F", record:column "y")]])
-of_two("spearman", "Spearman's rank correlation, and the probability of one as far from 0 by chance if the rows were "
-  .. "independent.", [[local rho, p = lunid.statistics.spearman(record:column "F", record:column "y")]])
-of_two("kendall", "Kendall's rank correlation tau-b, and the probability of one as far from 0 by chance if the rows were "
-  .. "independent.", [[local tau, p = lunid.statistics.kendall(record:column "F", record:column "y")]])
+of_two("correlation", "Pearson's correlation. A second value is the probability of one as far from 0 by chance, by a block "
+  .. "bootstrap that holds for coloured rows.", [[local r, p = lunid.statistics.correlation(record:column "F", record:column "y")]])
+of_two("spearman", "Spearman's rank correlation. A second value is the probability of one as far from 0 by chance if the rows "
+  .. "were independent.", [[local rho, p = lunid.statistics.spearman(record:column "F", record:column "y")]])
+of_two("kendall", "Kendall's rank correlation tau-b. A second value is the probability of one as far from 0 by chance if the "
+  .. "rows were independent.", [[local tau, p = lunid.statistics.kendall(record:column "F", record:column "y")]])
 
 -- ---- information ----
 
@@ -178,18 +178,24 @@ define({
 
 define({
   name = "kolmogorov_smirnov",
-  help = "Largest distance of two distribution functions and the probability of as much by chance, for independent rows: a "
-    .. "column and any normal distribution, a known one (std =), or another column.",
+  help = "Largest distance of two distribution functions: of a column and any normal distribution, a known one (std =), or "
+    .. "another column. A second value is the probability of as much by chance, for independent rows.",
   positional = { "x", "other" },
   fields = {
     { "x", column, required = true, help = "the column" },
     { "other", column, help = "another column" },
-    { "mean", types.number(), default = 0, help = "of the normal distribution, where std is given" },
+    { "mean", types.number(), help = "of a normal distribution known beforehand; else 0" },
     { "std", types.number { above = 0 }, help = "of a normal distribution known beforehand; else those of the column itself" },
   },
   returns = "number",
   example = [[local d, p = lunid.statistics.kolmogorov_smirnov { residual, std = 1e-5 }]],
-}, function(given) return measures.kolmogorov_smirnov(given.x, given) end)
+}, function(given)
+  if given.mean and not given.std then schema.fail("statistics.kolmogorov_smirnov: mean", "goes with std") end
+  if given.other and given.std then
+    schema.fail("statistics.kolmogorov_smirnov: other", "expected another column or a normal distribution, got both")
+  end
+  return measures.kolmogorov_smirnov(given.x, given)
+end)
 
 define({
   name = "principal_components",

@@ -49,8 +49,8 @@ void add_intervals(const VectorXd& residual, const ComparedColumns& columns, con
       [&](std::span<const Index> of) {
         const VectorXd a = chosen(columns.measured, of), b = chosen(columns.model, of);
         VectorXd values = VectorXd::Zero(6);
-        values.head(4) << rmse(span_of(a), span_of(b)), nrmse(span_of(a), span_of(b)), r_squared(span_of(a), span_of(b)),
-            fit_percent(span_of(a), span_of(b));
+        values.head(4) << rmse(span_of(a), span_of(b)), nrmse(span_of(a), span_of(b)),
+            r_squared(span_of(a), span_of(b)), fit_percent(span_of(a), span_of(b));
         if (orders)
           values.tail(2) << spearman(span_of(a), span_of(b)).coefficient, kendall(span_of(a), span_of(b)).coefficient;
         return values;

@@ -20,11 +20,11 @@ struct ComparedColumns {
 };
 
 struct AgreementOptions {
-  int neighbours = 3;        ///< of the mutual information
-  int lags = 25;             ///< of the residual tests; cut to a quarter of the rows
-  Eigen::Index band = -1;    ///< of the time warping, rows; < 0: none, and for more than 10000 rows 5e7 / rows
-  double level = 0;          ///< of the intervals; 0: none
-  int draws = 999;           ///< of the block bootstrap
+  int neighbours = 3;      ///< of the mutual information
+  int lags = 25;           ///< of the residual tests; cut to a quarter of the rows
+  Eigen::Index band = -1;  ///< of the time warping, rows; < 0: none, and for more than 10000 rows 5e7 / rows
+  double level = 0;        ///< of the intervals; 0: none
+  int draws = 999;         ///< of the block bootstrap
   std::uint64_t seed = 1;
   int threads = 0;
 };
@@ -38,9 +38,9 @@ struct Agreement {
   Eigen::Index band = -1;                       ///< that dtw was taken in
   std::optional<double> mutual_information;     ///< of measurement and model [nat]
   std::optional<Correlation> spearman, kendall;
-  std::optional<LagTest> white;     ///< the residual's own past
-  std::optional<TestResult> runs;   ///< signs of the residual
-  std::optional<LagTest> follows;   ///< residual and input
+  std::optional<LagTest> white;               ///< the residual's own past
+  std::optional<TestResult> runs;             ///< signs of the residual
+  std::optional<LagTest> follows;             ///< residual and input
   std::map<std::string, Interval> intervals;  ///< rmse nrmse r2 fit spearman kendall mutual_information
   Eigen::Index block_length = 1;              ///< of the intervals: what residual and measurement call for
 };

@@ -15,8 +15,8 @@ struct ColumnNeeds {
   bool may_be_constant = false;  ///< a column of one value has a meaning
   bool may_differ = false;       ///< in their lengths
 };
-/// Throws InputError (Fault::data) naming `who`, the column (from 1) and the row (from 1): columns of different lengths,
-/// too few rows, a value that is not finite, a constant column.
+/// Throws InputError (Fault::data) naming `who`, the column (from 1) and the row (from 1): columns of different
+/// lengths, too few rows, a value that is not finite, a constant column.
 void check_columns(std::string_view who, const ColumnList& columns, const ColumnNeeds& needs = {});
 
 inline std::span<const double> span_of(const Eigen::VectorXd& x) {

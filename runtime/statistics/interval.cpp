@@ -19,8 +19,7 @@ using Eigen::VectorXd;
 void check(Index rows, const IntervalOptions& options) {
   if (!(options.level > 0 && options.level < 1))
     throw InputError("interval: level: expected > 0 and < 1, got " + std::to_string(options.level));
-  if (options.draws < 99)
-    throw InputError("interval: draws: expected >= 99, got " + std::to_string(options.draws));
+  if (options.draws < 99) throw InputError("interval: draws: expected >= 99, got " + std::to_string(options.draws));
   if (options.block_length < 1 || 5 * options.block_length > rows)
     throw InputError("interval: block: expected 1 to " + std::to_string(std::max<Index>(rows / 5, 1)) +
                      " rows, a fifth of them, got " + std::to_string(options.block_length));
@@ -34,14 +33,16 @@ MatrixXd evaluate(int choices, const RowStatistics& of, int threads, Choose choo
   MatrixXd table(values[0].size(), choices);
   for (int i = 0; i < choices; ++i) table.col(i) = values[static_cast<std::size_t>(i)];
   if (!table.allFinite())
-    throw InputError("interval: the statistic is not finite for some choice of the rows: take longer blocks or a longer "
-                     "window", {}, Fault::data);
+    throw InputError(
+        "interval: the statistic is not finite for some choice of the rows: take longer blocks or a longer "
+        "window",
+        {}, Fault::data);
   return table;
 }
 
 double quantile(const VectorXd& ordered, double p) {
-  const double place = std::clamp(p * static_cast<double>(ordered.size() + 1) - 1, 0.0,
-                                  static_cast<double>(ordered.size() - 1));
+  const double place =
+      std::clamp(p * static_cast<double>(ordered.size() + 1) - 1, 0.0, static_cast<double>(ordered.size() - 1));
   const auto below = std::min(static_cast<Index>(place), ordered.size() - 2);
   return ordered[below] + (place - static_cast<double>(below)) * (ordered[below + 1] - ordered[below]);
 }
@@ -74,8 +75,8 @@ std::vector<Interval> jackknife_intervals(Index rows, const RowStatistics& of, c
     return kept;
   };
   const VectorXd whole = of(all_but(0, 0));
-  const MatrixXd table = evaluate(blocks, of, options.threads,
-                                  [&](int b) { return all_but(rows * b / blocks, rows * (b + 1) / blocks); });
+  const MatrixXd table =
+      evaluate(blocks, of, options.threads, [&](int b) { return all_but(rows * b / blocks, rows * (b + 1) / blocks); });
   const double width = normal_quantile(0.5 + options.level / 2);
   std::vector<Interval> result;
   for (Index s = 0; s < table.rows(); ++s) {

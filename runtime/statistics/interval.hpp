@@ -29,9 +29,9 @@ struct Interval {
 /// Throws InputError for options out of range and for a statistic that is not finite.
 std::vector<Interval> bootstrap_intervals(Eigen::Index rows, const RowStatistics& of, const IntervalOptions& options);
 
-/// The same with each block left out in turn: value +- z times the deviation that follows. For statistics that rows which
-/// repeat would mislead, such as distances to nearest neighbours. (Kuensch 1989, 2.) At least 5 blocks; long records are
-/// cut into 50.
+/// The same with each block left out in turn: value +- z times the deviation that follows. For statistics that rows
+/// which repeat would mislead, such as distances to nearest neighbours. (Kuensch 1989, 2.) At least 5 blocks; long
+/// records are cut into 50.
 std::vector<Interval> jackknife_intervals(Eigen::Index rows, const RowStatistics& of, const IntervalOptions& options);
 
 }  // namespace lunid

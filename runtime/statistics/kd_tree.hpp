@@ -42,9 +42,9 @@ class KdTree {
  private:
   static constexpr int leaf_size = 12;
   struct Node {
-    int first, last;     ///< places
-    int axis = -1;       ///< -1: a leaf
-    int right = 0;       ///< the left child is the next node
+    int first, last;                       ///< places
+    int axis = -1;                         ///< -1: a leaf
+    int right = 0;                         ///< the left child is the next node
     double left_end = 0, right_begin = 0;  ///< of the children along the axis
   };
 

@@ -125,7 +125,9 @@ double stephens(double d, double n) { return d * (std::sqrt(n) - 0.01 + 0.85 / s
 double share_of_paths_below(double d, int n, int m) {
   const double width = d * n * m * (1 - 1e-12);  // |i m - j n| in whole numbers, so that D itself counts as reached
   std::vector<double> share(static_cast<std::size_t>(m) + 1);
-  const auto inside = [&](int i, int j) { return std::abs(static_cast<double>(i) * m - static_cast<double>(j) * n) < width; };
+  const auto inside = [&](int i, int j) {
+    return std::abs(static_cast<double>(i) * m - static_cast<double>(j) * n) < width;
+  };
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= m; ++j) {
       double& here = share[static_cast<std::size_t>(j)];
@@ -153,8 +155,7 @@ double kolmogorov_tail(double d, double n) {
 
 double smirnov_tail(double d, double n, double m) {
   if (d <= 0) return 1;
-  if (n * m <= 1e6)
-    return std::clamp(1 - share_of_paths_below(d, static_cast<int>(n), static_cast<int>(m)), 0.0, 1.0);
+  if (n * m <= 1e6) return std::clamp(1 - share_of_paths_below(d, static_cast<int>(n), static_cast<int>(m)), 0.0, 1.0);
   const double effective = std::sqrt(n * m / (n + m));
   return limit_tail(d * (effective + 0.12 + 0.11 / effective));
 }

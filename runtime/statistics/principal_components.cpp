@@ -20,8 +20,7 @@ PrincipalComponents principal_components(const Eigen::MatrixXd& columns, bool st
   if (standardise) result.scale = (centred.colwise().squaredNorm() / freedom).cwiseSqrt();
   for (Eigen::Index c = 0; c < columns.cols(); ++c) centred.col(c) /= result.scale[c];
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(centred);
-  const Eigen::MatrixXd triangle =
-      qr.matrixQR().topRows(columns.cols()).triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd triangle = qr.matrixQR().topRows(columns.cols()).triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
   result.variances = svd.singularValues().cwiseAbs2() / freedom;
   const double total = result.variances.sum();

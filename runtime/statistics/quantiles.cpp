@@ -26,8 +26,8 @@ Eigen::VectorXd quantiles_of(const Eigen::VectorXd& ordered, Eigen::Index count)
   const Eigen::Index n = ordered.size();
   if (count == n) return ordered;
   return Eigen::VectorXd::NullaryExpr(count, [&](Eigen::Index i) {
-    const double place = std::clamp(position(i, count) * (static_cast<double>(n) + 0.25) - 0.625, 0.0,
-                                    static_cast<double>(n - 1));
+    const double place =
+        std::clamp(position(i, count) * (static_cast<double>(n) + 0.25) - 0.625, 0.0, static_cast<double>(n - 1));
     const auto below = std::min(static_cast<Eigen::Index>(place), n - 2);
     return ordered[below] + (place - static_cast<double>(below)) * (ordered[below + 1] - ordered[below]);
   });

@@ -106,8 +106,7 @@ Correlation kendall(std::span<const double> a, std::span<const double> b) {
   const auto same_a = [&](std::size_t i, std::size_t j) { return a[order[i]] == a[order[j]]; };
   const auto same_b = [&](std::size_t i, std::size_t j) { return b[order[i]] == b[order[j]]; };
   const Ties in_a = count_ties(a.size(), same_a);
-  const Ties in_both =
-      count_ties(a.size(), [&](std::size_t i, std::size_t j) { return same_a(i, j) && same_b(i, j); });
+  const Ties in_both = count_ties(a.size(), [&](std::size_t i, std::size_t j) { return same_a(i, j) && same_b(i, j); });
   std::vector<double> sorted(b.size()), work(b.size());
   for (std::size_t i = 0; i < b.size(); ++i) sorted[i] = b[order[i]];
   const auto discordant = static_cast<double>(sort_counting(sorted, work, 0, sorted.size()));

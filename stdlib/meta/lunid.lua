@@ -1050,19 +1050,19 @@ function lunid.statistics.r2(measured, model) end
 ---@return number
 function lunid.statistics.fit(measured, model) end
 
----Pearson's correlation, and the probability of one as far from 0 by chance, by a block bootstrap that holds for coloured rows.
+---Pearson's correlation. A second value is the probability of one as far from 0 by chance, by a block bootstrap that holds for coloured rows.
 ---@param a any # one column
 ---@param b any # another of the same length
 ---@return number
 function lunid.statistics.correlation(a, b) end
 
----Spearman's rank correlation, and the probability of one as far from 0 by chance if the rows were independent.
+---Spearman's rank correlation. A second value is the probability of one as far from 0 by chance if the rows were independent.
 ---@param a any # one column
 ---@param b any # another of the same length
 ---@return number
 function lunid.statistics.spearman(a, b) end
 
----Kendall's rank correlation tau-b, and the probability of one as far from 0 by chance if the rows were independent.
+---Kendall's rank correlation tau-b. A second value is the probability of one as far from 0 by chance if the rows were independent.
 ---@param a any # one column
 ---@param b any # another of the same length
 ---@return number
@@ -1109,11 +1109,11 @@ function lunid.statistics.qq(found, expected) end
 ---@return number
 function lunid.statistics.qqcc(found, expected) end
 
----Largest distance of two distribution functions and the probability of as much by chance, for independent rows: a column and any normal distribution, a known one (std =), or another column.
+---Largest distance of two distribution functions: of a column and any normal distribution, a known one (std =), or another column. A second value is the probability of as much by chance, for independent rows.
 ---@class lunid.statistics.kolmogorov_smirnov.fields
 ---@field x any # the column
 ---@field other? any # another column
----@field mean? number # of the normal distribution, where std is given
+---@field mean? number # of a normal distribution known beforehand; else 0
 ---@field std? number # of a normal distribution known beforehand; else those of the column itself
 ---@param fields lunid.statistics.kolmogorov_smirnov.fields
 ---@return number

@@ -62,7 +62,8 @@ MatrixXd scatter(std::uint64_t seed) {
 constexpr Index rows = 4000;
 constexpr int features = 21, degree = 5, neighbours = 3;
 
-/// The estimator of Kraskov, Stoegbauer and Grassberger: a k-d tree over the plane, built and asked as simply as may be.
+/// The estimator of Kraskov, Stoegbauer and Grassberger: a k-d tree over the plane, built and asked as simply as may
+/// be.
 class Plane {
  public:
   Plane(const VectorXd& x, const VectorXd& y) : x_(x), y_(y), order_(x.size()) {

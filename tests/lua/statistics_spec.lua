@@ -168,6 +168,9 @@ spec.case("faults of columns", function()
     "interval: of: expected the function to return a number, got the string 'x'")
   fault(function() statistics.interval { of = statistics.rmse, columns = { a } } end,
     "interval: the column: expected 10 rows or more, got 8")
+  fault(function() statistics.kolmogorov_smirnov { a, mean = 1 } end, "statistics.kolmogorov_smirnov: mean: goes with std")
+  fault(function() statistics.kolmogorov_smirnov { a, b, std = 1 } end,
+    "statistics.kolmogorov_smirnov: other: expected another column or a normal distribution, got both")
   fault(function() return statistics.kendal end, "lunid.statistics has no 'kendal', did you mean 'kendall'?")
 end)
 
@@ -195,6 +198,11 @@ spec.case("faults of comparisons and rankings", function()
     "compare: mode 'one_step': the state 'z' is not measured: take mode = \"free_run\"")
   fault(function() lunid.compare { model = memory, record = record, mode = "equation_error" } end,
     "compare: the state 'z' is not measured: take mode = \"free_run\"")
+  local damper = lunid.model { mass = 0, restoring = 369*v, motion = "imposed" }
+  fault(function() lunid.compare { model = damper, record = record, mode = "one_step" } end,
+    "compare: mode: the motion of this model is imposed, its force is compared; got 'one_step'")
+  fault(function() lunid.compare { model = model, record = record, mode = "one_step", channel = "v" } end,
+    "compare: channel: mode 'one_step' has no other, got 'v'")
   fault(function() lunid.rank_features { record = record, features = { y, 1 } } end,
     "rank_features: the feature '1' is constant, 1: leave it out")
   fault(function() lunid.rank_features { features = { y } } end,

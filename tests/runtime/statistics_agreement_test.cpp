@@ -24,7 +24,8 @@ TEST(Whiteness, CountsWhatIsBeyondItsBound) {
   EXPECT_EQ(test.p_value, ljung_box(span_of(x), 20).p_value);
   // Of white noise 1 in 20 is beyond: 40 draws of 20 lags, 40 +- 4 deviations of 6.
   int beyond = 0;
-  for (std::uint64_t draw = 0; draw < 40; ++draw) beyond += whiteness(span_of(autoregressive(400, {}, draw)), 20).beyond;
+  for (std::uint64_t draw = 0; draw < 40; ++draw)
+    beyond += whiteness(span_of(autoregressive(400, {}, draw)), 20).beyond;
   EXPECT_GE(beyond, 16);
   EXPECT_LE(beyond, 64);
 }
@@ -122,7 +123,8 @@ TEST(Intervals, AreTheSameForAnyNumberOfThreads) {
             "interval: block: expected 1 to 40 rows, a fifth of them, got 41");
   more.block_length = 10;
   EXPECT_EQ(message_of([&] {
-              bootstrap_intervals(200, [](auto) { return one_value(NAN); }, more);
+              bootstrap_intervals(
+                  200, [](auto) { return one_value(NAN); }, more);
             }),
             "interval: the statistic is not finite for some choice of the rows: take longer blocks or a longer window");
 }
@@ -135,8 +137,7 @@ TEST(Agreement, GivesEveryMeasureByItsOwnFunction) {
   AgreementOptions options;
   options.level = 0.9;
   options.draws = 199;
-  const Agreement found =
-      agreement({span_of(y), span_of(model), span_of(v), span_of(v), span_of(force)}, options);
+  const Agreement found = agreement({span_of(y), span_of(model), span_of(v), span_of(v), span_of(force)}, options);
   EXPECT_EQ(found.rmse, rmse(span_of(y), span_of(model)));
   EXPECT_EQ(found.r2, r_squared(span_of(y), span_of(model)));
   EXPECT_NEAR(found.fit, 100 * (1 - found.nrmse), 1e-12);
@@ -147,7 +148,9 @@ TEST(Agreement, GivesEveryMeasureByItsOwnFunction) {
   EXPECT_EQ(found.white->p_value, ljung_box(span_of(residual), 25).p_value);
   EXPECT_EQ(found.follows->coefficients, cross_correlation(span_of(residual), span_of(force), 25).coefficients);
   ASSERT_EQ(found.intervals.size(), 7u);
-  for (const auto& [name, value] : {std::pair{"rmse", found.rmse}, {"r2", found.r2}, {"spearman", found.spearman->coefficient},
+  for (const auto& [name, value] : {std::pair{"rmse", found.rmse},
+                                    {"r2", found.r2},
+                                    {"spearman", found.spearman->coefficient},
                                     {"mutual_information", *found.mutual_information}}) {
     EXPECT_LE(found.intervals.at(name).low, value) << name;
     EXPECT_GE(found.intervals.at(name).high, value) << name;
@@ -163,9 +166,13 @@ TEST(Agreement, OfAPerfectModelAndOfOneAtRest) {
   const Agreement still = agreement({span_of(y), span_of(rest), {}, {}, {}});
   EXPECT_FALSE(still.mutual_information || still.spearman);
   EXPECT_TRUE(still.white);
-  EXPECT_EQ(message_of([&] { agreement({span_of(rest), span_of(y), {}, {}, {}}); }),
+  EXPECT_EQ(message_of([&] {
+              agreement({span_of(rest), span_of(y), {}, {}, {}});
+            }),
             "compare: measured: the column is constant, 0: nothing can vary with it");
-  EXPECT_EQ(message_of([&] { agreement({span_of(y).first(19), span_of(y).first(19), {}, {}, {}}); }),
+  EXPECT_EQ(message_of([&] {
+              agreement({span_of(y).first(19), span_of(y).first(19), {}, {}, {}});
+            }),
             "compare: measured: the column: expected 20 rows or more, got 19");
 }
 

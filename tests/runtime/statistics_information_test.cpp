@@ -114,9 +114,13 @@ TEST(MutualInformation, RefusesWhatItCannotTake) {
             "mutual_information: columns 1 and 2 have 6 and 5 rows: cut them to one window");
   EXPECT_EQ(message_of([&] { mutual_information(x, flat); }),
             "mutual_information: column 2 is constant, 2.5: nothing can vary with it");
-  EXPECT_EQ(message_of([&] { mutual_information(x, std::vector<double>{1, 2, NAN, 4, 5, 6}); }),
+  EXPECT_EQ(message_of([&] {
+              mutual_information(x, std::vector<double>{1, 2, NAN, 4, 5, 6});
+            }),
             "mutual_information: column 2 is not a number at row 3 of 6: leave such rows out of the window");
-  EXPECT_EQ(message_of([&] { mutual_information(std::vector<double>{1, 2, 3}, std::vector<double>{1, 2, 3}); }),
+  EXPECT_EQ(message_of([&] {
+              mutual_information(std::vector<double>{1, 2, 3}, std::vector<double>{1, 2, 3});
+            }),
             "mutual_information: column 1: expected 5 rows or more, got 3");
   EXPECT_EQ(message_of([&] { mutual_information(x, x, {6}); }),
             "mutual_information: neighbours: expected 1 to 5, got 6");

@@ -16,14 +16,15 @@ using test::message_of;
 using test::span_of;
 
 TEST(Kolmogorov, OneSampleIsThatOfTheTables) {
-  // Two-sided critical values (Miller 1956, J. Am. Stat. Assoc. 51, 111; five digits): D is known to 5e-6, and P falls by
-  // a factor of 4 d sqrt(n) * 5e-6 with it.
+  // Two-sided critical values (Miller 1956, J. Am. Stat. Assoc. 51, 111; five digits): D is known to 5e-6, and P falls
+  // by a factor of 4 d sqrt(n) * 5e-6 with it.
   const struct {
     int n;
     double d, p;
-  } table[] = {{1, 0.97500, 0.05},  {2, 0.84189, 0.05},  {3, 0.70760, 0.05},  {5, 0.56328, 0.05},  {10, 0.40925, 0.05},
-               {10, 0.48893, 0.01}, {20, 0.29408, 0.05}, {20, 0.35241, 0.01}, {30, 0.24170, 0.05}, {50, 0.18841, 0.05},
-               {100, 0.13403, 0.05}, {100, 0.16081, 0.01}, {20, 0.26473, 0.10}};
+  } table[] = {{1, 0.97500, 0.05},  {2, 0.84189, 0.05},  {3, 0.70760, 0.05},   {5, 0.56328, 0.05},
+               {10, 0.40925, 0.05}, {10, 0.48893, 0.01}, {20, 0.29408, 0.05},  {20, 0.35241, 0.01},
+               {30, 0.24170, 0.05}, {50, 0.18841, 0.05}, {100, 0.13403, 0.05}, {100, 0.16081, 0.01},
+               {20, 0.26473, 0.10}};
   for (const auto& row : table) EXPECT_NEAR(kolmogorov_tail(row.d, row.n) / row.p, 1, 3e-4) << row.n << " " << row.d;
   // Marsaglia, Tsang & Wang 2003: P(D_10 < 0.274) = 0.6284796154565043.
   EXPECT_NEAR(kolmogorov_tail(0.274, 10), 1 - 0.628479615456504275, 1e-13);
@@ -64,7 +65,8 @@ TEST(Smirnov, TwoSamplesOfOneSizeFollowTheReflectionPrinciple) {
 
 TEST(KolmogorovSmirnov, HoldsItsLevelAndSeesADifference) {
   const auto normal = [](int rows, std::uint64_t draw) { return autoregressive(rows, {}, draw); };
-  const double known = alarms(400, [&](std::uint64_t d) { return kolmogorov_normal(span_of(normal(80, d)), 0, 1).p_value; });
+  const double known =
+      alarms(400, [&](std::uint64_t d) { return kolmogorov_normal(span_of(normal(80, d)), 0, 1).p_value; });
   const double own = alarms(400, [&](std::uint64_t d) { return lilliefors(span_of(normal(80, d)), d).p_value; });
   const double two = alarms(400, [&](std::uint64_t d) {
     return kolmogorov_two(span_of(normal(60, d)), span_of(normal(90, d + 4000))).p_value;
@@ -80,8 +82,8 @@ TEST(KolmogorovSmirnov, HoldsItsLevelAndSeesADifference) {
 }
 
 TEST(Lilliefors, IsThatOfItsTable) {
-  // Lilliefors 1967, corrected by Dallal & Wilkinson 1986: 20 rows, 0.192 at 5 %. A sample whose D is within 0.002 of that has a
-  // p-value within 12 % of 0.05; the error of its draws is as large.
+  // Lilliefors 1967, corrected by Dallal & Wilkinson 1986: 20 rows, 0.192 at 5 %. A sample whose D is within 0.002 of
+  // that has a p-value within 12 % of 0.05; the error of its draws is as large.
   int met = 0;
   for (std::uint64_t draw = 1; draw < 500; ++draw) {
     const Eigen::VectorXd x = autoregressive(20, {}, draw);
@@ -116,11 +118,17 @@ TEST(Quantiles, OfTwoSamplesAreThoseOfTheShorter) {
 }
 
 TEST(KolmogorovSmirnov, RefusesWhatItCannotTake) {
-  EXPECT_EQ(message_of([] { kolmogorov_normal(std::vector<double>{1, 2}, 0, 0); }),
+  EXPECT_EQ(message_of([] {
+              kolmogorov_normal(std::vector<double>{1, 2}, 0, 0);
+            }),
             "kolmogorov_smirnov: std: expected > 0");
-  EXPECT_EQ(message_of([] { lilliefors(std::vector<double>{1, 2, 3}, 1); }),
+  EXPECT_EQ(message_of([] {
+              lilliefors(std::vector<double>{1, 2, 3}, 1);
+            }),
             "kolmogorov_smirnov: the column: expected 5 rows or more, got 3");
-  EXPECT_EQ(message_of([] { normal_quantiles(std::vector<double>{1, 1, 1}); }),
+  EXPECT_EQ(message_of([] {
+              normal_quantiles(std::vector<double>{1, 1, 1});
+            }),
             "qq: the column is constant, 1: nothing can vary with it");
 }
 

@@ -33,7 +33,8 @@ TEST(Spearman, WithTiesIsTheCorrelationOfMeanRanks) {
   // Ranks 1 2.5 2.5 4 5 and 1 3 2 4.5 4.5: sum of products about the mean 9, of squares 9.5 and 9.5.
   const Correlation found = spearman(std::vector<double>{1, 2, 2, 3, 4}, std::vector<double>{0, 2, 1, 5, 5});
   EXPECT_NEAR(found.coefficient, 9 / 9.5, 1e-14);
-  EXPECT_NEAR(found.p_value, 2 * t_tail(found.coefficient * std::sqrt(3 / (1 - std::pow(found.coefficient, 2))), 3), 1e-14);
+  EXPECT_NEAR(found.p_value, 2 * t_tail(found.coefficient * std::sqrt(3 / (1 - std::pow(found.coefficient, 2))), 3),
+              1e-14);
   EXPECT_EQ(spearman(std::vector<double>{1, 2, 3}, std::vector<double>{3, 2, 1}).coefficient, -1);
 }
 
@@ -72,7 +73,8 @@ TEST(RankCorrelations, HoldTheirLevelOnIndependentRowsWithTies) {
   // 400 draws of a 5 % test: three deviations are 3.3 %.
   for (auto measure : {spearman, kendall}) {
     const double share = alarms(400, [&](std::uint64_t draw) {
-      const Eigen::VectorXd a = (2 * autoregressive(60, {}, draw)).array().round(), b = autoregressive(60, {}, draw + 999);
+      const Eigen::VectorXd a = (2 * autoregressive(60, {}, draw)).array().round(),
+                            b = autoregressive(60, {}, draw + 999);
       return measure(span_of(a), span_of(b)).p_value;
     });
     EXPECT_GE(share, 0.02);
@@ -81,9 +83,13 @@ TEST(RankCorrelations, HoldTheirLevelOnIndependentRowsWithTies) {
 }
 
 TEST(RankCorrelations, RefuseWhatTheyCannotTake) {
-  EXPECT_EQ(message_of([] { kendall(std::vector<double>{1, 2}, std::vector<double>{1, 2}); }),
+  EXPECT_EQ(message_of([] {
+              kendall(std::vector<double>{1, 2}, std::vector<double>{1, 2});
+            }),
             "kendall: column 1: expected 3 rows or more, got 2");
-  EXPECT_EQ(message_of([] { spearman(std::vector<double>{1, 2, INFINITY}, std::vector<double>{1, 2, 3}); }),
+  EXPECT_EQ(message_of([] {
+              spearman(std::vector<double>{1, 2, INFINITY}, std::vector<double>{1, 2, 3});
+            }),
             "spearman: column 1 is infinite at row 3 of 3: leave such rows out of the window");
 }
 

@@ -25,7 +25,8 @@ double full_table(const MatrixXd& a, const MatrixXd& b, Index band = -1) {
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < m; ++j) {
       const Index here = n > 1 ? i * (m - 1) / (n - 1) : m - 1, next = i + 1 < n ? (i + 1) * (m - 1) / (n - 1) : m;
-      const bool outside = band >= 0 && ((i > 0 && j < here - band) || (i + 1 < n && j > std::max(here, next - 1) + band));
+      const bool outside =
+          band >= 0 && ((i > 0 && j < here - band) || (i + 1 < n && j > std::max(here, next - 1) + band));
       if (outside) continue;
       cost(i + 1, j + 1) = (a.row(i) - b.row(j)).norm() + std::min({cost(i, j), cost(i, j + 1), cost(i + 1, j)});
     }
