@@ -166,8 +166,14 @@ bool Candidate::degenerate() const {
     if (linear[i] && i < fit.at_bound.size() && fit.at_bound[i] && fit.theta[static_cast<Eigen::Index>(i)] == 0)
       return true;
   for (const auto& [i, limits] : shown) {
-    const double value = fit.theta[static_cast<Eigen::Index>(i)], margin = 1e-3 * (limits.second - limits.first);
-    if (value < limits.first + margin || value > limits.second - margin) return true;
+    double value = fit.theta[static_cast<Eigen::Index>(i)], least = limits.first, most = limits.second;
+    if (least > 0 && most > 2e4 * least) {  // over so many decades a limit is near by its logarithm
+      value = std::log(value);
+      least = std::log(least);
+      most = std::log(most);
+    }
+    const double margin = 1e-3 * (most - least);
+    if (value < least + margin || value > most - margin) return true;
   }
   return false;
 }

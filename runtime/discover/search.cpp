@@ -157,8 +157,11 @@ class Search {
       gram += jacobian.transpose() * jacobian;
     }
     if (!gram.allFinite()) return true;  // the trajectory will tell
+    // an entry without a linear parameter (elastic_slip) shows by any of its parameters
+    const bool all_shape =
+        std::none_of(candidate.linear.begin() + before, candidate.linear.end(), [](auto l) { return l; });
     for (Eigen::Index j = before; j < p; ++j) {
-      if (!candidate.linear[static_cast<std::size_t>(j)] || !(gram(j, j) > 0)) continue;
+      if (!(candidate.linear[static_cast<std::size_t>(j)] || all_shape) || !(gram(j, j) > 0)) continue;
       Eigen::VectorXd scale = gram.diagonal().head(before).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
       const Eigen::MatrixXd others = scale.asDiagonal() * gram.topLeftCorner(before, before) * scale.asDiagonal();
       const Eigen::VectorXd with = scale.asDiagonal() * gram.col(j).head(before);

@@ -13,7 +13,7 @@ return function(effect)
     end,
     range = function(scale)  -- never carried along: linear_stiffness
       local range = scale.y_max - scale.y_min
-      return { g = { 1e-5 * range, range } }
+      return { g = { 1e-4 * range, range } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram, the same at any speed; a spring at small amplitude",

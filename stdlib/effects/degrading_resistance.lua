@@ -30,7 +30,7 @@ return function(effect)
     range = function(scale)  -- at once or never: smith_shaft without J
       local range = scale.y_max - scale.y_min
       local work = scale.force_std * range
-      return { Ru = { 1e-4 * scale.force_std, 100 * scale.force_std }, q = { 1e-5 * range, range },
+      return { Ru = { 1e-4 * scale.force_std, 100 * scale.force_std }, q = { 1e-4 * range, range },
         Nc = { 1e-3 * work, 1e5 * work } }
     end,
     passive = true,

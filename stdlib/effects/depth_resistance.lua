@@ -23,8 +23,8 @@ return function(effect)
       return guesses
     end,
     range = function(scale)  -- without growth: elastic_slip
-      return { k = { 1e-3 * scale.stiffness, 1e5 * scale.stiffness }, Ru0 = { 0, 100 * scale.force_std },
-        b = { 0, 1e3 * scale.stiffness }, tau = { 0.1 / scale.omega, 1e4 / scale.omega } }
+      return { k = { 1e-3 * scale.stiffness, 1e5 * scale.stiffness }, b = { 0, 10 * scale.stiffness },
+        tau = { 0.1 / scale.omega, 1e4 / scale.omega } }
     end,
     passive = true,
     signature = "odd about a slow drift; odd harmonics; a parallelogram whose height grows with the penetration",

@@ -26,15 +26,16 @@ return function(effect)
     parameters = { { "c", min = 0, unit = "N s^p/m" }, { "p", min = 0.01, max = 0.99 },
       { "w", min = 0, unit = "rad/s", fixed = true } },
     states = states,
-    guess = function(scale)
-      return { { p = 0.2, w = scale.omega }, { p = 0.5, w = scale.omega }, { p = 0.8, w = scale.omega } }
+    guess = function(scale)  -- w below the motion's own frequency: the fastest relaxation, 37 w, has to be integrated
+      local w = scale.omega / 4
+      return { { p = 0.2, w = w }, { p = 0.5, w = w }, { p = 0.8, w = w } }
     end,
     range = function() return { p = { 0.02, 0.98 } } end,  -- p -> 0: linear_stiffness; p -> 1: viscous_damping
     passive = true,
     signature = "odd, linear: the fundamental only; an elliptic loop that leans; stiffness and loss grow as frequency^p",
     sentence = "a viscoelastic part, such as rubber: its stiffness and its loss both grow slowly with the frequency",
-    note = "at rest before the start; a Prony sum of six relaxations and a damper about w, a frequency in the middle of "
-      .. "the record's band: its complex stiffness is that of c*(i*omega)^p within 1 % from w/10 to 10*w, 3.5 % from w/30 "
+    note = "at rest before the start; a Prony sum of six relaxations and a damper about w, a frequency in the band of "
+      .. "the record: its complex stiffness is that of c*(i*omega)^p within 1 % from w/10 to 10*w, 3.5 % from w/30 "
       .. "to 30*w",
     confusers = { "maxwell_relaxation", "viscous_damping", "linear_stiffness" },
     source = "Bagley and Torvik 1983, Journal of Rheology 27, 201-210; "

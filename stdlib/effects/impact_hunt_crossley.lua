@@ -22,7 +22,7 @@ return function(effect)
     end,
     range = function(scale, variant)  -- never in contact, or always; without damping: one_sided_stop
       local low, high = reach(scale, variant)
-      return { g = { low, high }, c = { 0, 30 / scale.v_max } }
+      return { g = { low, high }, c = { 0, 10 / scale.v_max } }
     end,
     passive = true,
     signature = "neither odd nor even in y; all harmonics and a mean; a loop in contact, wider the faster the impact",

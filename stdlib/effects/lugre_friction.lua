@@ -23,8 +23,7 @@ return function(effect)
     end,
     range = function(scale)  -- s0 -> infinity: stribeck_friction; vs -> 0 or infinity: dahl_friction
       return { s0 = { 1e-3 * scale.stiffness, 1e5 * scale.stiffness }, vs = { 1e-3 * scale.v_max, scale.v_max },
-        Fc = { 1e-4 * scale.force_std, 30 * scale.force_std }, Fs = { 1e-4 * scale.force_std, 30 * scale.force_std },
-        s1 = { 0, 1e4 * scale.stiffness / scale.omega } }
+        Fc = { 1e-4 * scale.force_std, 30 * scale.force_std }, Fs = { 1e-4 * scale.force_std, 30 * scale.force_std } }
     end,
     passive = "where s1*(Fs - Fc) <= c*Fc, c the viscous damping beside it",
     signature = "odd; odd harmonics; a loop with rounded corners and horns at slow motion; stick-slip, frictional lag",

@@ -5,9 +5,9 @@ return function(effect)
     contribution = "Ac*cos(w*t) + As*sin(w*t)",
     formula = "Ac*cos(w*t) + As*sin(w*t): the negative of what the recorded force lacks",
     parameters = { { "Ac", unit = "N" }, { "As", unit = "N" }, { "w", min = 0, unit = "rad/s" } },
-    guess = function(scale)
+    guess = function(scale)  -- steps that a record of some twenty periods cannot step over
       local guesses = {}
-      for i, ratio in ipairs { 0.5, 1, 2, 3, 4, 5 } do guesses[i] = { w = ratio * scale.omega } end
+      for i = 1, 80 do guesses[i] = { w = i / 16 * scale.omega } end
       return guesses
     end,
     range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,

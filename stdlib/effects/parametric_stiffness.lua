@@ -4,9 +4,9 @@ return function(effect)
     family = "time_variation",
     contribution = "(ac*cos(w*t) + as*sin(w*t))*y",
     parameters = { { "ac", unit = "N/m" }, { "as", unit = "N/m" }, { "w", min = 0, unit = "rad/s" } },
-    guess = function(scale)
+    guess = function(scale)  -- steps that a record of some twenty periods cannot step over
       local guesses = {}
-      for i, ratio in ipairs { 0.5, 1, 2, 3 } do guesses[i] = { w = ratio * scale.omega } end
+      for i = 1, 80 do guesses[i] = { w = i / 16 * scale.omega } end
       return guesses
     end,
     range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,  -- w -> 0: stiffness_drift

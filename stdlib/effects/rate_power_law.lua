@@ -16,7 +16,7 @@ return function(effect)
     end,
     range = function(scale)
       local range = scale.y_max - scale.y_min
-      return { q = { 1e-5 * range, range }, n = { 0.02, 1.9 } }
+      return { q = { 1e-4 * range, range }, n = { 0.02, 1.9 } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram with rounded shoulders; grows slowly with the velocity",

@@ -24,7 +24,7 @@ return function(effect)
     end,
     range = function(scale)  -- recovers at once or never: elastic_slip
       return { k = { 1e-3 * scale.stiffness, 1e5 * scale.stiffness }, tau = { 1 / scale.omega, 1e5 / scale.omega },
-        R0 = { 1e-4 * scale.force_std, 100 * scale.force_std }, Ri = { 0, 100 * scale.force_std } }
+        R0 = { 1e-4 * scale.force_std, 100 * scale.force_std } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram whose height changes with the time since the start alone",

@@ -23,7 +23,7 @@ return function(effect)
     end,
     range = function(scale)  -- softens at once or never: smith_shaft without J
       local range = scale.y_max - scale.y_min
-      return { q = { 1e-5 * range, range }, sr = { 1e-2 * range, 1e5 * range } }
+      return { q = { 1e-4 * range, range }, sr = { 1e-2 * range, 1e5 * range } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram that becomes lower with the path slipped, and stays so",

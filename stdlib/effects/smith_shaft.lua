@@ -17,7 +17,7 @@ return function(effect)
     end,
     range = function(scale)  -- never slips: linear_stiffness; at once: coulomb_friction; without J: elastic_slip
       local range = scale.y_max - scale.y_min
-      return { q = { 1e-5 * range, range }, J = { 0, 100 / scale.v_max } }
+      return { q = { 1e-4 * range, range }, J = { 0, 10 / scale.v_max } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram whose roof bulges with the velocity",

@@ -17,7 +17,7 @@ return function(effect)
     end,
     range = function(scale)  -- never yields: one_sided_stop
       local range = scale.y_max - scale.y_min
-      return { q = { 1e-5 * range, range }, J = { 0, 100 / scale.v_max } }
+      return { q = { 1e-4 * range, range }, J = { 0, 10 / scale.v_max } }
     end,
     passive = true,
     signature = "one side only; all harmonics and a mean; a loop of each stroke, and no force while the gap is open",

@@ -25,7 +25,7 @@ return function(effect)
     end,
     range = function(scale)
       return { k = { 1e-3 * scale.stiffness, 1e5 * scale.stiffness }, tau = { 0.1 / scale.omega, 1e4 / scale.omega },
-        Rs = { 1e-4 * scale.force_std, 100 * scale.force_std }, Rl = { 0, 30 * scale.force_std } }
+        Rs = { 1e-4 * scale.force_std, 100 * scale.force_std } }
     end,
     passive = true,
     signature = "odd; odd harmonics; a parallelogram that becomes lower as the vibration grows, and recovers when it ends",
