@@ -96,7 +96,7 @@ local function add_strong(pool, given, train, half)
   while #features > 0 do
     local fit = core.regress(motion, { mass = given.mass, known = given.known, features = features, blocks = 1,
       search = given.search })
-    add(pool, given, { features = features, model = fit.model, r2 = fit.r2,
+    add(pool, given, { features = features, model = fit.model, r2 = fit.r2, strong = half, rows = motion[1].rows*#motion,
       from = ("motion smoothed over %d samples"):format(2*half + 1) })
     features = without(features, weakest(fit, features))
   end
@@ -361,6 +361,23 @@ local function choose(front)
   end
 end
 
+--- What the equation error alone would choose: the least of the same criterion among the regressions on one smoothed
+--- motion, never run.
+local function by_equation_error(pool, given, holdout, half)
+  local best, least = nil, math.huge
+  for _, candidate in ipairs(pool) do
+    if candidate.strong == half then
+      local value = criterion({ model = candidate.model, rows = candidate.rows,
+        cost = candidate.rows*math.max(1 - candidate.r2, 1e-300) }, #given.features, 1)
+      if value < least then best, least = candidate, value end
+    end
+  end
+  if not best then return nil end
+  local gap, reason = judge(best, holdout)
+  return { model = best.model, terms = best.terms, names = key_of(best.features), r2 = best.r2, holdout_gap = gap,
+    rejected = reason }
+end
+
 --- What the usual pipeline gives: central differences and thresholded least squares.
 local function naive_model(given, train)
   local fit = core.regress(smoothed(train, 0), { mass = given.mass, known = given.known, features = given.features,
@@ -391,6 +408,11 @@ local function words_of(found)
   end
   for _, row in ipairs(found.model.parameters) do
     lines[#lines + 1] = ("  %s = %.6g%s"):format(row.name, row.value, row.std and (" +- %.2g"):format(row.std) or "")
+  end
+  local other = found.equation_error
+  if other then
+    lines[#lines + 1] = ("  the equation error alone would choose %d terms (%s): %s"):format(other.terms,
+      other.names, other.rejected or "holdout gap " .. gap_text(other.holdout_gap))
   end
   if found.test_gap then lines[#lines + 1] = ("  test gap %s, opened once"):format(gap_text(found.test_gap)) end
   lines[#lines + 1] = ("  rejected: %d of %d candidates"):format(#found.rejected, found.candidates)
@@ -432,8 +454,8 @@ selection.select = schema.define({
   given.channels = given.channels or (measured and not measured.derived and { "y", "v" } or { "y" })
   given.most_terms = math.min(given.most_terms, #given.features)
   local pool = { known = {} }
-  local weak = is_linear(given)
-  for _, half in ipairs(given.widths or half_widths(train)) do
+  local weak, widths = is_linear(given), given.widths or half_widths(train)
+  for _, half in ipairs(widths) do
     if weak then add_weak(pool, given, train, 2*half) end
     add_strong(pool, given, train, half)
   end
@@ -458,6 +480,7 @@ selection.select = schema.define({
   local found = { front = front, chosen = chosen, model = last.model, fit = last.fit, terms = chosen.terms,
     features = chosen.features, library = #given.features, candidates = #pool, rejected = rejected, naive = naive,
     train_gap = chosen.train_gap, holdout_gap = chosen.holdout_gap,
+    equation_error = by_equation_error(pool, given, holdout, widths[(#widths + 1)//2]),
     holdout_name = given.holdout and holdout[1].name or "the last part of the records" }
   if given.test then
     found.test_gap, found.test_rejected = judge(last, list_of(given.test))

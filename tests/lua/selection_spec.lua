@@ -26,6 +26,8 @@ spec.case("5 % noise: the true terms alone", function()
   assert(found.test_gap < 0.1)
   assert(#found.naive.model.parameters > 3 or found.naive.rejected, "the naive pipeline is exact?")
   spec.contains(tostring(found), "selected 3 of 20 features by the free run on the last part of the records")
+  local other = found.equation_error  -- one-step against free run: the regressions alone choose wrongly
+  assert(other.terms > 3 and (other.rejected or other.holdout_gap > found.holdout_gap), "the equation error is right?")
   assert(#found.rejected > 0 and found.rejected[1].reason:match "free run stopped at t = ", "nothing was rejected")
 end)
 
