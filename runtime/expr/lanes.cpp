@@ -2,16 +2,51 @@
 #include <algorithm>
 
 #include "expr/kernel.hpp"
+#include "expr/machine.hpp"
 
 namespace lunid {
 namespace {
+
+LUNID_WIDE void step(std::size_t lanes, const Instruction& at, double* const* r) noexcept {
+  kernel::run(lanes, at, r[at.dst], r[at.a], r[at.b], r[at.c], r[kernel::has_four(at.code) ? at.d : 0]);
+}
 
 LUNID_WIDE void execute(std::size_t lanes, const Instruction* at, double* const* r) noexcept {
   for (; at->code != Code::done; ++at)
     kernel::run(lanes, *at, r[at->dst], r[at->a], r[at->b], r[at->c], r[kernel::has_four(at->code) ? at->d : 0]);
 }
 
+/// A switching instruction whose branch is told for every lane: that of A where m > 0.
+LUNID_WIDE void switch_lanes(std::size_t lanes, const Instruction& at, const double* mode, double* const* r) noexcept {
+  using kernel::quad;
+  const double turn = at.d % 2 ? -1 : 1;
+  double* const dst = r[at.dst];
+  const double *const a = r[at.a], *const b = r[at.b], *const c = r[at.c];
+  for (std::size_t l = 0; l < lanes; l += 4) {
+    const auto m = turn * quad(mode + l);
+    switch (at.code) {
+      case Code::sign: quad(dst + l) = m; break;
+      case Code::abs: quad(dst + l) = m * quad(a + l); break;
+      case Code::min: quad(dst + l) = m > 0.0 ? quad(b + l) : quad(a + l); break;
+      case Code::max: quad(dst + l) = m > 0.0 ? quad(a + l) : quad(b + l); break;
+      case Code::where: quad(dst + l) = m > 0.0 ? quad(b + l) : quad(c + l); break;
+      default: quad(dst + l) = m > 0.0 ? kernel::Quad{} + 1.0 : kernel::Quad{};
+    }
+  }
+}
+
 }  // namespace
+
+void Tape::run_lanes_frozen(double* const* place, const double* const* mode, int lanes) const noexcept {
+  const auto count = static_cast<std::size_t>(lanes);
+  for (const Instruction* at = program_->complete.instructions.data(); at->code != Code::done; ++at) {
+    if (is_switching(at->code) && at->d != no_switch)
+      switch_lanes(count, *at, mode[at->d / 2], place);
+    else
+      step(count, *at, place);
+  }
+  for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
+}
 
 void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
   const Layout& layout = program_->layout;
@@ -20,12 +55,18 @@ void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
 }
 
 void Tape::run_lanes(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place);
+  if (const auto code = program_->machine().lane_values)
+    code(place, static_cast<std::size_t>(lanes));
+  else
+    execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place);
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 
 void Tape::run_lanes_without_copies(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place);
+  if (const auto code = program_->machine().lane_computed)
+    code(place, static_cast<std::size_t>(lanes));
+  else
+    execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place);
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 

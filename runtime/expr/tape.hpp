@@ -20,6 +20,8 @@
 
 namespace lunid {
 
+struct Program;
+
 class Tape {
  public:
   Tape() = default;
@@ -49,6 +51,13 @@ class Tape {
   void prepare(double* scratch) const noexcept;
   void run_prepared(double* scratch) const noexcept;
   void run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept;
+  /// run_prepared without writing outputs that are inputs (copy_of), which the caller has already.
+  void run_prepared_without_copies(double* scratch) const noexcept;
+  /// The machine code of run_prepared_without_copies, where there is some; valid as long as the tape. It returns what
+  /// it writes last, which is output last_written().
+  using PointCode = double (*)(double* scratch);
+  PointCode point_code() const noexcept;
+  int last_written() const;
   int output_place() const;
   int switch_place() const;
 
@@ -61,6 +70,9 @@ class Tape {
   void run_lanes(double* const* place, int lanes) const noexcept;
   /// The same without writing outputs that are inputs (copy_of), which the caller has already.
   void run_lanes_without_copies(double* const* place, int lanes) const noexcept;
+  /// A frozen run of every lane in a mode of its own: mode[i] has +1 or -1 for switch i of each lane. Writes all
+  /// outputs and g (switch_place() on).
+  void run_lanes_frozen(double* const* place, const double* const* mode, int lanes) const noexcept;
   int copy_of(int output) const;  ///< the input that an output is, or -1
   bool reads(int input) const;    ///< some output depends on this input
 
@@ -71,7 +83,6 @@ class Tape {
                    std::span<double* const> out) const;
 
  private:
-  struct Program;
   std::shared_ptr<const Program> program_;
 };
 
