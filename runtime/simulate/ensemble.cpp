@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Lanes of a bundle: enough to share the cost of an instruction, few enough that their registers stay in the first
 /// cache.
-constexpr Index most_lanes = 96;
+constexpr Index most_lanes = 64;
 /// Members on which the substeps are chosen, and the limit and the tolerance of simulate().
 constexpr Index probes = 5;
 constexpr int substep_limit = 64;
