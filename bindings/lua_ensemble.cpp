@@ -178,35 +178,31 @@ class Assembly {
     std::vector<Expr> outputs(system.inputs().size(), pool.constant(0));  // it is the force of the first coordinate
     if (!outputs.empty()) outputs[0] = force_.expr;
     force_text = to_text(force_.expr) + bytes_of(q) + bytes_of(dt) + std::to_string(rows_of(0));
-    ensemble.force = MemberForce::of(system.inputs(), Tape(outputs, inputs), std::move(q), 0, dt, rows_of(0));
+    ensemble.force = MemberForce::of(system.inputs(), TimeTape(outputs, inputs), std::move(q), 0, dt, rows_of(0));
   }
 
   void take_records() {
     const VectorXd* gain = find("gain");
     const Index rows = records_[0].rows();
+    std::vector<Excitation> forces;  // made here: their formulas add to the pool
     for (const Record& record : records_) {
       if (record.rows() != rows)
         throw InputError("ensemble: excitation: all members need the same number of rows: the first has " +
                          std::to_string(rows) + ", another " + std::to_string(record.rows()));
       const auto force = record["F"];
+      forces.push_back(excitation_of(record, interpolation_));
       force_text += std::to_string(record.start()) + " " + std::to_string(record.dt()) + " " +
-                    to_string(excitation_of(record, interpolation_).interpolation()) +
+                    to_string(forces.back().interpolation()) +
                     std::string(reinterpret_cast<const char*>(force.data()), force.size_bytes());
     }
     if (!made_ && !gain) {
-      ensemble.force = MemberForce::of(excitation_of(records_[0], interpolation_));
+      ensemble.force = MemberForce::of(forces[0]);
       return;
     }
     if (gain) force_text += bytes_of(*gain);
-    const auto make = [made = made_, records = records_, interpolation = interpolation_,
-                       scale = gain ? *gain : VectorXd()](Index m) {
-      const Record& record = made ? records[static_cast<std::size_t>(m)] : records[0];
-      if (scale.size() == 0) return Excitations(excitation_of(record, interpolation));
-      const auto force = record["F"];
-      std::vector<double> scaled(force.begin(), force.end());
-      for (double& value : scaled) value *= scale[m];
-      return Excitations(
-          Excitation(record.start(), record.dt(), scaled, interpolation.value_or(Interpolation::linear)));
+    const auto make = [made = made_, forces, scale = gain ? *gain : VectorXd()](Index m) {
+      const Excitation& force = forces[made ? static_cast<std::size_t>(m) : 0];
+      return Excitations(scale.size() == 0 ? force : force.scaled(scale[m]));
     };
     ensemble.force = MemberForce::of(rows, make);
   }

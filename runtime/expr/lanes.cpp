@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "expr/kernel.hpp"
+#include "expr/machine.hpp"
 
 namespace lunid {
 namespace {
@@ -22,12 +23,18 @@ void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
 }
 
 void Tape::run_lanes(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place, program_->externals.data());
+  if (const auto code = program_->machine().lane_values)
+    code(place, static_cast<std::size_t>(lanes));
+  else
+    execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place, program_->externals.data());
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 
 void Tape::run_lanes_without_copies(double* const* place, int lanes) const noexcept {
-  execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place, program_->externals.data());
+  if (const auto code = program_->machine().lane_computed)
+    code(place, static_cast<std::size_t>(lanes));
+  else
+    execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place, program_->externals.data());
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 // What a tape holds: values in static single assignment (lower.cpp), assembled into code with registers
 // (assemble.cpp), which run.cpp runs on a point and columns.cpp over blocks of rows.
+#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -112,7 +115,10 @@ std::vector<Result> switch_results(const Values& values, const Layout& layout);
 /// Code that computes `results`, fused and with temporaries reused.
 Assembly assemble(const Values& values, const Layout& layout, std::span<const Result> results);
 
-struct Tape::Program {
+class Machine;
+
+/// All that a tape is made of.
+struct Program {
   Layout layout;
   std::vector<Expr> switching_functions;
   std::vector<ExternalCall> externals;
@@ -122,6 +128,19 @@ struct Tape::Program {
   Assembly computed;  // the outputs that are not inputs
   Assembly complete;  // the outputs, then every g
   Assembly switches;  // every g
+
+  ~Program();
+  /// Made once, when the tape is first run in place; what it lacks the interpreters run.
+  const Machine& machine() const {
+    const Machine* made = made_.load(std::memory_order_acquire);
+    return made ? *made : make_machine();
+  }
+
+ private:
+  const Machine& make_machine() const;
+  mutable std::once_flag making_;
+  mutable std::unique_ptr<const Machine> machine_;
+  mutable std::atomic<const Machine*> made_{nullptr};
 };
 
 }  // namespace lunid

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "expr/branch.hpp"
-#include "expr/program.hpp"
+#include "expr/machine.hpp"
 
 namespace lunid {
 namespace {
@@ -92,7 +92,20 @@ void Tape::prepare(double* scratch) const noexcept {
 }
 
 void Tape::run_prepared(double* scratch) const noexcept {
+  if (const auto code = program_->machine().values) return static_cast<void>(code(scratch));
   execute<false>(program_->values.instructions.data(), scratch, nullptr, program_->externals.data());
+}
+
+void Tape::run_prepared_without_copies(double* scratch) const noexcept {
+  if (const auto code = program_->machine().computed) return static_cast<void>(code(scratch));
+  execute<false>(program_->computed.instructions.data(), scratch, nullptr, program_->externals.data());
+}
+
+Tape::PointCode Tape::point_code() const noexcept { return program_->machine().computed; }
+
+int Tape::last_written() const {
+  const auto& code = program_->computed.instructions;
+  return code.size() < 2 ? -1 : static_cast<int>(code[code.size() - 2].dst) - output_place();
 }
 
 void Tape::run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept {

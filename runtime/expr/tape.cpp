@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "expr/program.hpp"
+#include "expr/machine.hpp"
 
 namespace lunid {
 
@@ -26,6 +26,16 @@ Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
   program->switches = assemble(values, program->layout, switches);
   program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers});
   program_ = std::move(program);
+}
+
+Program::~Program() = default;
+
+const Machine& Program::make_machine() const {
+  std::call_once(making_, [this] {
+    machine_ = std::make_unique<const Machine>(*this);
+    made_.store(machine_.get(), std::memory_order_release);
+  });
+  return *machine_;
 }
 
 int Tape::inputs() const { return program_ ? static_cast<int>(program_->layout.inputs) : 0; }

@@ -20,6 +20,8 @@
 
 namespace lunid {
 
+struct Program;
+
 class Tape {
  public:
   Tape() = default;
@@ -53,6 +55,13 @@ class Tape {
   void prepare(double* scratch) const noexcept;
   void run_prepared(double* scratch) const noexcept;
   void run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept;
+  /// run_prepared without writing outputs that are inputs (copy_of), which the caller has already.
+  void run_prepared_without_copies(double* scratch) const noexcept;
+  /// The machine code of run_prepared_without_copies, where there is some; valid as long as the tape. It returns what
+  /// it writes last, which is output last_written().
+  using PointCode = double (*)(double* scratch);
+  PointCode point_code() const noexcept;
+  int last_written() const;
   int output_place() const;
   int switch_place() const;
 
@@ -75,7 +84,6 @@ class Tape {
                    std::span<double* const> out) const;
 
  private:
-  struct Program;
   std::shared_ptr<const Program> program_;
 };
 

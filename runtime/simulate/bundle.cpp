@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
-#include <new>
+#include <optional>
 
 #include "expr/kernel.hpp"
+#include "simulate/aligned_memory.hpp"
 #include "simulate/dormand_prince.hpp"
+#include "simulate/lane_force.hpp"
 
 namespace lunid {
 namespace {
@@ -21,7 +22,7 @@ constexpr Index cancel_rows = 256;
 /// What a substep works on. Value i of lane l stands at [i * width + l].
 struct Stepper {
   const Tape* tape;
-  const Tape* force;
+  LaneForce* force;
   const FixedProblem* lanes;
   int n, exogenous;
   int width;          ///< lanes, those that nobody needs included
@@ -30,20 +31,14 @@ struct Stepper {
   const int* source;  ///< the problem that drives each lane
   double** place;     ///< of the registers of the tape
   double **state_place, **rate_place;
-  double** force_place;
   double* states[dp::stages];  ///< at each stage; the first are those of the run
   double** rates;              ///< of state i at stage S: rates[S * n + i]. That of y is v at the stage, in its place
-  const double *t0, *dt, *h;   ///< of each lane
+  const double *t0, *h;        ///< of each lane
 };
 
-/// The exogenous inputs at a node of the stage grid, at `part` of the row's interval.
-LUNID_INLINE void load_inputs(const Stepper& s, Index node, double part) {
-  if (s.force) {  // the expression is evaluated where Excitation evaluates it
-    double* t = s.force_place[0];
-    for (int l = 0; l < s.width; l += 4) quad(t + l) = quad(s.t0 + l) + quad(s.dt + l) * part;
-    s.force->run_lanes(s.force_place, s.width);
-    return;
-  }
+/// The exogenous inputs at a node of the stage grid, which is a place of a row's interval.
+LUNID_INLINE void load_inputs(const Stepper& s, Index node, Index row, int place) {
+  if (s.force) return s.force->load(row, place);
   for (int i = 0; i < s.exogenous; ++i) {
     double* in = s.place[1 + i];
     const auto input = static_cast<std::size_t>(i);
@@ -102,10 +97,10 @@ LUNID_INLINE void stage_state(const Stepper& s, double* out) {
 template <int N>
 LUNID_INLINE void substep(const Stepper& s, Index row, int j, int substeps, bool hold) {
   const Index step = row * substeps + j, node = dp::nodes * step;
-  const double at = static_cast<double>(step), first = static_cast<double>(row);
+  const double at = static_cast<double>(step);
   const auto stage = [&]<int S>() __attribute__((always_inline)) {
     stage_state<S, N>(s, s.states[S]);
-    load_inputs(s, node + S, first + (j + dp::place[S]) / substeps);
+    load_inputs(s, node + S, row, dp::nodes * j + S);
     rate<N>(s, at, dp::place[S], S);
   };
   stage.template operator()<1>();
@@ -113,8 +108,9 @@ LUNID_INLINE void substep(const Stepper& s, Index row, int j, int substeps, bool
   stage.template operator()<3>();
   stage.template operator()<4>();
   stage_state<5, N>(s, s.states[5]);
-  const double end = j + 1 < substeps ? first + static_cast<double>(j + 1) / substeps : static_cast<double>(row + 1);
-  load_inputs(s, hold ? node + dp::nodes - 1 : node + dp::nodes, end);
+  const bool within = j + 1 < substeps;
+  load_inputs(s, hold ? node + dp::nodes - 1 : node + dp::nodes, within ? row : row + 1,
+              within ? dp::nodes * (j + 1) : 0);
   rate<N>(s, at, 1, 5);
   stage_state<6, N>(s, s.states[0]);  // y before v, whose old value is the first rate of y
   rate<N>(s, at, 1, 0);
@@ -134,7 +130,7 @@ LUNID_WIDE void substep_of_three(Stepper s, Index row, int j, int substeps, bool
 /// Rates at the samples themselves: the first, and after each jump of a held input.
 LUNID_WIDE void start(Stepper s, Index row, int substeps) {
   const Index step = row * substeps;
-  load_inputs(s, dp::nodes * step, static_cast<double>(row));
+  load_inputs(s, dp::nodes * step, row, 0);
   rate<0>(s, static_cast<double>(step), 0, 0);
 }
 
@@ -153,23 +149,6 @@ LUNID_WIDE bool all_sound(const double* x, int n, int degrees, int width, const 
   }
   return (sound[0] & sound[1] & sound[2] & sound[3]) != 0;
 }
-
-/// Zeros that begin on a line of the cache: no vector lies across two.
-class AlignedMemory {
- public:
-  void resize(std::size_t values) {
-    memory_.reset(static_cast<double*>(::operator new[](sizeof(double) * values, alignment)));
-    std::fill_n(memory_.get(), values, 0.0);
-  }
-  double* data() const { return memory_.get(); }
-
- private:
-  static constexpr std::align_val_t alignment{64};
-  struct Delete {
-    void operator()(double* p) const { ::operator delete[](p, alignment); }
-  };
-  std::unique_ptr<double, Delete> memory_;
-};
 
 class BundleRun {
  public:
@@ -191,7 +170,8 @@ class BundleRun {
   const Dynamics& d_;
   const int n_, count_, width_;
   AlignedMemory memory_;
-  std::vector<double*> place_, force_place_;
+  std::vector<double*> place_;
+  std::optional<LaneForce> force_;
   std::vector<double*> rates_;
   double *k_, *previous_, *t0_, *dt_, *h_, *bound_;
   std::vector<char> alive_, bound_known_;
@@ -211,7 +191,6 @@ BundleRun::BundleRun(const BundleProblem& problem)
       source_(alive_.size()) {
   s_.source = source_.data();
   s_.tape = &d_.rate;
-  s_.force = problem.force;
   s_.lanes = problem.lanes.data();
   s_.n = n_;
   s_.exogenous = d_.exogenous;
@@ -220,17 +199,15 @@ BundleRun::BundleRun(const BundleProblem& problem)
   s_.timed = d_.rate.reads(0);
   place_registers();
   for (int l = 0; l < width_; ++l) load_lane(l);
+  if (force_) force_->begin(t0_, dt_);
 }
 
 void BundleRun::place_registers() {
   place_.resize(static_cast<std::size_t>(std::max(d_.rate.registers(), d_.inputs()) + 1));
-  if (s_.force) force_place_.resize(static_cast<std::size_t>(std::max(s_.force->registers(), s_.force->inputs()) + 1));
-  memory_.resize(static_cast<std::size_t>(width_) *
-                 (place_.size() + force_place_.size() + static_cast<std::size_t>(13 * n_ + 4)));
+  memory_.resize(static_cast<std::size_t>(width_) * (place_.size() + static_cast<std::size_t>(13 * n_ + 4)));
   double* at = memory_.data();
   const auto take = [&](int values) { return std::exchange(at, at + width_ * values); };
   for (double*& place : place_) place = take(1);
-  for (double*& place : force_place_) place = take(1);
   for (double*& states : s_.states) states = take(n_);
   k_ = take(6 * n_);
   rates_.resize(static_cast<std::size_t>(dp::stages * n_));
@@ -239,18 +216,17 @@ void BundleRun::place_registers() {
   s_.rates = rates_.data();
   previous_ = take(n_);
   s_.t0 = t0_ = take(1);
-  s_.dt = dt_ = take(1);
+  dt_ = take(1);
   s_.h = h_ = take(1);
   bound_ = take(1);
   s_.place = place_.data();
   s_.state_place = s_.place + 1 + d_.exogenous;
   s_.rate_place = s_.place + d_.rate.output_place();
-  s_.force_place = force_place_.data();
   d_.rate.prepare_lanes(s_.place, width_);
-  if (!s_.force) return;
-  s_.force->prepare_lanes(s_.force_place, width_);
-  for (int i = 0; i < d_.exogenous; ++i)
-    force_place_[static_cast<std::size_t>(s_.force->output_place() + i)] = place_[static_cast<std::size_t>(1 + i)];
+  if (!problem_.force) return;
+  force_.emplace(*problem_.force, width_, first_.substeps,
+                 std::span<double* const>(place_).subspan(1, static_cast<std::size_t>(d_.exogenous)));
+  s_.force = &*force_;
 }
 
 /// Where the rate of state i at a stage is kept: that of a displacement is a speed, which stands there already.
@@ -273,8 +249,8 @@ void BundleRun::load_lane(int l) {
   alive_[static_cast<std::size_t>(l)] = l < count_;
   for (int i = 0; i < n_; ++i) s_.states[0][width_ * i + l] = problem_.x0[from][i];
   for (int i = 0; i < d_.p; ++i) s_.place[d_.inputs() - d_.p + i][l] = lane.theta[static_cast<std::size_t>(i)];
-  if (s_.force)
-    for (int i = 1; i < s_.force->inputs(); ++i) s_.force_place[i][l] = problem_.q[from][i - 1];
+  if (force_)
+    for (int i = 0; i + 1 < problem_.force->inputs(); ++i) force_->q(i)[l] = problem_.q[from][i];
   for (std::size_t i = 0; i < static_cast<std::size_t>(d_.exogenous); ++i)
     s_.shared &= lane.drive[i] == first_.drive[i];
 }
@@ -288,8 +264,7 @@ void BundleRun::repeat_lane(int from, int to) {
   }
   for (double* row : {t0_, dt_, h_, bound_}) copy(row);
   for (int i = 0; i < d_.p; ++i) copy(s_.place[d_.inputs() - d_.p + i]);
-  if (s_.force)
-    for (int i = 1; i < s_.force->inputs(); ++i) copy(s_.force_place[i]);
+  if (force_) force_->repeat_lane(from, to);
   source_[static_cast<std::size_t>(to)] = source_[static_cast<std::size_t>(from)];
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "simulate/fixed.hpp"
+#include "simulate/time_tape.hpp"
 
 namespace lunid {
 
@@ -20,9 +21,9 @@ struct LaneSink {
 struct BundleProblem {
   std::span<const FixedProblem> lanes;
   std::span<const double* const> x0;  ///< the first state of each
-  /// An excitation that is an expression of time, for all lanes at once, where a problem has no stage grid. Inputs
-  /// (t, q...), outputs the exogenous inputs; `q` of each lane.
-  const Tape* force = nullptr;
+  /// An excitation that is an expression of time, for all lanes at once, where a problem has no stage grid: its outputs
+  /// are the exogenous inputs; `q` of each lane.
+  const TimeTape* force = nullptr;
   std::span<const double* const> q;
   /// The bound of a lane, asked for where the motion passes the one that its problem gives. Empty: that one holds.
   std::function<double(int lane)> true_bound;

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "record/parallel.hpp"
-#include "simulate/bundle.hpp"
+#include "simulate/ensemble_job.hpp"
 #include "simulate/lane_summaries.hpp"
 #include "simulate/run.hpp"
 
@@ -24,220 +24,6 @@ constexpr Index most_lanes = 64;
 constexpr Index probes = 5;
 constexpr int substep_limit = 64;
 constexpr double substep_tolerance = 1e-5;
-/// Samples of a force on which the first look at its peak rests.
-constexpr Index look_samples = 64;
-
-SimulateOptions simulate_options(const EnsembleOptions& options) {
-  SimulateOptions o;
-  o.solver = Solver::fixed;
-  o.substeps = options.substeps;
-  o.bound = options.bound;
-  o.max_events = options.max_events;
-  o.cancelled = options.cancelled;
-  return o;
-}
-
-/// One thread's work on the members of a bundle.
-class Job {
- public:
-  Job(const Ensemble& ensemble, const EnsembleOptions& options, std::span<const Index> members, EnsembleResult& result)
-      : ensemble_(ensemble),
-        options_(options),
-        system_(*ensemble.system),
-        members_(members),
-        result_(result),
-        first_row_(static_cast<Index>(options.settled * static_cast<double>(ensemble.force.rows() - 1))) {}
-
-  void run() {
-    if (system_.dynamics().smooth())
-      run_lanes();
-    else
-      for (const Index member : members_) run_alone(member);
-  }
-
- private:
-  std::span<const double> theta(Index member) const {
-    return {ensemble_.theta.col(member).data(), static_cast<std::size_t>(ensemble_.theta.rows())};
-  }
-
-  /// A run that cannot begin is a result.
-  bool refuse(Index member, double t0) {
-    const std::string fault = mass_fault(system_, theta(member), t0, ensemble_.x0.col(member));
-    if (!fault.empty()) stop(member, t0, fault);
-    return !fault.empty();
-  }
-  void stop(Index member, double at, std::string cause) {
-    result_.stopped_at[member] = at;
-    result_.cause[static_cast<std::size_t>(member)] = std::move(cause);
-  }
-
-  void keep_row(const LaneSummaries& summaries, Index member, int lane, int width, Index row, const double* x,
-                const double* f) {
-    for (std::size_t s = 0; s < result_.trajectories.size(); ++s) {
-      const auto& signal = summaries.signals()[s];
-      result_.trajectories[s](row, member) = (signal.rate ? f : x)[width * signal.state + lane];
-    }
-  }
-  void keep_values(const LaneSummaries& summaries, Index member, int lane, const FixedProblem& problem,
-                   const FixedOutcome& outcome) {
-    if (outcome.stop != Stop::none) {
-      const std::string fault = force_fault(member, outcome.stopped_at);
-      return stop(member, outcome.stopped_at, fault.empty() ? stop_cause(system_, problem, outcome) : fault);
-    }
-    for (Index j = 0; j < result_.values.cols(); ++j)
-      result_.values(member, j) = summaries.value(static_cast<int>(j), lane);
-  }
-
-  struct AloneSink : RowSink {
-    AloneSink(Job& job, Index member)
-        : job(job),
-          member(member),
-          summaries(job.options_.outputs, width),
-          n(job.system_.states()),
-          x(n * width),
-          f(x) {}
-    void row(Index row, const double* from_x, const double* from_f, const double*) override {
-      for (int i = 0; i < n; ++i) {
-        std::fill_n(x.begin() + i * width, width, from_x[i]);
-        std::fill_n(f.begin() + i * width, width, from_f[i]);
-      }
-      if (row >= job.first_row_) summaries.add(x.data(), f.data());
-      job.keep_row(summaries, member, 0, width, row, x.data(), f.data());
-    }
-    static constexpr int width = 4;
-    Job& job;
-    Index member;
-    LaneSummaries summaries;
-    int n;
-    std::vector<double> x, f;
-  };
-
-  void run_alone(Index member) {
-    const Excitations excitation = ensemble_.force.excitation(member).ordered(system_);
-    if (refuse(member, excitation.t0())) return;
-    const VectorXd x0 = ensemble_.x0.col(member);
-    const FixedProblem problem =
-        free_problem(system_, theta(member), excitation, x0, result_.substeps, simulate_options(options_));
-    AloneSink sink(*this, member);
-    keep_values(sink.summaries, member, 0, problem, run_fixed(problem, x0, sink));
-  }
-
-  struct BundleSink : LaneSink {
-    BundleSink(Job& job, std::span<const Index> members, int width)
-        : job(job), members(members), width(width), summaries(job.options_.outputs, width) {}
-    void row(Index row, const double* x, const double* f) override {
-      if (row >= job.first_row_) summaries.add(x, f);
-      if (job.result_.trajectories.empty()) return;
-      for (std::size_t l = 0; l < members.size(); ++l)
-        job.keep_row(summaries, members[l], static_cast<int>(l), width, row, x, f);
-    }
-    Job& job;
-    std::span<const Index> members;
-    int width;
-    LaneSummaries summaries;
-  };
-
-  /// An expression without a finite value within the last interval before a stop, or "".
-  std::string force_fault(Index member, double stopped_at) const {
-    const MemberForce& force = ensemble_.force;
-    if (!force.is_expression()) return "";
-    const Tape& tape = force.tape();
-    std::vector<double> in(static_cast<std::size_t>(tape.inputs())), scratch(tape.registers() + 1);
-    std::vector<double> out(force.channels().size());
-    std::copy_n(force.q(member), in.size() - 1, in.begin() + 1);
-    constexpr int looks = 8;
-    for (int i = looks; i >= 0; --i) {
-      in[0] = stopped_at - force.dt(member) * i / looks;
-      tape.run_point(in.data(), out.data(), scratch.data());
-      for (std::size_t j = 0; j < out.size(); ++j)
-        if (!std::isfinite(out[j]))
-          return "the excitation " + force.channels()[j] + " has no finite value at t = " + number(in[0]) + " s";
-    }
-    return "";
-  }
-
-  /// The bound of simulate(), of which the peaks of the inputs on their samples are a part; taken on some samples only
-  /// (stride > 1) it is a lower one.
-  double bound_of(Index member, Index stride) const {
-    if (options_.bound > 0) return options_.bound;
-    const MemberForce& force = ensemble_.force;
-    const Tape& tape = force.tape();
-    std::vector<double> in(static_cast<std::size_t>(tape.inputs())), scratch(tape.registers() + 1);
-    std::vector<double> out(force.channels().size());
-    std::vector<InputRange> inputs(out.size());
-    std::copy_n(force.q(member), in.size() - 1, in.begin() + 1);
-    for (Index row = 0; row < force.rows(); row += stride) {
-      in[0] = force.t0() + force.dt(member) * static_cast<double>(row);
-      tape.run_point(in.data(), out.data(), scratch.data());
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (row == 0) inputs[i] = {out[i], 0};
-        inputs[i].peak = std::max(inputs[i].peak, std::abs(out[i]));
-      }
-    }
-    const double time = force.dt(member) * static_cast<double>(force.rows() - 1);
-    return default_bound(system_, theta(member), force.t0(), time, inputs, ensemble_.x0.col(member));
-  }
-
-  /// An expression of time has no stage grid; its bound is a lower one until the motion passes it.
-  FixedProblem expression_problem(Index member) const {
-    const MemberForce& force = ensemble_.force;
-    FixedProblem problem;
-    problem.dynamics = &system_.dynamics();
-    problem.theta = theta(member);
-    problem.t0 = force.t0();
-    problem.dt = force.dt(member);
-    problem.rows = force.rows();
-    problem.substeps = result_.substeps;
-    problem.bound = bound_of(member, std::max<Index>(1, force.rows() / look_samples));
-    if (!(problem.bound > 0)) problem.bound = std::numeric_limits<double>::min();
-    problem.max_events = options_.max_events;
-    problem.cancelled = options_.cancelled;
-    return problem;
-  }
-
-  void run_lanes() {
-    const MemberForce& force = ensemble_.force;
-    std::vector<Index> members;
-    std::vector<Excitations> excitations;
-    std::vector<FixedProblem> problems;
-    std::vector<const double*> x0, q;
-    for (const Index member : members_) {
-      if (force.is_expression()) {
-        if (refuse(member, force.t0())) continue;
-        problems.push_back(expression_problem(member));
-        q.push_back(force.q(member));
-      } else {
-        // their stage grids live as long as copies of them
-        excitations.push_back(force.is_shared() && !excitations.empty() ? excitations.front()
-                                                                        : force.excitation(member).ordered(system_));
-        if (refuse(member, excitations.back().t0())) continue;
-        problems.push_back(free_problem(system_, theta(member), excitations.back(), ensemble_.x0.col(member),
-                                        result_.substeps, simulate_options(options_)));
-      }
-      x0.push_back(ensemble_.x0.col(member).data());
-      members.push_back(member);
-    }
-    if (members.empty()) return;
-    BundleProblem bundle{problems, x0, nullptr, q, {}};
-    if (force.is_expression()) {
-      bundle.force = &force.tape();
-      bundle.true_bound = [&](int lane) { return bound_of(members[static_cast<std::size_t>(lane)], 1); };
-    }
-    std::vector<FixedOutcome> outcomes(members.size());
-    BundleSink sink(*this, members, bundle_width(members.size()));
-    run_bundle(bundle, sink, outcomes);
-    for (std::size_t l = 0; l < members.size(); ++l)
-      keep_values(sink.summaries, members[l], static_cast<int>(l), problems[l], outcomes[l]);
-  }
-
-  const Ensemble& ensemble_;
-  const EnsembleOptions& options_;
-  const System& system_;
-  std::span<const Index> members_;
-  EnsembleResult& result_;
-  Index first_row_;
-};
-
 /// Members cut into bundles of about the same size, as many as keep all threads busy.
 std::vector<std::span<const Index>> bundles_of(std::span<const Index> members, bool smooth, int threads) {
   const auto count = static_cast<Index>(members.size());
@@ -351,50 +137,6 @@ bool is_speed(const std::string& state) {
 
 }  // namespace
 
-MemberForce MemberForce::of(Excitations excitation) {
-  const Index rows = excitation.rows();
-  MemberForce force = of(rows, [excitation = std::move(excitation)](Index) { return excitation; });
-  force.shared_ = true;
-  return force;
-}
-
-MemberForce MemberForce::of(Index rows, std::function<Excitations(Index)> make) {
-  MemberForce force;
-  force.rows_ = rows;
-  force.make_ = std::move(make);
-  return force;
-}
-
-MemberForce MemberForce::of(std::vector<std::string> channels, Tape tape, Eigen::MatrixXd q, double t0, VectorXd dt,
-                            Index rows) {
-  MemberForce force;
-  force.rows_ = rows;
-  force.channels_ = std::move(channels);
-  force.tape_ = std::move(tape);
-  force.q_ = std::move(q);
-  force.t0_ = t0;
-  force.dt_ = std::move(dt);
-  return force;
-}
-
-Excitations MemberForce::excitation(Index member) const {
-  if (make_) return make_(member);
-  std::vector<double> in(static_cast<std::size_t>(tape_.inputs())), out(channels_.size());
-  std::vector<double> scratch(static_cast<std::size_t>(tape_.registers() + 1));
-  std::copy_n(q(member), in.size() - 1, in.begin() + 1);
-  Excitations all;
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    // mutable: an excitation evaluates its function on one thread at a time
-    const auto value = [tape = tape_, i, in, out, scratch](double t) mutable {
-      in[0] = t;
-      tape.run_point(in.data(), out.data(), scratch.data());
-      return out[i];
-    };
-    all.add(channels_[i], Excitation(t0_, dt_[member], rows_, value));
-  }
-  return all;
-}
-
 EnsembleOutput output_from(std::string_view name, const System& system) {
   static constexpr std::pair<const char*, Summary> summaries[] = {
       {"max", Summary::max}, {"min", Summary::min},   {"mean", Summary::mean},          {"std", Summary::std},
@@ -458,7 +200,7 @@ void run_members(const Ensemble& e, const EnsembleOptions& options, std::span<co
     const auto bundle = bundles[static_cast<std::size_t>(i)];
     if (options.cancelled && options.cancelled->load(std::memory_order_relaxed)) return;
     try {
-      Job(e, options, bundle, result).run();
+      run_job(e, options, bundle, result);
       e.system->rate().rethrow();
       e.force.tape().rethrow();
     } catch (const InputError& error) {

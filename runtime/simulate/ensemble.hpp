@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "expr/tape.hpp"
 #include "simulate/simulate.hpp"
+#include "simulate/time_tape.hpp"
 
 namespace lunid {
 
@@ -21,11 +21,11 @@ class MemberForce {
   static MemberForce of(Excitations excitation);
   /// An excitation for each; `make` is called by several threads.
   static MemberForce of(Eigen::Index rows, std::function<Excitations(Eigen::Index member)> make);
-  /// Expressions of time and of parameters q, exact between the samples: tape inputs (t, q...), one output for each
-  /// channel, which are the system's inputs in their order; a column of q and an entry of dt [s] for each member.
-  /// Evaluated for many members at once.
-  static MemberForce of(std::vector<std::string> channels, Tape force, Eigen::MatrixXd q, double t0, Eigen::VectorXd dt,
-                        Eigen::Index rows);
+  /// Expressions of time and of parameters q, exact between the samples: one output for each channel, which are the
+  /// system's inputs in their order; a column of q and an entry of dt [s] for each member. Evaluated for many members
+  /// at once.
+  static MemberForce of(std::vector<std::string> channels, TimeTape force, Eigen::MatrixXd q, double t0,
+                        Eigen::VectorXd dt, Eigen::Index rows);
 
   Eigen::Index rows() const { return rows_; }
   /// The excitation of one member, as simulate() takes it.
@@ -33,7 +33,7 @@ class MemberForce {
   bool is_shared() const { return shared_; }  ///< one for all
   bool is_expression() const { return !make_; }
   const std::vector<std::string>& channels() const { return channels_; }
-  const Tape& tape() const { return tape_; }
+  const TimeTape& tape() const { return tape_; }
   const double* q(Eigen::Index member) const { return q_.data() + q_.rows() * member; }
   double t0() const { return t0_; }
   double dt(Eigen::Index member) const { return dt_[member]; }
@@ -43,7 +43,7 @@ class MemberForce {
   bool shared_ = false;
   std::function<Excitations(Eigen::Index)> make_;
   std::vector<std::string> channels_;
-  Tape tape_;
+  TimeTape tape_;
   Eigen::MatrixXd q_;
   double t0_ = 0;
   Eigen::VectorXd dt_;

@@ -112,10 +112,24 @@ std::vector<double> even_places(int substeps) {
 }
 
 VectorXd at_samples(const TimeFunction& f, double t0, double dt, Index rows) {
-  const VectorXd time = VectorXd::NullaryExpr(rows, [&](Index i) { return t0 + dt * static_cast<double>(i); });
   VectorXd out(rows);
-  f({time.data(), static_cast<std::size_t>(rows)}, {out.data(), static_cast<std::size_t>(rows)});
+  f.on_grid(t0, dt, 0, {out.data(), static_cast<std::size_t>(rows)});
   return out;
+}
+
+TimeFunction times(const TimeFunction& f, double factor) {
+  const auto scale = [factor](std::span<double> out) {
+    for (double& value : out) value *= factor;
+  };
+  TimeFunction g = [f, scale](std::span<const double> t, std::span<double> out) {
+    f(t, out);
+    scale(out);
+  };
+  g.grid = [f, scale](double t0, double dt, double place, std::span<double> out) {
+    f.on_grid(t0, dt, place, out);
+    scale(out);
+  };
+  return g;
 }
 
 /// Six-point Lagrange on an even grid.
@@ -204,6 +218,13 @@ Excitation::Excitation(double t0, double dt, std::span<const double> force, Inte
   check_finite(source_->samples);
 }
 
+void TimeFunction::on_grid(double t0, double dt, double place, std::span<double> out) const {
+  if (grid) return grid(t0, dt, place, out);
+  std::vector<double> time(out.size());
+  for (std::size_t row = 0; row < time.size(); ++row) time[row] = t0 + dt * (static_cast<double>(row) + place);
+  values(time, out);
+}
+
 Excitation::Excitation(double t0, double dt, Index rows, std::function<double(double)> force)
     : Excitation(t0, dt, rows,
                  force ? TimeFunction([force](std::span<const double> t, std::span<double> out) {
@@ -268,11 +289,9 @@ VectorXd Excitation::Source::refine(std::span<const double> places) const {
   VectorXd out = f.size() ? interpolate(f, places, interpolation) : VectorXd::Zero((rows - 1) * count + 1);
   for (Index row = 0; row < rows; ++row) out[row * count] = samples[row];
   if (!function) return out;
-  VectorXd time(rows - 1), exact(rows - 1);
+  VectorXd exact(rows - 1);
   for (Index i = 1; i < count; ++i) {
-    for (Index row = 0; row + 1 < rows; ++row) time[row] = t0 + dt * (static_cast<double>(row) + places[i]);
-    function({time.data(), static_cast<std::size_t>(time.size())},
-             {exact.data(), static_cast<std::size_t>(exact.size())});
+    function.on_grid(t0, dt, places[i], {exact.data(), static_cast<std::size_t>(exact.size())});
     for (Index row = 0; row + 1 < rows; ++row) out[row * count + i] += exact[row];
   }
   return out;
@@ -317,6 +336,19 @@ std::span<const double> Excitation::stage_grid(int substeps) const {
   check_substeps(substeps);
   const Index parts = dormand_prince::nodes * substeps;
   return {source_->stage_grid(substeps).data() + first_ * parts, static_cast<std::size_t>((rows_ - 1) * parts + 1)};
+}
+
+Excitation Excitation::scaled(double factor) const {
+  Excitation out = *this;
+  out.source_ = std::make_shared<Source>();
+  Source& to = *out.source_;
+  to.t0 = source_->t0;
+  to.dt = source_->dt;
+  to.interpolation = source_->interpolation;
+  to.samples = factor * source_->samples;
+  to.rest = factor * source_->rest;
+  if (source_->function) to.function = times(source_->function, factor);
+  return out;
 }
 
 Excitation Excitation::part(Index first, Index count) const {

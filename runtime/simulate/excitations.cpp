@@ -2,34 +2,42 @@
 // model says so.
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 #include "simulate/run.hpp"
+#include "simulate/time_tape.hpp"
 
 namespace lunid {
 
 using Eigen::Index;
 
-TimeFunction function_of_time(Expr formula) {
-  // Compiling adds nodes to the pool (the switching functions); members of an ensemble may come here side by side.
-  static std::mutex compiling;
-  Tape tape;
-  {
-    const std::lock_guard lock(compiling);
-    const Expr inputs[] = {formula.pool().channel("t")};
-    tape = Tape(std::span<const Expr>(&formula, 1), inputs);
-  }
-  return [tape](std::span<const double> t, std::span<double> out) {
-    if (t.size() == 1) {  // a column run works on whole blocks
-      std::vector<double> scratch(static_cast<std::size_t>(tape.registers()));
-      return tape.run_point(t.data(), out.data(), scratch.data());
+TimeFunction function_of_time(TimeTape tape, std::vector<double> q, int output) {
+  const auto at = static_cast<std::size_t>(output);
+  TimeFunction f = [tape, q, at](std::span<const double> t, std::span<double> out) {
+    const Tape& direct = tape.direct();
+    std::vector<double> in(1 + q.size()), scratch(static_cast<std::size_t>(direct.registers() + 1));
+    std::vector<double> values(static_cast<std::size_t>(direct.outputs()));
+    std::copy(q.begin(), q.end(), in.begin() + 1);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      in[0] = t[i];
+      direct.run_point(in.data(), values.data(), scratch.data());
+      out[i] = values[at];
     }
-    const double* in[] = {t.data()};
-    const int stride[] = {1};
-    double* columns[] = {out.data()};
-    tape.run_columns(in, stride, t.size(), columns);
   };
+  f.grid = [tape, q, at](double t0, double dt, double place, std::span<double> out) {
+    std::vector<std::vector<double>> others(static_cast<std::size_t>(tape.outputs()) - 1,
+                                            std::vector<double>(out.size()));
+    std::vector<double*> to;
+    for (auto& column : others) to.push_back(column.data());
+    to.insert(to.begin() + static_cast<std::ptrdiff_t>(at), out.data());
+    tape.fill(t0, dt, place, q, static_cast<Index>(out.size()), to);
+  };
+  return f;
+}
+
+TimeFunction function_of_time(Expr formula) {
+  const Expr inputs[] = {formula.pool().channel("t")};
+  return function_of_time(TimeTape(std::span<const Expr>(&formula, 1), inputs), {}, 0);
 }
 
 Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation, std::string_view name) {

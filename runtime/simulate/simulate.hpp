@@ -17,8 +17,23 @@ namespace lunid {
 
 std::string to_string(Interpolation);
 
+class TimeTape;
+
 /// f(t) at many times at once; `out` is as long as `t`. Called by several threads at a time.
-using TimeFunction = std::function<void(std::span<const double> t, std::span<double> out)>;
+struct TimeFunction {
+  std::function<void(std::span<const double> t, std::span<double> out)> values;
+  /// The same at t0 + dt*(row + place) of every row of `out`, 0 <= place < 1, where a grid can be had for less; or
+  /// empty
+  std::function<void(double t0, double dt, double place, std::span<double> out)> grid;
+
+  TimeFunction() = default;
+  template <class F>
+  requires std::is_invocable_v<F, std::span<const double>, std::span<double>> TimeFunction(F f)
+      : values(std::move(f)) {}  // implicit: most are no more than this
+  explicit operator bool() const { return static_cast<bool>(values); }
+  void operator()(std::span<const double> t, std::span<double> out) const { values(t, out); }
+  void on_grid(double t0, double dt, double place, std::span<double> out) const;
+};
 
 /// A force on an even time base, ready for integration: values on a refined grid of the samples. A value type; copies
 /// share their samples and the refined grids made so far (thread-safe).
@@ -51,6 +66,8 @@ class Excitation {
   /// The force at the stages of the fixed path: five values per substep (at 0, 1/5, 3/10, 4/5, 8/9 of it), then the
   /// last sample. Made once; valid as long as this excitation or a copy or part of it lives.
   std::span<const double> stage_grid(int substeps) const;
+  /// `factor` times this one, its formula included.
+  Excitation scaled(double factor) const;
   /// Rows [first, first + count); the force between them is that of the whole. Throws InputError outside the rows.
   Excitation part(Eigen::Index first, Eigen::Index count) const;
 
@@ -66,8 +83,10 @@ class Excitation {
 /// Adds nodes to the pool of a formula, one call at a time. Throws InputError as Record and Excitation do.
 Excitation excitation_of(const Record& record, std::optional<Interpolation> interpolation = {},
                          std::string_view channel = "F");
-/// f(t) of an expression of the time alone. Throws InputError naming another symbol.
+/// f(t) of an expression of the time alone. Adds nodes to its pool. Throws InputError naming another symbol.
 TimeFunction function_of_time(Expr formula);
+/// Output `output` of a tape of time at q.
+TimeFunction function_of_time(TimeTape tape, std::vector<double> q, int output);
 
 /// What drives a model: an excitation for each input channel, all on one time base. An input that none is given for is
 /// zero. Made from one excitation it is the force: F, or that of the first driven coordinate.

@@ -196,7 +196,7 @@ Work frequency_sweep() {
   Eigen::MatrixXd q(2, members);
   for (int m = 0; m < members; ++m) q.col(m) << (m < 200 ? 20 : 100), 60 + 0.9 * (m % 200);
   const Eigen::VectorXd dt = 2 * std::numbers::pi / 64 * q.row(1).cwiseInverse().transpose();
-  study->ensemble.force = lunid::MemberForce::of({"F"}, lunid::Tape(std::span(&force, 1), inputs), q, 0, dt, rows);
+  study->ensemble.force = lunid::MemberForce::of({"F"}, lunid::TimeTape(std::span(&force, 1), inputs), q, 0, dt, rows);
   auto rms = std::make_shared<std::vector<double>>(members + group);
   const auto hand = [=, keep = pool] {
     for (int m = 0; m < members; m += group) {

@@ -31,6 +31,13 @@ spec.case("first states, gains and records of each member", function()
   local gained = lunid.ensemble { model = model, vary = { gain = { 1, 2 } }, excitation = record, interpolation = "linear",
     substeps = 1, outputs = { "max_y" } }
   assert(gained:column("max_y")[2] > 1.9*gained:column("max_y")[1])
+  -- the formula of a record is scaled with it: coarse samples run as the formula does, not as straight lines
+  local coarse = { amplitude = 3, frequency = 12, dt = 0.01, duration = 0.5 }
+  local scaled = lunid.ensemble { model = model, vary = { gain = { 1, 2 } }, excitation = lunid.excitation.harmonic(coarse),
+    substeps = 16, outputs = { "last_y" } }
+  coarse.amplitude = 6
+  local twice = lunid.simulate { model = model, excitation = lunid.excitation.harmonic(coarse), solver = "fixed", substeps = 16 }
+  spec.near(scaled:column("last_y")[2], twice:column("y")[51], 1e-13)
   local made = lunid.ensemble { model = model, vary = { seed = { 1, 2, 1 } }, substeps = 1, outputs = { "max_y" },
     excitation = function(case)
       return lunid.excitation.white_noise { rms = 5, seed = case.seed, dt = 1e-3, duration = 0.3 }

@@ -235,6 +235,54 @@ TEST_F(TapeTest, in_place_runs_agree_and_leave_the_inputs) {
   }
 }
 
+// Arithmetic alone is what becomes machine code: more values alive than there are vector registers, so that some go
+// through memory, and with functions in between.
+TEST_F(TapeTest, machine_code_has_the_bits_of_the_interpreter) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Expr> known(inputs.begin(), inputs.end());
+    known.push_back(pool.constant(0.7));
+    constexpr Op two[] = {Op::add, Op::sub, Op::mul, Op::div}, one[] = {Op::neg, Op::sqrt};
+    for (int k = 0; k < 90; ++k) {
+      const Expr a = known[below(known.size())], b = known[below(known.size())];
+      if (i % 3 == 0 && k % 30 == 29)
+        known.push_back(pool.apply(Op::tanh, {a}));
+      else
+        known.push_back(below(8) == 0 ? pool.apply(one[below(2)], {a}) : pool.apply(two[below(4)], {a, b}));
+    }
+    const std::vector<Expr> outputs(known.end() - 25, known.end());
+    const Tape tape(outputs, inputs);
+    const auto registers = static_cast<std::size_t>(tape.registers());
+    std::vector<double> scratch(registers), memory(registers * Tape::lane_group);
+    std::vector<double*> place(registers);
+    for (std::size_t r = 0; r < registers; ++r) place[r] = memory.data() + r * Tape::lane_group;
+    tape.prepare(scratch.data());
+    tape.prepare_lanes(place.data(), Tape::lane_group);
+    for (std::size_t k = 0; k < inputs.size(); ++k)
+      for (int l = 0; l < Tape::lane_group; ++l) place[k][l] = uniform(random);
+    tape.run_lanes(place.data(), Tape::lane_group);
+    for (int l = 0; l < Tape::lane_group; ++l) {
+      for (std::size_t k = 0; k < inputs.size(); ++k) scratch[k] = place[k][l];
+      const std::vector<double> expected = run(tape, {scratch[0], scratch[1], scratch[2], scratch[3]});
+      tape.run_prepared(scratch.data());
+      for (std::size_t j = 0; j < outputs.size(); ++j) {
+        const std::size_t at = static_cast<std::size_t>(tape.output_place()) + j;
+        ASSERT_TRUE(same_bits(scratch[at], expected[j])) << to_text(outputs[j]);
+        ASSERT_TRUE(same_bits(place[at][l], expected[j])) << to_text(outputs[j]) << " in lane " << l;
+      }
+#if defined(__x86_64__) && defined(__linux__)
+      if (!__builtin_cpu_supports("avx")) continue;
+      ASSERT_NE(tape.point_code(), nullptr);
+      if (tape.last_written() < 0) continue;
+      ASSERT_TRUE(
+          same_bits(tape.point_code()(scratch.data()), expected[static_cast<std::size_t>(tape.last_written())]));
+#endif
+    }
+  }
+}
+
 TEST_F(TapeTest, frozen_by_the_signs_of_g_is_the_unfrozen_run) {
   testing::RandomExpressions random(pool, 5);
   std::mt19937 noise(6);

@@ -108,7 +108,7 @@ MemberForce harmonics(Pool& pool, const VectorXd& amplitude, const VectorXd& ome
   MatrixXd q(2, amplitude.size());
   q.row(0) = amplitude;
   q.row(1) = omega;
-  return MemberForce::of({"F"}, Tape(std::span(&force, 1), inputs), q, 0,
+  return MemberForce::of({"F"}, TimeTape(std::span(&force, 1), inputs), q, 0,
                          (2 * std::numbers::pi / samples * omega.cwiseInverse()).eval(), rows);
 }
 
@@ -171,7 +171,7 @@ TEST(Ensemble, AnExcitationWithoutAValueIsTheCause) {
   const MatrixXd q = Eigen::RowVectorXd::LinSpaced(9, 0.1, 0.9);
   const Ensemble e =
       spread(system, {9e3, 4}, 9,
-             MemberForce::of({"F"}, Tape(std::span(&force, 1), inputs), q, 0, VectorXd::Constant(9, 0.01), 51));
+             MemberForce::of({"F"}, TimeTape(std::span(&force, 1), inputs), q, 0, VectorXd::Constant(9, 0.01), 51));
   const EnsembleResult result = run_ensemble(e, keeping(system, {"max_y"}, 1));
   EXPECT_EQ(result.stopped(), 4);  // b = 0.1 ... 0.4 end before 0.5 s
   EXPECT_NEAR(result.stopped_at[1], 0.21, 1e-9);

@@ -1,0 +1,352 @@
+#include "expr/machine.hpp"
+
+#if defined(__x86_64__) && defined(__linux__)
+#include <sys/mman.h>
+
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "expr/op.hpp"
+
+namespace lunid {
+namespace {
+
+constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
+constexpr std::uint64_t sign_bit = 0x8000000000000000;
+
+/// The bytes of instructions (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2). `packed`: on
+/// four numbers at once, else on one.
+class Bytes {
+ public:
+  std::vector<std::uint8_t> all;
+  bool packed = false;
+
+  void put(std::initializer_list<int> bytes) {
+    for (const int byte : bytes) all.push_back(static_cast<std::uint8_t>(byte));
+  }
+  void put32(std::uint32_t value) {
+    for (int i = 0; i < 4; ++i) put({static_cast<int>(value >> 8 * i & 255)});
+  }
+  void put64(std::uint64_t value) {
+    put32(static_cast<std::uint32_t>(value));
+    put32(static_cast<std::uint32_t>(value >> 32));
+  }
+  void align(std::size_t to) {
+    while (all.size() % to) put({0x90});
+  }
+
+  enum Operation {
+    load = 0x10,
+    store = 0x11,
+    root = 0x51,
+    flip = 0x57,
+    duplicate = 0x28,
+    sum = 0x58,
+    product = 0x59,
+    difference = 0x5C,
+    quotient = 0x5E
+  };
+  /// to = a <operation> b, all three vector registers.
+  void arithmetic(Operation operation, int to, int a, int b) {
+    prefix(operation, to, operation == root && packed ? 0 : a, b);
+    put({0xC0 | (to & 7) << 3 | (b & 7)});
+  }
+  /// to = -a, by the mask at the front of the bytes.
+  void negative(int to, int a) {
+    prefix(flip, to, a, 0);
+    put({(to & 7) << 3 | 5});
+    put32(static_cast<std::uint32_t>(-static_cast<std::int64_t>(all.size() + 4)));
+  }
+  void copy(int to, int from) {
+    prefix(duplicate, to, 0, from);
+    put({0xC0 | (to & 7) << 3 | (from & 7)});
+  }
+  /// Between a vector register and [base + offset]; base 3: rbx, 7: rdi.
+  void move(Operation operation, int vector, int base, std::uint32_t offset) {
+    prefix(operation, vector, 0, 0);
+    put({0x80 | (vector & 7) << 3 | base});
+    put32(offset);
+  }
+  /// Between a vector register and [rax + rcx], with rax from the table that rdi points to.
+  void move_lanes(Operation operation, int vector, std::uint32_t entry) {
+    put({0x48, 0x8B, 0x87});
+    put32(8 * entry);
+    prefix(operation, vector, 0, 0);
+    put({(vector & 7) << 3 | 4, 0x08});
+  }
+
+ private:
+  void prefix(Operation operation, int to, int a, int b) {
+    const bool whole = packed || operation == flip || operation == duplicate;  // these know whole registers only
+    put({0xC4, (to < 8 ? 0x80 : 0) | 0x40 | (b < 8 ? 0x20 : 0) | 1, (~a & 15) << 3 | (packed ? 4 : 0) | (whole ? 1 : 3),
+         operation});
+  }
+};
+
+/// Translates instructions, keeping values in the sixteen vector registers for as long as they are read.
+class Translator {
+ public:
+  Translator(const Program& program, const Assembly& assembly, Bytes& bytes)
+      : layout_(program.layout), code_(assembly.instructions), bytes_(bytes), slot_of_(program.registers, -1) {
+    find_last_reads();
+  }
+
+  /// Emits the whole; false where an instruction has no translation.
+  bool translate() {
+    for (at_ = 0; code_[at_].code != Code::done; ++at_)
+      if (!instruction(code_[at_])) return false;
+    return true;
+  }
+
+  static bool calls(const Assembly& assembly) {
+    for (const Instruction& i : assembly.instructions)
+      if (i.code == Code::call) return true;
+    return false;
+  }
+  /// What was written last, in the register of a function's value.
+  void hand_over() {
+    if (at_ == 0) return;
+    const int slot = operand(code_[at_ - 1].dst);
+    if (slot != 0) bytes_.copy(0, slot);
+  }
+  int base = 7;  ///< of the registers: rdi, or rbx where functions are called
+
+ private:
+  struct Slot {
+    int value = -1;      ///< the tape's register that it holds
+    bool ahead = false;  ///< memory does not have it yet
+    std::size_t used = 0;
+  };
+
+  void find_last_reads() {
+    std::vector<std::size_t> next(slot_of_.size(), never);
+    last_read_.resize(code_.size(), never);
+    for (std::size_t i = code_.size(); i-- > 0;) {
+      const Instruction& at = code_[i];
+      if (at.code == Code::done) continue;
+      last_read_[i] = std::exchange(next[at.dst], never);
+      const std::uint32_t operands[] = {at.a, at.b, at.c, at.d};
+      const int count = operand_count({at.code, at.a, at.b, at.c, at.d});
+      for (int k = 0; k < count; ++k)
+        if (next[operands[k]] == never) next[operands[k]] = i;
+    }
+    needed_until_ = std::move(next);
+  }
+  bool needed(int value) const {
+    const std::size_t until = needed_until_[static_cast<std::size_t>(value)];
+    return until != never && until >= at_;
+  }
+
+  void move(Bytes::Operation operation, int vector, std::uint32_t value) {
+    bytes_.packed ? bytes_.move_lanes(operation, vector, value) : bytes_.move(operation, vector, base, 8 * value);
+  }
+
+  /// A free vector register, or the one that was used longest ago.
+  int take() {
+    int chosen = -1;
+    for (int s = 0; s < 16 && chosen < 0; ++s)
+      if (slots_[s].used != at_ + 1 && (slots_[s].value < 0 || !needed(slots_[s].value))) chosen = s;
+    if (chosen < 0) {
+      chosen = 0;
+      for (int s = 1; s < 16; ++s)
+        if (slots_[s].used < slots_[chosen].used) chosen = s;
+      if (slots_[chosen].ahead) move(Bytes::store, chosen, static_cast<std::uint32_t>(slots_[chosen].value));
+    }
+    drop(chosen);
+    slots_[chosen].used = at_ + 1;
+    return chosen;
+  }
+  void drop(int slot) {
+    if (slots_[slot].value >= 0) slot_of_[static_cast<std::size_t>(slots_[slot].value)] = -1;
+    slots_[slot] = {};
+  }
+  void hold(int slot, std::uint32_t value, bool ahead) {
+    slots_[slot] = {static_cast<int>(value), ahead, at_ + 1};
+    slot_of_[value] = slot;
+  }
+
+  /// The vector register of an operand.
+  int operand(std::uint32_t value) {
+    if (slot_of_[value] >= 0) {
+      slots_[slot_of_[value]].used = at_ + 1;
+      return slot_of_[value];
+    }
+    const int slot = take();
+    move(Bytes::load, slot, value);
+    hold(slot, value, false);
+    return slot;
+  }
+  void define(std::uint32_t value, int slot) {
+    if (slot_of_[value] >= 0) drop(slot_of_[value]);
+    needed_until_[value] = last_read_[at_];
+    const bool result = value >= layout_.outputs && value < layout_.temporaries;
+    if (result) move(Bytes::store, slot, value);
+    hold(slot, value, !result);
+  }
+
+  bool instruction(const Instruction& i) {
+    switch (i.code) {
+      case Code::copy: return copy(i);
+      case Code::add: return simple(i, Bytes::sum);
+      case Code::sub: return simple(i, Bytes::difference);
+      case Code::mul: return simple(i, Bytes::product);
+      case Code::div: return simple(i, Bytes::quotient);
+      case Code::neg: return negative(i);
+      case Code::sqrt: return root(i);
+      case Code::mul3: return fused(i, Bytes::product, false);
+      case Code::mul_add: return fused(i, Bytes::sum, false);
+      case Code::mul_sub: return fused(i, Bytes::difference, false);
+      case Code::sub_mul: return fused(i, Bytes::difference, true);
+      case Code::mul_add_mul: return two_products(i, Bytes::sum);
+      case Code::mul_sub_mul: return two_products(i, Bytes::difference);
+      case Code::sub_sum: return sub_sum(i);
+      case Code::call: return !bytes_.packed && call(i);
+      default: return false;
+    }
+  }
+
+  bool copy(const Instruction& i) {
+    const int from = operand(i.a);
+    if (slot_of_[i.dst] >= 0) drop(slot_of_[i.dst]);
+    needed_until_[i.dst] = last_read_[at_];
+    move(Bytes::store, from, i.dst);
+    return true;
+  }
+  bool simple(const Instruction& i, Bytes::Operation operation) {
+    const int a = operand(i.a), b = operand(i.b), to = take();
+    bytes_.arithmetic(operation, to, a, b);
+    define(i.dst, to);
+    return true;
+  }
+  bool negative(const Instruction& i) {
+    const int a = operand(i.a), to = take();
+    bytes_.negative(to, a);
+    define(i.dst, to);
+    return true;
+  }
+  bool root(const Instruction& i) {
+    const int a = operand(i.a), to = take();
+    bytes_.arithmetic(Bytes::root, to, a, a);
+    define(i.dst, to);
+    return true;
+  }
+  /// a*b, then with c; turned: c is the first of the two.
+  bool fused(const Instruction& i, Bytes::Operation operation, bool turned) {
+    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), to = take();
+    bytes_.arithmetic(Bytes::product, to, a, b);
+    turned ? bytes_.arithmetic(operation, to, c, to) : bytes_.arithmetic(operation, to, to, c);
+    define(i.dst, to);
+    return true;
+  }
+  bool two_products(const Instruction& i, Bytes::Operation operation) {
+    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), d = operand(i.d), to = take(), other = take();
+    bytes_.arithmetic(Bytes::product, to, a, b);
+    bytes_.arithmetic(Bytes::product, other, c, d);
+    bytes_.arithmetic(operation, to, to, other);
+    define(i.dst, to);
+    slots_[other] = {};
+    return true;
+  }
+  bool sub_sum(const Instruction& i) {
+    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), d = operand(i.d), to = take();
+    bytes_.arithmetic(Bytes::product, to, a, b);
+    bytes_.arithmetic(Bytes::sum, to, to, c);
+    bytes_.arithmetic(Bytes::difference, to, d, to);
+    define(i.dst, to);
+    return true;
+  }
+  /// A function of the language, to which no vector register is sacred.
+  bool call(const Instruction& i) {
+    for (int s = 0; s < 16; ++s) {
+      if (slots_[s].ahead && needed(slots_[s].value))
+        move(Bytes::store, s, static_cast<std::uint32_t>(slots_[s].value));
+      drop(s);
+    }
+    const std::uint32_t arguments[] = {i.a, i.b, i.c};
+    for (int k = 0; k < 3; ++k) move(Bytes::load, k, arguments[k]);
+    bytes_.put({0x48, 0xB8});  // mov rax, function; call rax
+    bytes_.put64(reinterpret_cast<std::uint64_t>(row_of(static_cast<Op>(i.d)).value));
+    bytes_.put({0xFF, 0xD0});
+    slots_[0].used = at_ + 1;
+    define(i.dst, 0);
+    return true;
+  }
+
+  const Layout& layout_;
+  const std::vector<Instruction>& code_;
+  Bytes& bytes_;
+  Slot slots_[16];
+  std::vector<int> slot_of_;               ///< of each register of the tape; -1: in memory only
+  std::vector<std::size_t> last_read_;     ///< of what each instruction writes
+  std::vector<std::size_t> needed_until_;  ///< the last read of what each register holds now
+  std::size_t at_ = 0;
+};
+
+/// Appends a function of one point, or of lanes; where it begins, or nothing.
+std::optional<std::size_t> append(const Program& program, const Assembly& assembly, bool packed, Bytes& bytes) {
+  bytes.align(32);
+  bytes.packed = packed;
+  const std::size_t entry = bytes.all.size();
+  const bool calls = !packed && Translator::calls(assembly);
+  Translator translator(program, assembly, bytes);
+  if (calls) {
+    translator.base = 3;
+    bytes.put({0x53, 0x48, 0x89, 0xFB});  // push rbx; mov rbx, rdi
+  }
+  if (packed) bytes.put({0x48, 0xC1, 0xE6, 0x03, 0x31, 0xC9});  // shl rsi, 3; xor ecx, ecx
+  const std::size_t again = bytes.all.size();
+  if (!translator.translate()) {
+    bytes.all.resize(entry);
+    return {};
+  }
+  if (!packed) translator.hand_over();
+  if (packed) {
+    bytes.put({0x48, 0x83, 0xC1, 0x20, 0x48, 0x39, 0xF1, 0x0F, 0x82});  // add rcx, 32; cmp rcx, rsi; jb again
+    bytes.put32(static_cast<std::uint32_t>(again - (bytes.all.size() + 4)));
+    bytes.put({0xC5, 0xF8, 0x77});  // vzeroupper
+  }
+  if (calls) bytes.put({0x5B});  // pop rbx
+  bytes.put({0xC3});             // ret
+  return entry;
+}
+
+}  // namespace
+
+Machine::Machine(const Program& program) {
+  if (!__builtin_cpu_supports("avx")) return;
+  Bytes bytes;
+  for (int i = 0; i < 4; ++i) bytes.put64(sign_bit);
+  const auto one = append(program, program.values, false, bytes),
+             one_less = append(program, program.computed, false, bytes);
+  const auto four = append(program, program.values, true, bytes),
+             four_less = append(program, program.computed, true, bytes);
+  // written first, then made executable: never both at once
+  void* const memory = mmap(nullptr, bytes.all.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return;
+  memory_ = memory;
+  size_ = bytes.all.size();
+  std::memcpy(memory, bytes.all.data(), size_);
+  if (mprotect(memory, size_, PROT_READ | PROT_EXEC) != 0) return;
+  const auto place = [&](std::size_t entry) { return static_cast<std::uint8_t*>(memory) + entry; };
+  if (one) values = reinterpret_cast<Point>(place(*one));
+  if (one_less) computed = reinterpret_cast<Point>(place(*one_less));
+  if (four) lane_values = reinterpret_cast<Lanes>(place(*four));
+  if (four_less) lane_computed = reinterpret_cast<Lanes>(place(*four_less));
+}
+
+Machine::~Machine() {
+  if (memory_) munmap(memory_, size_);
+}
+
+}  // namespace lunid
+
+#else
+
+namespace lunid {
+Machine::Machine(const Program&) {}
+Machine::~Machine() = default;
+}  // namespace lunid
+
+#endif

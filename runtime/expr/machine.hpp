@@ -1,0 +1,31 @@
+#pragma once
+// Machine code of a tape's arithmetic: the instructions of the interpreters, on the same operands in the same order, so
+// with the same bits. It saves their dispatch and the way of each result through memory to its user, which is longer
+// than the operation. Made for x86-64 with AVX on Linux; elsewhere, and for what holds switches, the interpreters run.
+#include <cstddef>
+
+#include "expr/program.hpp"
+
+namespace lunid {
+
+class Machine {
+ public:
+  using Point = Tape::PointCode;
+  using Lanes = void (*)(double* const* place, std::size_t lanes);  ///< lanes: a multiple of four
+
+  Machine() = default;
+  explicit Machine(const Program& program);
+  ~Machine();
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  /// Of the outputs, and of those that are no inputs. Null: there is none.
+  Point values = nullptr, computed = nullptr;
+  Lanes lane_values = nullptr, lane_computed = nullptr;
+
+ private:
+  void* memory_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace lunid
