@@ -6,6 +6,8 @@ void open_files(lua_State* L);
 void open_expressions(lua_State* L);
 void open_columns(lua_State* L);
 void open_records(lua_State* L);
+void open_derivatives(lua_State* L);
+void open_spectra(lua_State* L);
 void open_signals(lua_State* L);
 void open_models(lua_State* L);
 void open_runs(lua_State* L);
@@ -19,9 +21,10 @@ void open_figures(lua_State* L);
 void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
-  static constexpr Opener all[] = {open_files,       open_expressions, open_columns,     open_records,   open_signals,
-                                   open_models,      open_runs,        open_fits,        open_responses, open_ensembles,
-                                   open_regressions, open_surfaces,    open_discoveries, open_figures,   open_doctor};
+  static constexpr Opener all[] = {open_files,     open_expressions, open_columns,     open_records,  open_derivatives,
+                                   open_spectra,   open_signals,     open_models,      open_runs,     open_fits,
+                                   open_responses, open_ensembles,   open_regressions, open_surfaces, open_discoveries,
+                                   open_figures,   open_doctor};
   return all;
 }
 

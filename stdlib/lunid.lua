@@ -4,8 +4,8 @@ local schema = require "lunid.schema"
 
 local public = { version = core.version }
 
-for _, room in ipairs { "symbols", "records", "models", "constraints", "regression", "surfaces", "excitation", "noise",
-  "systems", "simulation", "responses", "ensembles", "protocol", "effect", "discovery", "figures", "option" } do
+for _, room in ipairs { "symbols", "records", "derivatives", "signals", "spectra", "models", "constraints",
+  "regression", "surfaces", "excitation", "noise", "systems", "simulation", "responses", "ensembles", "protocol", "effect", "discovery", "figures", "option" } do
   local exported = require("lunid." .. room)
   for name, value in pairs(exported.public or exported) do
     if name ~= "public" then public[name] = value end

@@ -105,7 +105,8 @@ void by_hand(lunid::Solver solver, const std::vector<double>& force, std::vector
   for (int i = 1; i < rows; ++i) {
     double t = 0;
     if (!multistep) ARKStepSetStopTime(memory, i * dt);
-    const int flag = multistep ? CVode(memory, i * dt, x, &t, CV_NORMAL) : ARKStepEvolve(memory, i * dt, x, &t, ARK_NORMAL);
+    const int flag =
+        multistep ? CVode(memory, i * dt, x, &t, CV_NORMAL) : ARKStepEvolve(memory, i * dt, x, &t, ARK_NORMAL);
     if (flag < 0) std::exit(1);
     y[i] = N_VGetArrayPointer(x)[0];
   }
