@@ -1,30 +1,22 @@
 #include "ranks.hpp"
 
-#include <dlfcn.h>
-
 #include <cstdlib>
-#include <filesystem>
 #include <numeric>
 
 #include "expr/error.hpp"
+#include "record/module_file.hpp"
 
 namespace lunid::lua {
 
 namespace {
 
-namespace fs = std::filesystem;
-constexpr const char* file_name = "liblunid_ranks.so";
-
-std::string module_path() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  std::string tried;
-  for (const fs::path& path : {folder / file_name, folder / ".." / "lib" / "lunid" / file_name}) {
-    if (fs::exists(path, ignored)) return path.string();
-    tried += (tried.empty() ? "" : ", ") + path.string();
-  }
-  throw InputError("ranks: started by mpirun, but the module for MPI is not there, looked for " + tried);
-}
+// for all: the plug-ins of MPI look for its symbols
+constexpr ModuleFile module_file{.who = "ranks",
+                                 .what = "the module for MPI",
+                                 .file = "liblunid_ranks.so",
+                                 .variable = nullptr,
+                                 .symbol = ranks_symbol,
+                                 .for_all = true};
 
 void check(int code, const char* call) {
   if (code != 0) throw InputError(std::string("ranks: ") + call + " failed with code " + std::to_string(code));
@@ -39,13 +31,9 @@ bool Ranks::launched() {
 }
 
 void Ranks::open() {
-  const std::string path = module_path();
-  // global: the plug-ins of MPI look for its symbols
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
-  if (!library) throw InputError("ranks: cannot load the module for MPI: " + std::string(dlerror()));
-  module_ = static_cast<const RanksModule*>(dlsym(library, ranks_symbol));
-  if (!module_ || module_->version != ranks_version)
-    throw InputError("ranks: " + path + " belongs to another version of Lunid");
+  module_ = static_cast<const RanksModule*>(open_module(module_file));
+  if (module_->version != ranks_version)
+    throw InputError("ranks: the module for MPI belongs to another version of Lunid");
   check(module_->start(&rank_, &size_), "MPI_Init");
 }
 

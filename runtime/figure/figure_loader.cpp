@@ -1,39 +1,18 @@
-#include <dlfcn.h>
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
 
 #include "expr/error.hpp"
 #include "figure/module.hpp"
 #include "figure/renderer.hpp"
 #include "record/atomic_file.hpp"
+#include "record/module_file.hpp"
 
 namespace lunid::figure {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* file_name = "liblunid_figure.so";
 
-/// The places to look at, in order: what the caller names, what the environment names, then the build tree
-/// and the installed tree as seen from the executable.
-std::vector<fs::path> candidates(const std::string& given) {
-  if (!given.empty()) return {given};
-  if (const char* named = std::getenv("LUNID_FIGURE_MODULE"); named && *named) return {named};
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  return {folder / file_name, folder / ".." / "lib" / "lunid" / file_name};
-}
-
-std::string module_path(const std::string& given) {
-  std::string tried;
-  for (const fs::path& path : candidates(given)) {
-    std::error_code ignored;
-    if (fs::exists(path, ignored)) return path.string();
-    tried += (tried.empty() ? "" : ", ") + path.string();
-  }
-  throw InputError("figures: the drawing module is not there, looked for " + tried);
-}
+constexpr ModuleFile module_file{"figures", "the drawing module", "liblunid_figure.so", "LUNID_FIGURE_MODULE",
+                                 factory_name};
 
 Format format_of(const std::string& path, std::initializer_list<std::pair<const char*, Format>> allowed) {
   const std::string extension = fs::path(path).extension().string();
@@ -62,12 +41,8 @@ FigureModule::~FigureModule() {
 
 Renderer& FigureModule::renderer() {
   if (renderer_) return *renderer_;
-  const std::string path = module_path(path_);
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!library) throw InputError("figures: cannot load the drawing module: " + std::string(dlerror()));
-  const auto factory = reinterpret_cast<RendererFactory*>(dlsym(library, factory_name));
-  renderer_.reset(factory ? factory(module_version) : nullptr);
-  if (!renderer_) throw InputError("figures: " + path + " belongs to another version of Lunid");
+  renderer_.reset(reinterpret_cast<RendererFactory*>(open_module(module_file, path_))(module_version));
+  if (!renderer_) throw InputError("figures: the drawing module belongs to another version of Lunid");
   return *renderer_;
 }
 
