@@ -28,7 +28,7 @@ DerivativeMethod method_from(lua_State* L, int index) {
   if (kind == "total_variation") return TotalVariation{whole("order", 3), number("weight")};
   if (kind == "smoothed_differences")
     return SmoothedDifferences{whole("rows", 0), whole("order", 0), whole("accuracy", 2)};
-  if (kind == "kalman") return KalmanSmoother{number("jerk")};
+  if (kind == "kalman") return KalmanSmoother{number("density"), whole("order", 4)};
   throw InputError("derive: no method '" + kind + "'");
 }
 

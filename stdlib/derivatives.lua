@@ -77,9 +77,13 @@ define {
 
 define {
   name = "kalman",
-  help = "A Kalman smoother over y, v and a jointly, from all of them that were measured. Each channel has its noise; the "
-    .. "jerk is white and as strong as is most likely.",
-  fields = { { "jerk", types.number { above = 0 }, unit = "(m/s^3)^2/Hz", help = "density of the jerk; else most likely" } },
+  help = "A Kalman smoother over y, v and a jointly, from all of them that were measured. Each channel has its noise; a "
+    .. "higher derivative is white, and as strong as is most likely.",
+  fields = {
+    { "order", types.integer { min = 3, max = 6 }, default = 4,
+      help = "which derivative is white: 3 the jerk, 4 the snap; higher ones for smoother motions" },
+    { "density", types.number { above = 0 }, unit = "(m/s^order)^2/Hz", help = "of the white derivative; else most likely" },
+  },
   example = [[record:derive { method = lunid.derivative.kalman {}, smooth = true }]],
 }
 

@@ -77,7 +77,7 @@ end
 local function explain_group(group, members)
   print(("%s (lunid help %s NAME)"):format(schema.spelled(members[1].definition):match "^(.*)[.:]", group))
   for _, member in ipairs(members) do
-    print(("  %-22s%s"):format(member.name, first_sentence(member.definition.help)))
+    print(("  %-19s %s"):format(member.name, first_sentence(member.definition.help)))
   end
 end
 

@@ -91,7 +91,7 @@ Record derive_jointly(Record record, const DeriveOptions& options, const KalmanS
     Channel channel = made(record, name_at(rank, suffix), from,
                            {motion.values.col(column), std::sqrt(motion.std.col(column).array().square().mean()), ""});
     channel.derived = !measured(record, channel.name);
-    channel.derivation = "of " + sources + " by Kalman smoother, jerk of density " + short_number(motion.jerk);
+    channel.derivation = "of " + sources + " by " + kalman_words(kalman, motion);
     channels.push_back(std::move(channel));
   }
   for (Channel& channel : channels) record = record.with(std::move(channel));

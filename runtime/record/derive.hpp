@@ -50,11 +50,12 @@ struct SmoothedDifferences {
   int rows = 0, order = 0;  ///< of the window, as PolynomialWindow
   int accuracy = 2;         ///< of the differences
 };
-/// Displacement, velocity and acceleration jointly, from all that was measured of them: the jerk is white noise, each
-/// channel has its own. Rauch, Tung & Striebel's smoother (1965) in its square-root form without a prior on the first
-/// state (Bierman 1977); the jerk's density by maximum likelihood.
+/// Displacement, velocity and acceleration jointly, from all that was measured of them: a higher derivative is white
+/// noise, and each channel has its own. Rauch, Tung & Striebel's smoother (1965) in its square-root form without a
+/// prior on the first state (Bierman 1977); the density by maximum likelihood.
 struct KalmanSmoother {
-  double jerk = 0;  ///< two-sided spectral density of the jerk [(m/s^3)^2/Hz]; 0: by maximum likelihood
+  double density = 0;  ///< two-sided, of the white derivative [(m/s^order)^2/Hz]; 0: by maximum likelihood
+  int order = 4;       ///< which derivative is white: 3 the jerk, to 6
 };
 using DerivativeMethod = std::variant<FiniteDifferences, PolynomialWindow, FourierFilter, SmoothingSpline,
                                       TotalVariation, SmoothedDifferences, KalmanSmoother>;
@@ -86,7 +87,7 @@ struct SmoothedMotion {
   int lowest = 0;          ///< rank of the first column: that of the lowest measurement
   Eigen::MatrixXd values;  ///< rows x (3 - lowest)
   Eigen::MatrixXd std;     ///< standard deviations of the same, under the model
-  double jerk = 0;         ///< density used [(m/s^3)^2/Hz]
+  double density = 0;      ///< used [(m/s^order)^2/Hz]
   double log_likelihood = 0;
 };
 /// The motion that explains all measurements. Throws InputError for none, for unequal lengths and for fewer than 6

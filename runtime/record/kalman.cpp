@@ -1,5 +1,6 @@
-// The Kalman smoother over displacement, velocity and acceleration. Square-root information form: the whole problem is
-// one least-squares problem of short rows, whose forward pass is the filter and whose back substitution the smoother.
+// The Kalman smoother over displacement, velocity, acceleration and what lies above them. Square-root information form:
+// the whole problem is one least-squares problem of short rows, whose forward pass is the filter and whose back
+// substitution the smoother.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -84,16 +85,17 @@ double highest_density(const Problem& problem) {
   double highest = 0;
   for (const Measurement& m : problem.measured) {
     VectorXd d = Eigen::Map<const VectorXd>(m.values.data(), problem.rows) * std::pow(problem.dt, m.rank);
-    for (int k = m.rank; k < 3; ++k) d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
+    for (int k = m.rank; k < problem.lowest + problem.states; ++k)
+      d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
     highest = std::max(highest, d.squaredNorm() / static_cast<double>(d.size()));
   }
   return 100 * highest;
 }
 
-Problem problem_of(const std::vector<Measurement>& measurements, double dt) {
+Problem problem_of(const std::vector<Measurement>& measurements, double dt, int order) {
   const auto fail = [](const std::string& text) { refuse("kalman", text); };
   if (measurements.empty()) fail("expected at least one measured channel");
-  Problem problem{measurements, {}, 2, 3, static_cast<Index>(measurements[0].values.size()), dt};
+  Problem problem{measurements, {}, 2, order, static_cast<Index>(measurements[0].values.size()), dt};
   for (const Measurement& m : measurements) {
     problem.lowest = std::min(problem.lowest, m.rank);
     if (static_cast<Index>(m.values.size()) != problem.rows) fail("expected channels of one length");
@@ -102,7 +104,7 @@ Problem problem_of(const std::vector<Measurement>& measurements, double dt) {
     const double least = 1e-7 * std::sqrt((values.array() - values.mean()).square().mean());
     problem.noise.push_back(std::max(m.noise, least > 0 ? least : 1.0) * std::pow(dt, m.rank));
   }
-  problem.states = 3 - problem.lowest;
+  problem.states = order - problem.lowest;
   if (problem.rows < 6) fail("expected at least 6 rows, got " + std::to_string(problem.rows));
   return problem;
 }
@@ -110,21 +112,24 @@ Problem problem_of(const std::vector<Measurement>& measurements, double dt) {
 }  // namespace
 
 SmoothedMotion kalman_smoother(const std::vector<Measurement>& measurements, double dt, const KalmanSmoother& options) {
-  const Problem problem = problem_of(measurements, dt);
+  if (options.order < 3 || options.order > 6)
+    refuse("kalman", "order: expected 3 to 6, got " + std::to_string(options.order));
+  const Problem problem = problem_of(measurements, dt, options.order);
   const double highest = highest_density(problem);
-  const double unit = std::pow(dt, -5);  // of the density, from rows to seconds
-  double density = options.jerk / unit;
+  const double unit = std::pow(dt, 1 - 2 * options.order);  // of the density, from rows to seconds
+  double density = options.density / unit;
   if (!(density > 0)) density = highest > 0 ? most_likely(problem, highest) : 1;
   const BandedLeastSquares system = problem.solved(density);
   const VectorXd solution = system.solve();
   const VectorXd variance = system.inverse_band().row(0);
   SmoothedMotion motion;
   motion.lowest = problem.lowest;
-  motion.jerk = density * unit;
+  motion.density = density * unit;
   motion.log_likelihood = -0.5 * problem.deviance(density);
-  motion.values.resize(problem.rows, problem.states);
-  motion.std.resize(problem.rows, problem.states);
-  for (int k = 0; k < problem.states; ++k) {
+  const int ranks = 3 - problem.lowest;
+  motion.values.resize(problem.rows, ranks);
+  motion.std.resize(problem.rows, ranks);
+  for (int k = 0; k < ranks; ++k) {
     const double scale = std::pow(dt, problem.lowest + k);
     for (Index i = 0; i < problem.rows; ++i) {
       motion.values(i, k) = solution[problem.states * i + k] / scale;
@@ -134,12 +139,18 @@ SmoothedMotion kalman_smoother(const std::vector<Measurement>& measurements, dou
   return motion;
 }
 
+std::string kalman_words(const KalmanSmoother& method, const SmoothedMotion& motion) {
+  static constexpr const char* white[] = {"jerk", "snap", "crackle", "pop"};
+  return std::string("Kalman smoother, white ") + white[method.order - 3] + " of density " +
+         short_number(motion.density);
+}
+
 Derivative differentiate_by(const KalmanSmoother& method, std::span<const double> x, double dt, double noise,
                             int derivative) {
   const SmoothedMotion motion = kalman_smoother({{0, x, noise}}, dt, method);
   const VectorXd std = motion.std.col(derivative);
   return {motion.values.col(derivative), std::sqrt(std.squaredNorm() / static_cast<double>(std.size())),
-          "Kalman smoother, jerk of density " + short_number(motion.jerk)};
+          kalman_words(method, motion)};
 }
 
 }  // namespace lunid

@@ -23,6 +23,9 @@ Derivative differentiate_by(const SmoothedDifferences& method, std::span<const d
 Derivative differentiate_by(const KalmanSmoother& method, std::span<const double> x, double dt, double noise,
                             int derivative);
 
+/// "Kalman smoother, white jerk of density 3e+05"
+std::string kalman_words(const KalmanSmoother& method, const SmoothedMotion& motion);
+
 /// Weights of finite differences on the positions `at`, for the derivative at 0. (Fornberg 1988.)
 Eigen::VectorXd difference_weights(const Eigen::VectorXd& at, int derivative);
 /// Differences of this accuracy over rows `step` apart, one-sided at the ends; rows one apart.

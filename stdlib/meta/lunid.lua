@@ -225,9 +225,10 @@ function lunid.derivative.total_variation(fields) end
 ---@return lunid.derivative
 function lunid.derivative.smoothed_differences(fields) end
 
----A Kalman smoother over y, v and a jointly, from all of them that were measured. Each channel has its noise; the jerk is white and as strong as is most likely.
+---A Kalman smoother over y, v and a jointly, from all of them that were measured. Each channel has its noise; a higher derivative is white, and as strong as is most likely.
 ---@class lunid.derivative.kalman.fields
----@field jerk? number # density of the jerk; else most likely
+---@field order? integer # which derivative is white: 3 the jerk, 4 the snap; higher ones for smoother motions
+---@field density? number # of the white derivative; else most likely
 ---@param fields lunid.derivative.kalman.fields
 ---@return lunid.derivative
 function lunid.derivative.kalman(fields) end

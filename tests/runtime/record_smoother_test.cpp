@@ -114,7 +114,7 @@ TEST(KalmanSmoother, IsTheBatchSolution) {
     for (const std::vector<Measurement>& measured :
          {std::vector<Measurement>{{0, span_of(y), 0.05}}, {{0, span_of(y), 0.05}, {2, span_of(a), 0.007}}}) {
       const VectorXd whole = batch(measured, density, n);
-      const SmoothedMotion motion = kalman_smoother(measured, 1, {density});
+      const SmoothedMotion motion = kalman_smoother(measured, 1, {density, 3});
       for (Index i = 0; i < n; ++i)
         for (Index k = 0; k < 3; ++k) EXPECT_NEAR(motion.values(i, k), whole[3 * i + k], 1e-8) << i << " " << k;
     }
@@ -125,7 +125,7 @@ TEST(KalmanSmoother, OfADisplacementIsTheQuinticSpline) {
   // Wahba 1978: a spline is the smoother of an integrated Wiener process without a prior on its first state.
   const VectorXd x = noisy_sine(300, 40, 0.05, 6);
   const double density = 1e-7;
-  const SmoothedMotion motion = kalman_smoother({{0, span_of(x), 0.05}}, 1, {density});
+  const SmoothedMotion motion = kalman_smoother({{0, span_of(x), 0.05}}, 1, {density, 3});
   const Spline spline = fit_spline(span_of(x), 5, 0.05 * 0.05 / density);
   for (int k = 0; k < 3; ++k) EXPECT_LT((motion.values.col(k) - spline.values.col(k)).cwiseAbs().maxCoeff(), 1e-8) << k;
 }
@@ -149,8 +149,8 @@ TEST(KalmanSmoother, ItsDeviationsHoldUnderItsOwnModel) {
     const Eigen::Vector3d draw(normal(random), normal(random), normal(random));
     state = Eigen::Vector3d(state[0] + state[1] + 0.5 * state[2], state[1] + state[2], state[2]) + root * draw;
   }
-  const SmoothedMotion motion = kalman_smoother({{0, span_of(y), noise}, {1, span_of(v), noise}}, 1);
-  EXPECT_NEAR(std::log10(motion.jerk / density), 0, 0.15);
+  const SmoothedMotion motion = kalman_smoother({{0, span_of(y), noise}, {1, span_of(v), noise}}, 1, {0, 3});
+  EXPECT_NEAR(std::log10(motion.density / density), 0, 0.15);
   for (int k = 0; k < 3; ++k) {
     const double ratio =
         std::sqrt((motion.values.col(k) - truth.col(k)).cwiseQuotient(motion.std.col(k)).squaredNorm() / n);
@@ -163,7 +163,7 @@ TEST(KalmanSmoother, UnitsOfTimeDoNotMatter) {
   const double dt = 1e-3;
   const SmoothedMotion rows = kalman_smoother({{0, span_of(y), 0.05}}, 1),
                        seconds = kalman_smoother({{0, span_of(y), 0.05}}, dt);
-  EXPECT_NEAR(seconds.jerk * std::pow(dt, 5) / rows.jerk, 1, 1e-6);
+  EXPECT_NEAR(seconds.density * std::pow(dt, 7) / rows.density, 1, 1e-6);
   EXPECT_LT((seconds.values.col(2) * dt * dt - rows.values.col(2)).norm(), 1e-6 * rows.values.col(2).norm());
 }
 
@@ -227,6 +227,7 @@ TEST(Smoothers, RefuseWhatCannotBe) {
             "finite_differences: step: expected 1 to 19 for 40 rows and accuracy 2, got 30");
   EXPECT_EQ(said(PolynomialWindow{10, 3}), "savitzky_golay: rows: expected an odd number, got 10");
   EXPECT_EQ(said(KalmanSmoother{}, 5), "kalman: expected at least 6 rows, got 5");
+  EXPECT_EQ(said(KalmanSmoother{0, 2}), "kalman: order: expected 3 to 6, got 2");
   EXPECT_EQ(message([&] { kalman_smoother({}, 1); }), "kalman: expected at least one measured channel");
 }
 
