@@ -3,6 +3,7 @@
 
 #include "record/atomic_file.hpp"
 #include "record/container.hpp"
+#include "record/spectra.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -129,6 +130,8 @@ void push_channels(lua_State* L, const Record& record) {
     lua_setfield(L, -2, "noise");
     lua_pushboolean(L, channel.derived);
     lua_setfield(L, -2, "derived");
+    push_text(L, channel.derivation);
+    lua_setfield(L, -2, "derivation");
     push_text(L, to_string(channel.between));
     lua_setfield(L, -2, "between");
     if (channel.formula.valid()) {
@@ -141,7 +144,16 @@ void push_channels(lua_State* L, const Record& record) {
   }
 }
 
-/// Fields name, rows, dt, start, duration, channels, warnings; or a method.
+void push_texts(lua_State* L, const std::vector<std::string>& texts) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const std::string& text : texts) {
+    push_text(L, text);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+/// Fields name, rows, dt, start, duration, channels, warnings, history; or a method.
 int get(lua_State* L) {
   const Record& record = check<Record>(L, 1);
   const std::string key = check_string(L, 2);
@@ -158,32 +170,25 @@ int get(lua_State* L) {
   else if (key == "channels")
     push_channels(L, record);
   else if (key == "warnings") {
-    lua_newtable(L);
-    lua_Integer i = 0;
-    for (const std::string& warning : record.warnings()) {
-      push_text(L, warning);
-      lua_rawseti(L, -2, ++i);
-    }
+    push_texts(L, record.warnings());
+  } else if (key == "history") {
+    push_texts(L, record.history());
   } else {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
       throw InputError(
           "a record has no '" + key +
-          "' (fields: name rows dt start duration channels warnings; methods: window column save with_noise)");
+          "' (fields: name rows dt start duration channels warnings history; methods: window column save with_noise "
+          "derive filter detrend decimate resample align integrate spectrum transfer spectrogram envelope cycles noise "
+          "summary)");
     }
   }
   return 1;
 }
 
 int to_string(lua_State* L) {
-  const Record& record = check<Record>(L, 1);
-  std::string channels;
-  for (const Channel& channel : record.channels()) channels += " " + channel.name + (channel.derived ? "*" : "");
-  char text[160];
-  std::snprintf(text, sizeof text, ": %lld rows, %.6g s at %.6g Hz; channels", static_cast<long long>(record.rows()),
-                record.duration(), 1 / record.dt());
-  push_text(L, "record " + record.name() + text + channels);
+  push_text(L, describe(check<Record>(L, 1)));
   return 1;
 }
 

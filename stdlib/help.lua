@@ -24,10 +24,10 @@ local function field_line(field)
   return ("  %-14s %s%s\n%17s%s"):format(field.name, field.type.words, schema.notes(field), "", field.help)
 end
 
---- "lunid.window { from, to }" or "lunid.at_least(feature, bound)"
+--- "lunid.window { from, to }", "lunid.at_least(feature, bound)" or "record:decimate { factor }"
 function help.signature(definition)
   if definition.style == "arguments" then
-    return ("lunid.%s(%s)"):format(definition.name, table.concat(definition.positional, ", "))
+    return ("%s(%s)"):format(schema.spelled(definition), table.concat(definition.positional, ", "))
   end
   local parts = {}
   for _, name in ipairs(definition.positional or {}) do parts[#parts + 1] = name end
@@ -36,8 +36,7 @@ function help.signature(definition)
   for _, field in ipairs(definition.fields) do
     if not seen[field.name] then parts[#parts + 1] = field.name .. " =" end
   end
-  return #parts > 0 and ("lunid.%s { %s }"):format(definition.name, table.concat(parts, ", "))
-    or ("lunid.%s {}"):format(definition.name)
+  return (("%s { %s }"):format(schema.spelled(definition), table.concat(parts, ", ")):gsub("{  }", "{}"))
 end
 
 local function explain_constructor(definition)
@@ -74,22 +73,22 @@ end
 --- "Such as this.", of a text whose next sentence begins with a capital letter.
 local function first_sentence(text) return (text .. " A"):match "^(.-%.) %u" end
 
-local groups = { "excitation", "noise", "systems", "statistics", "figure" }
+local groups = { "excitation", "noise", "derivative", "record", "systems", "statistics", "figure" }
 
---- Constructors of lunid.<group>, such as those of lunid.excitation.
+--- Constructors of lunid.<group>, such as those of lunid.excitation, or the methods of a record.
 local function members_of(group)
   local members = {}
   for _, definition in ipairs(schema.definitions) do
-    local member = definition.name:match("^" .. group .. "%.(.*)$")
+    local member = definition.name:match("^" .. group .. "[.:](.*)$")
     if member then members[#members + 1] = { name = member, definition = definition } end
   end
   return members
 end
 
 local function explain_group(group, members)
-  print(("lunid.%s (lunid help %s NAME)"):format(group, group))
+  print(("%s (lunid help %s NAME)"):format(schema.spelled(members[1].definition):match "^(.*)[.:]", group))
   for _, member in ipairs(members) do
-    print(("  %-20s%s"):format(member.name, first_sentence(member.definition.help)))
+    print(("  %-19s %s"):format(member.name, first_sentence(member.definition.help)))
   end
 end
 
@@ -101,7 +100,7 @@ local function overview()
   for _, row in ipairs(command_words) do print(("  %s\n%17s%s"):format(usage(row), "", row[3])) end
   print "\nConstructors of the language (lunid help NAME)"
   for _, definition in ipairs(schema.definitions) do
-    if not definition.name:find(".", 1, true) then
+    if not definition.name:find "[.:]" then
       print(("  %-21s%s"):format(definition.name, first_sentence(definition.help)))
     end
   end

@@ -10,7 +10,7 @@ end
 
 --- One constructor: what it is for, an example, its fields.
 function manual.section(definition)
-  local lines = { ("### `lunid.%s`"):format(definition.name), "", definition.help, "", "```lua", definition.example, "```" }
+  local lines = { ("### `%s`"):format(schema.spelled(definition)), "", definition.help, "", "```lua", definition.example, "```" }
   local own, shared = {}, {}
   for _, field in ipairs(definition.fields) do
     if field.shared then

@@ -1,4 +1,5 @@
 -- Frequency responses, backbone curves and Poincare sections.
+local table_of = require "lunid.columns"
 local core = require "lunid.core"
 local output = require "lunid.output"
 local schema = require "lunid.schema"
@@ -10,22 +11,6 @@ local responses = {}
 local methods = { "auto", "harmonic_balance", "shooting", "stepped_up", "stepped_down", "swept_up", "swept_down" }
 local words = { peak = "peak", fold = "fold", branch_point = "branch point", period_doubling = "period doubling",
   neimark_sacker = "Neimark-Sacker" }
-
---- CSV text of columns, given as pairs of name and column.
-local function csv(columns)
-  local names, lines = {}, {}
-  for i, column in ipairs(columns) do names[i] = column[1] end
-  lines[1] = table.concat(names, ",")
-  for row = 1, #columns[1][2] do
-    local cells = {}
-    for i, column in ipairs(columns) do
-      local value = column[2][row]
-      cells[i] = value == value and ("%.17g"):format(value) or ""
-    end
-    lines[#lines + 1] = table.concat(cells, ",")
-  end
-  return table.concat(lines, "\n") .. "\n"
-end
 
 local function check_path(path)
   if type(path) ~= "string" then schema.fail("save", "expected a path, got " .. core.describe(path)) end
@@ -65,7 +50,7 @@ function methods_of.save(response, path)
         end
       end
     end
-    local text = csv(columns)
+    local text = table_of.csv(columns)
     texts[i] = i == 1 and text or text:gsub("^[^\n]*\n", "")
   end
   return output.write(path, table.concat(texts))
@@ -190,7 +175,7 @@ core.add_method("lunid.backbone", "save", function(curve, path)
   for _, name in ipairs { "frequency", "damping", "amplitude", "mean", "amplitude_1", "amplitude_2", "amplitude_3" } do
     columns[#columns + 1] = { name, curve:column(name) }
   end
-  return output.write(path, csv(columns))
+  return output.write(path, table_of.csv(columns))
 end)
 
 -- ---- Poincare sections ----
@@ -204,7 +189,7 @@ function section_methods.save(section, path)
   check_path(path)
   local columns = {}
   for _, name in ipairs { "t", "y", "v" } do columns[#columns + 1] = { name, section:column(name) } end
-  return output.write(path, csv(columns))
+  return output.write(path, table_of.csv(columns))
 end
 
 --- Rows of a run at one phase of each period, the first `transient` periods left out.

@@ -142,6 +142,12 @@ schema.definitions = {}
 --- Raises `where: message` with the user's file and line.
 function schema.fail(where, message) core.raise(where .. ": " .. message, "study") end
 
+--- What messages call it: "filter" of record:filter.
+local function called(definition) return (definition.name:gsub("^%l+:", "")) end
+
+--- How it is written: "lunid.read", "record:filter".
+function schema.spelled(definition) return (definition.name:find ":" and "" or "lunid.") .. definition.name end
+
 local function field_named(definition, name)
   for _, field in ipairs(definition.fields) do
     if field.name == name then return field end
@@ -159,14 +165,14 @@ end
 local function check_field(definition, field, value)
   if value == nil then
     if field.required then
-      schema.fail(definition.name, ("missing field '%s': %s"):format(field.name, field.type.words))
+      schema.fail(called(definition), ("missing field '%s': %s"):format(field.name, field.type.words))
     end
     return field.default
   end
   local good, kept, hint, culprit = field.type.check(value)
   if good then return kept end
   local expected = kept:match "^entry" and kept or "expected " .. kept
-  schema.fail(definition.name .. ": " .. field.name,
+  schema.fail(called(definition) .. ": " .. field.name,
     ("%s, got %s%s"):format(expected, core.describe(culprit == nil and value or culprit), hint or ""))
 end
 
@@ -178,11 +184,11 @@ local function named(definition, given)
     if math.type(key) == "integer" then
       name = definition.positional and definition.positional[key]
       if not name then
-        schema.fail(definition.name, ("unexpected entry %d: %s; fields are written name = value"):format(key,
+        schema.fail(called(definition), ("unexpected entry %d: %s; fields are written name = value"):format(key,
           core.describe(value)))
       end
     elseif not field_named(definition, key) then
-      schema.fail(definition.name, unknown_field(definition, key))
+      schema.fail(called(definition), unknown_field(definition, key))
     end
     values[name] = value
   end
@@ -207,7 +213,7 @@ function schema.validate(definition, ...)
     given = { ... }
     local count = select("#", ...)
     if count > #definition.positional then
-      schema.fail(definition.name, ("expected %d arguments, got %d"):format(#definition.positional, count))
+      schema.fail(called(definition), ("expected %d arguments, got %d"):format(#definition.positional, count))
     end
   else
     local first = ...
@@ -216,7 +222,7 @@ function schema.validate(definition, ...)
     elseif definition.positional and first ~= nil then  -- lunid.read "run.csv", lunid.read("run.csv", { ... })
       given = positional(...)
     else
-      schema.fail(definition.name, ("expected a table { ... }, got %s"):format(core.describe(first)))
+      schema.fail(called(definition), ("expected a table { ... }, got %s"):format(core.describe(first)))
     end
   end
   local values, checked = named(definition, given), {}
@@ -233,6 +239,20 @@ function schema.define(definition, body)
   schema.definitions[#schema.definitions + 1] = definition
   schema.definitions[definition.name] = definition
   return function(...) return body(schema.validate(definition, ...)) end
+end
+
+--- Declares a method of a bound type: definition.name is "record:filter", and the body gets the record and the checked
+--- values. Without arguments all fields are at their defaults.
+function schema.method(definition, body)
+  local type, name = definition.name:match "^(%l+):([%l_]+)$"
+  schema.define(definition)
+  core.add_method("lunid." .. type, name, function(self, ...)
+    if getmetatable(self) ~= "lunid." .. type then
+      schema.fail(name, ("expected %s:%s { ... }, with a colon"):format(type, name))
+    end
+    if select("#", ...) == 0 then return body(self, schema.validate(definition, {})) end
+    return body(self, schema.validate(definition, ...))
+  end)
 end
 
 --- " (required, default 3, [N])": what else is to be said of a field; "" for nothing.

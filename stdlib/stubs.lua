@@ -34,7 +34,7 @@ local function stub(definition)
     end
     call = table.concat(definition.positional, ", ")
   else
-    local class = "lunid." .. definition.name .. ".fields"
+    local class = "lunid." .. definition.name:gsub(":", ".") .. ".fields"
     lines[#lines + 1] = "---@class " .. class
     for _, field in ipairs(definition.fields) do
       lines[#lines + 1] = ("---@field %s%s %s # %s"):format(field.name, field.required and "" or "?",
@@ -43,7 +43,7 @@ local function stub(definition)
     lines[#lines + 1] = "---@param fields " .. class
   end
   lines[#lines + 1] = "---@return " .. (plain[definition.returns] and definition.returns or "lunid." .. definition.returns)
-  lines[#lines + 1] = ("function lunid.%s(%s) end"):format(definition.name, call)
+  lines[#lines + 1] = ("function %s(%s) end"):format(schema.spelled(definition), call)
   return table.concat(lines, "\n")
 end
 
@@ -57,7 +57,8 @@ function stubs.text()
     seen[group or ""] = true
   end
   local lines = { "---@meta", "-- Written from the schemas by `lunid help stubs`; a test compares it with them.",
-    "---@class lunid", "local lunid = { " .. table.concat(groups, ", ") .. " }" }
+    "---@class lunid", "local lunid = { " .. table.concat(groups, ", ") .. " }", "---@class lunid.record",
+    "local record = {}" }
   for _, definition in ipairs(schema.definitions) do lines[#lines + 1] = stub(definition) end
   lines[#lines + 1] = "\nreturn lunid\n"
   return table.concat(lines, "\n")

@@ -2,10 +2,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
-#include <numbers>
 
+#include "record/derivative_error.hpp"
 #include "record/record.hpp"
 #include "record/savitzky_golay.hpp"
 #include "record/spectrum.hpp"
@@ -88,68 +87,6 @@ Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& x, const Eige
   return result;
 }
 
-/// Frequency response of a filter at the bins of a transform of `length`, about its middle.
-Eigen::VectorXcd response(const Eigen::VectorXd& w, Eigen::Index length) {
-  const Eigen::Index h = w.size() / 2;
-  Eigen::VectorXd turned = Eigen::VectorXd::Zero(length);
-  for (Eigen::Index k = -h; k <= h; ++k) turned[(length + k) % length] = w[h + k];
-  return half_spectrum({turned.data(), static_cast<std::size_t>(length)}, length).conjugate();
-}
-
-/// What the choice of a window needs to know of the signal: its spectrum, the noise and the ideal filter.
-struct Signal {
-  Eigen::VectorXd density;  ///< of the signal alone, without the noise
-  double noise_density = 0;
-  Eigen::VectorXcd ideal;  ///< (i w)^derivative, per sample
-  Eigen::Index length = 0;
-};
-
-/// The spectrum less the noise where it stands out of it by more than chance; elsewhere 0. (Where the signal
-/// is below the noise no filter gains by letting it pass, and the scatter of the difference would drown the
-/// sum.)
-Eigen::VectorXd signal_density(const Spectrum& spectrum, double noise_density) {
-  const Eigen::Index bins = spectrum.density.size();
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(bins + 1), density = Eigen::VectorXd::Zero(bins);
-  for (Eigen::Index k = 0; k < bins; ++k) sum[k + 1] = sum[k] + spectrum.density[k];
-  const double independent = std::max(1.0, 0.5 * static_cast<double>(spectrum.segments));
-  for (Eigen::Index k = 0; k < bins; ++k) {
-    const Eigen::Index reach = std::min<Eigen::Index>(4, bins / 8) + k / 8;  // broader where chance weighs more
-    const Eigen::Index first = std::max<Eigen::Index>(k - reach, 0), last = std::min(k + reach + 1, bins);
-    // Quantile 1 - 1e-4 of chi-square over its degrees of freedom (Wilson & Hilferty 1931); neighbouring bins
-    // of a Hann window share half of theirs.
-    const double dof = independent * static_cast<double>(last - first);
-    const double threshold = std::pow(1 - 2 / (9 * dof) + 3.72 * std::sqrt(2 / (9 * dof)), 3);
-    const double mean = (sum[last] - sum[first]) / static_cast<double>(last - first);
-    if (mean > threshold * noise_density) density[k] = spectrum.density[k] - noise_density;
-  }
-  return density;
-}
-
-Signal analyse(std::span<const double> x, double noise, int derivative) {
-  constexpr Eigen::Index longest = 16384;  // of a segment: bounds the work and the window
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const Spectrum spectrum = welch(x, std::min(power_of_two_below(std::max<Eigen::Index>(n, 2)), longest));
-  Signal signal{signal_density(spectrum, noise * noise), noise * noise, {}, spectrum.length};
-  signal.ideal.resize(signal.density.size());
-  for (Eigen::Index k = 0; k < signal.ideal.size(); ++k) {
-    const std::complex<double> iw(0,
-                                  2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(signal.length));
-    signal.ideal[k] = std::pow(iw, derivative);
-  }
-  return signal;
-}
-
-/// Mean squared error of the filtered derivative: noise passed plus bias, sum of |H|^2 Pn + |H - D|^2 S.
-double error_of(const Signal& signal, const Eigen::VectorXd& weights) {
-  const Eigen::VectorXcd h = response(weights, signal.length);
-  double bias = 0;
-  for (Eigen::Index k = 1; k < h.size(); ++k) {
-    const double both = k + 1 < h.size() ? 2 : 1;  // the negative frequency, but for the last bin
-    bias += both * std::norm(h[k] - signal.ideal[k]) * signal.density[k];
-  }
-  return weights.squaredNorm() * signal.noise_density + bias / static_cast<double>(signal.length);
-}
-
 }  // namespace
 
 Eigen::VectorXd savitzky_golay_weights(int derivative, const SavitzkyGolay& options) {
@@ -179,17 +116,17 @@ Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivat
 
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative) {
   const auto n = static_cast<Eigen::Index>(x.size());
-  const Signal signal = analyse(x, noise, derivative);
-  const int widest = static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, signal.length / 10, (n - 1) / 2}), 2));
+  const DerivativeError error(x, noise, derivative);
+  const int widest = static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, error.length() / 10, (n - 1) / 2}), 2));
   // The narrowest filter of order 3 is there for any record of 5 rows.
   SavitzkyGolay best{2, 3};
   double least = std::numeric_limits<double>::infinity();
   for (int order : {3, 5}) {
     for (int h = (order + 1) / 2; h <= widest; h = std::max(h + 1, static_cast<int>(1.2 * h))) {
       const SavitzkyGolay candidate{h, order};
-      const double error = error_of(signal, savitzky_golay_weights(derivative, candidate));
-      if (error >= least) continue;
-      least = error;
+      const double expected = error.of(savitzky_golay_weights(derivative, candidate));
+      if (expected >= least) continue;
+      least = expected;
       best = candidate;
     }
   }

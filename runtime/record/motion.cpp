@@ -2,62 +2,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/motion.hpp"
 #include "record/record.hpp"
 #include "record/savitzky_golay.hpp"
 #include "record/spectrum.hpp"
 
 namespace lunid {
-namespace {
 
-std::string unit_of(const std::string& from, int derivative) {
+std::string motion_unit(const std::string& from, int rank) {
   const std::string base = from.substr(0, from.find('/'));
   if (base != "m" && base != "rad") return "";
-  return derivative == 0 ? base : derivative == 1 ? base + "/s" : base + "/s^2";
+  return rank == 0 ? base : rank == 1 ? base + "/s" : base + "/s^2";
 }
 
-/// The smoothed derivative of a channel, with the noise that the filter lets through.
-Channel differentiate(const Record& record, const std::string& from, const std::string& name, int derivative,
-                      int rank) {
-  const Channel& source = record.channel(from);
-  const std::span<const double> x = record[from];
-  const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
-  Channel channel;
-  channel.name = name;
-  channel.unit = unit_of(source.unit, rank);
-  channel.values = savitzky_golay(x, record.dt(), derivative, filter);
-  channel.noise = source.noise * savitzky_golay_noise(record.dt(), derivative, filter);
-  channel.derived = true;
-  return channel;
-}
-
-/// Integral by cubics through four samples (error of order dt^4), rid of its least-squares polynomial.
-Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
-  const std::size_t n = x.size();
-  Eigen::VectorXd sum(static_cast<Eigen::Index>(n));
-  sum[0] = 0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const bool inside = i > 0 && i + 2 < n;
-    const double mean = inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
-    sum[static_cast<Eigen::Index>(i) + 1] = sum[static_cast<Eigen::Index>(i)] + dt * mean;
-  }
-  return detrend({sum.data(), n}, degree);
-}
-
-/// The integral of a channel. Integrated white noise is a random walk; rid of its line it has the mean
-/// variance noise^2 dt^2 n / 15 (of a Brownian motion on [0, 1]: 1/6 about its mean, less 1/10 in its slope).
-Channel integral(const Record& record, const std::string& from, const std::string& name, int degree, int rank) {
-  const Channel& source = record.channel(from);
-  Channel channel;
-  channel.name = name;
-  channel.unit = unit_of(source.unit, rank);
-  channel.values = integrate(record[from], record.dt(), degree);
-  channel.noise = source.noise * record.dt() * std::sqrt(static_cast<double>(record.rows()) / 15);
-  channel.derived = true;
-  return channel;
-}
-
-/// What stands behind y, v or a in the names of the channels: "" of one coordinate, "1" "2" ... of several, "b" of a
-/// base; in order of appearance.
 std::vector<std::string> coordinates(const Record& record) {
   std::vector<std::string> found;
   for (const Channel& channel : record.channels()) {
@@ -68,6 +25,51 @@ std::vector<std::string> coordinates(const Record& record) {
       found.push_back(suffix);
   }
   return found;
+}
+
+Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
+  const std::size_t n = x.size();
+  Eigen::VectorXd sum(static_cast<Eigen::Index>(n));
+  sum[0] = 0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const bool inside = i > 0 && i + 2 < n;
+    const double mean = inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
+    sum[static_cast<Eigen::Index>(i) + 1] = sum[static_cast<Eigen::Index>(i)] + dt * mean;
+  }
+  return degree < 0 ? sum : detrend({sum.data(), n}, degree);
+}
+
+namespace {
+
+/// The smoothed derivative of a channel, with the noise that the filter lets through.
+Channel differentiate(const Record& record, const std::string& from, const std::string& name, int derivative,
+                      int rank) {
+  const Channel& source = record.channel(from);
+  const std::span<const double> x = record[from];
+  const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
+  Channel channel;
+  channel.name = name;
+  channel.unit = motion_unit(source.unit, rank);
+  channel.values = savitzky_golay(x, record.dt(), derivative, filter);
+  channel.noise = source.noise * savitzky_golay_noise(record.dt(), derivative, filter);
+  channel.derived = true;
+  channel.derivation = "of " + from + " by Savitzky-Golay of order " + std::to_string(filter.order) + " over " +
+                       std::to_string(2 * filter.half_width + 1) + " rows";
+  return channel;
+}
+
+/// The integral of a channel. Integrated white noise is a random walk; rid of its line it has the mean
+/// variance noise^2 dt^2 n / 15 (of a Brownian motion on [0, 1]: 1/6 about its mean, less 1/10 in its slope).
+Channel integral(const Record& record, const std::string& from, const std::string& name, int degree, int rank) {
+  const Channel& source = record.channel(from);
+  Channel channel;
+  channel.name = name;
+  channel.unit = motion_unit(source.unit, rank);
+  channel.values = integrate(record[from], record.dt(), degree);
+  channel.noise = source.noise * record.dt() * std::sqrt(static_cast<double>(record.rows()) / 15);
+  channel.derived = true;
+  channel.derivation = "of " + from + " by integration, less a polynomial of degree " + std::to_string(degree);
+  return channel;
 }
 
 Record derive_coordinate(Record result, const std::string& suffix) {

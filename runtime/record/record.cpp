@@ -98,6 +98,7 @@ Record Record::with(Channel channel) const {
   if (!replaced) channels.push_back(std::move(channel));
   Record result(name_, start(), dt_, std::move(channels));
   result.warnings_ = warnings_;
+  result.history_ = history_;
   return result;
 }
 

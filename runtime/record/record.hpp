@@ -26,10 +26,11 @@ struct Channel {
   std::string source_unit;  ///< unit as found ("mm")
   Eigen::VectorXd values;
   double noise = 0;      ///< standard deviation of the channel's own noise, estimated (noise_level)
-  bool derived = false;  ///< true for v, a computed from other channels
+  bool derived = false;  ///< true for what was computed from other channels
   Interpolation between = Interpolation::linear;  ///< what it does between its samples
   /// Of a signal that was made: its value at any time t [s]. What `values` have beyond it is interpolated. Else empty.
   Expr formula;
+  std::string derivation;  ///< how it was computed from other channels; "" of one that was not
 };
 
 /// Value type; copies and windows share the columns.
@@ -52,6 +53,8 @@ class Record {
   const std::vector<Channel>& channels() const { return *channels_; }
   const std::vector<std::string>& warnings() const { return warnings_; }  ///< what reading found (rounded time, ...)
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
+  const std::vector<std::string>& history() const { return history_; }  ///< what was done to it since it was read
+  void note(std::string text) { history_.push_back(std::move(text)); }
 
   /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the
   /// record has.
@@ -66,7 +69,7 @@ class Record {
   double t0_ = 0, dt_ = 1;
   Eigen::Index first_ = 0, count_ = 0;
   std::shared_ptr<const std::vector<Channel>> channels_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, history_;
 };
 
 /// "t=time" or "y=disp [mm]" or "F=load (kN)": channel, header in the file, unit (optional).

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "expr/error.hpp"
-#include "statistics/autoregression.hpp"
+#include "record/autoregression.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/moments.hpp"
 

@@ -1,7 +1,9 @@
 ---@meta
 -- Written from the schemas by `lunid help stubs`; a test compares it with them.
 ---@class lunid
-local lunid = { figure = {}, excitation = {}, noise = {}, systems = {}, statistics = {} }
+local lunid = { derivative = {}, figure = {}, excitation = {}, noise = {}, systems = {} }
+---@class lunid.record
+local record = {}
 
 ---A value that `lunid run STUDY.lua key=value` may set.
 ---@class lunid.option.fields
@@ -196,24 +198,177 @@ function lunid.simulate(fields) end
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
 
----A function in Lua as a last resort, where the language has no words for it: damper(y, v) then stands in models and regressions like any expression. It is slow, runs on one thread, and is taken for smooth.
----@class lunid.lua_function.fields
----@field name string # how it is written in equations
----@field call function # function of 1 to 4 numbers that returns a number
----@field gradient? function # function of the same numbers that returns the derivative by each; else by central differences
----@field scale? table # size of each argument below which differences take it for 0; else 1e-3
----@param fields lunid.lua_function.fields
----@return lunid.function
-function lunid.lua_function(fields) end
+---Central differences of any even order of accuracy, one-sided at the ends.
+---@class lunid.derivative.finite_differences.fields
+---@field accuracy? integer # even: the error falls as its power of dt; else chosen from the noise
+---@field step? integer # rows between the samples that are used; else chosen from the noise
+---@param fields lunid.derivative.finite_differences.fields
+---@return lunid.derivative
+function lunid.derivative.finite_differences(fields) end
 
----A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
----@class lunid.lookup.fields
----@field name string # how it is written in equations
----@field axes table # one list of increasing values, or two
----@field values table # one number for each point; with two axes a list over the second axis for each point of the first
----@param fields lunid.lookup.fields
----@return lunid.function
-function lunid.lookup(fields) end
+---A polynomial through a moving window.
+---@class lunid.derivative.savitzky_golay.fields
+---@field rows? integer # of the window, an odd number; else chosen from the noise
+---@field order? integer # of the polynomial; else chosen from the noise
+---@param fields lunid.derivative.savitzky_golay.fields
+---@return lunid.derivative
+function lunid.derivative.savitzky_golay(fields) end
+
+---In the frequency domain, continued beyond the ends so that the record need not be periodic. Without a cut-off the gain is Wiener's, from the record's own spectrum and noise.
+---@class lunid.derivative.fourier.fields
+---@field cutoff? number # what lies above it is taken for noise
+---@param fields lunid.derivative.fourier.fields
+---@return lunid.derivative
+function lunid.derivative.fourier(fields) end
+
+---A smoothing spline with a knot at each row.
+---@class lunid.derivative.spline.fields
+---@field degree? integer # 3: penalises the square of the acceleration; 5: that of the jerk
+---@field by? "noise"|"cross_validation" # how the weight is chosen: by the known noise, or by generalised cross-validation without it
+---@field weight? number # of the penalty's integral; else chosen
+---@param fields lunid.derivative.spline.fields
+---@return lunid.derivative
+function lunid.derivative.spline(fields) end
+
+---Keeps jumps: one of the derivatives is constant in pieces, as few as the noise allows. Slow on long records.
+---@class lunid.derivative.total_variation.fields
+---@field order? integer # which is constant in pieces: 1 velocity, 2 acceleration, 3 jerk
+---@field weight? number # of the jumps' sizes, in the channel's unit; else chosen from the noise
+---@param fields lunid.derivative.total_variation.fields
+---@return lunid.derivative
+function lunid.derivative.total_variation(fields) end
+
+---Finite differences after a Savitzky-Golay filter.
+---@class lunid.derivative.smoothed_differences.fields
+---@field rows? integer # of the window, an odd number; else chosen from the noise
+---@field order? integer # of the polynomial; else chosen from the noise
+---@field accuracy? integer # of the differences, an even number
+---@param fields lunid.derivative.smoothed_differences.fields
+---@return lunid.derivative
+function lunid.derivative.smoothed_differences(fields) end
+
+---A Kalman smoother over y, v and a jointly, from all of them that were measured. Each channel has its noise; a higher derivative is white, and as strong as is most likely.
+---@class lunid.derivative.kalman.fields
+---@field order? integer # which derivative is white: 3 the jerk, 4 the snap; higher ones for smoother motions
+---@field density? number # of the white derivative; else most likely
+---@param fields lunid.derivative.kalman.fields
+---@return lunid.derivative
+function lunid.derivative.kalman(fields) end
+
+---Velocity and acceleration where they were not measured. Derived channels remember how (`record.channels.a.derivation`).
+---@class lunid.record.derive.fields
+---@field method? lunid.derivative # lunid.derivative.fourier {} by default
+---@field channels? table # to make, such as { "a" }; else what of v and a was not measured
+---@field from? string # channel to differentiate; else the nearest measured one (kalman: all of them)
+---@field smooth? boolean # replace measured channels too by what the method makes of them
+---@param fields lunid.record.derive.fields
+---@return lunid.record
+function record:derive(fields) end
+
+---A Butterworth filter forwards and backwards, so that nothing is delayed. The amplitude at a cut-off is halved.
+---@class lunid.record.filter.fields
+---@field from? number # passes what lies above
+---@field to? number # passes what lies below; with from: a band
+---@field stop? boolean # passes all but that
+---@field order? integer # of the filter in each direction
+---@field channels? table # such as { "y", "F" }; else all
+---@param fields lunid.record.filter.fields
+---@return lunid.record
+function record:filter(fields) end
+
+---Takes off the least-squares polynomial of each channel.
+---@class lunid.record.detrend.fields
+---@field degree? integer # 0 the mean, 1 a line, 2 a parabola ...
+---@field channels? table # such as { "y", "F" }; else all
+---@param fields lunid.record.detrend.fields
+---@return lunid.record
+function record:detrend(fields) end
+
+---Every row of so many, after a filter that keeps the rest from folding in.
+---@class lunid.record.decimate.fields
+---@field factor integer # rows that become one
+---@param fields lunid.record.decimate.fields
+---@return lunid.record
+function record:decimate(fields) end
+
+---The same time at another rate, by band-limited interpolation.
+---@class lunid.record.resample.fields
+---@field rate number # rows per second
+---@param fields lunid.record.resample.fields
+---@return lunid.record
+function record:resample(fields) end
+
+---Moves a record onto the time of another by the largest correlation of one channel, to a part of a row. Also gives the delay taken off [s] and the correlation.
+---@class lunid.record.align.fields
+---@field with lunid.record # whose rows it gets
+---@field channel? string # that both hold
+---@field most? number # largest delay looked for; else half of the shorter record
+---@param fields lunid.record.align.fields
+---@return lunid.record
+function record:align(fields) end
+
+---Velocity and displacement from an acceleration, or displacement from a velocity, rid of drift.
+---@class lunid.record.integrate.fields
+---@field from? string # channel to integrate; else the measured v or a
+---@field below? number # drift is what lies below: taken off by a high pass after each integration
+---@field degree? integer # without below: of the polynomial taken off the first integral, one more off the second
+---@param fields lunid.record.integrate.fields
+---@return lunid.record
+function record:integrate(fields) end
+
+---Power spectral density by Welch's method. Columns: frequency [Hz], density [unit^2/Hz], and its 95 % limits low, high.
+---@class lunid.record.spectrum.fields
+---@field channel? string # whose
+---@field length? integer # of a segment, a power of two; else an eighth of the record or less
+---@param fields lunid.record.spectrum.fields
+---@return lunid.spectrum
+function record:spectrum(fields) end
+
+---Frequency response from an input to an output, with coherence and 95 % limits. H1 holds for noise in the output, H2 for noise in the input. Columns: frequency [Hz], real, imaginary, magnitude, phase [rad], coherence, magnitude_low, magnitude_high, phase_std [rad].
+---@class lunid.record.transfer.fields
+---@field input? string # channel that drives
+---@field output? string # channel that answers
+---@field estimator? "h1"|"h2" # Sxy/Sxx or Syy/Syx
+---@field length? integer # of a segment, a power of two; else an eighth of the record or less
+---@param fields lunid.record.transfer.fields
+---@return lunid.transfer
+function record:transfer(fields) end
+
+---Power spectral densities along the record. Columns over its segments: time [s], ridge, the frequency of the largest density [Hz]; `:at(segment)` is the density over `.frequency`.
+---@class lunid.record.spectrogram.fields
+---@field channel? string # whose
+---@field length? integer # of a segment, a power of two; else an eighth of the record or less
+---@field hop? integer # from one segment to the next; else a quarter of one
+---@param fields lunid.record.spectrogram.fields
+---@return lunid.spectrogram
+function record:spectrogram(fields) end
+
+---Amplitude and instantaneous frequency of a motion of one frequency at a time, without its noise. Columns: time [s], amplitude, frequency [Hz], phase [rad].
+---@class lunid.record.envelope.fields
+---@field channel? string # whose
+---@param fields lunid.record.envelope.fields
+---@return lunid.envelope
+function record:envelope(fields) end
+
+---Cycle by cycle, between upward crossings of the record's line. Columns: time [s] of the first crossing, period [s], frequency [Hz], amplitude, mean.
+---@class lunid.record.cycles.fields
+---@field channel? string # whose
+---@param fields lunid.record.cycles.fields
+---@return lunid.cycles
+function record:cycles(fields) end
+
+---The noise under a channel. Fields: white (the lowest level of its spectrum, which the record works with), robust (by the median of its sixth differences, which outliers do not reach), outliers, exponent and exponent_std of the background 1/f^exponent under tones and resonances, background (its deviation), coloured. Columns: frequency [Hz], density.
+---@class lunid.record.noise.fields
+---@field channel? string # whose
+---@param fields lunid.record.noise.fields
+---@return lunid.noise_report
+function record:noise(fields) end
+
+---Rows, rate, start, duration and the statistics of each channel. `summary.channels.y` has min, max, mean, std, noise, missing (rows that are no numbers) and held (the longest run that repeats a value).
+---@class lunid.record.summary.fields
+---@param fields lunid.record.summary.fields
+---@return lunid.summary
+function record:summary(fields) end
 
 ---The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed motion, y and v drive it and F is its output.
 ---@class lunid.model.fields

@@ -16,7 +16,7 @@ local function documented()
   local constructors, fields = {}, {}
   for line in stubs:gmatch "[^\n]+" do
     local field = line:match "^%-%-%-@field ([%w_]+)" or line:match "^%-%-%-@param ([%w_]+)"
-    local name = line:match "^function lunid%.([%w_.]+)%("
+    local name = line:match "^function lunid%.([%w_.]+)%(" or line:match "^function (record:[%w_]+)%("
     if field and field ~= "fields" then fields[#fields + 1] = field end
     if name then
       constructors[#constructors + 1] = { name = name, fields = fields }
@@ -38,7 +38,9 @@ spec.case("the sections of the manual are those of the schemas", function()
   local count = 0
   for section in ("\n" .. sections):gmatch "(### `.-\nGives: [^\n]*\n)" do
     count = count + 1
-    assert(manual:find(section, 1, true), "docs/language.md lacks, or has differently:\n" .. section)
+    local at = manual:find(section, 1, true)
+    assert(at, "docs/language.md lacks, or has differently:\n" .. section)
+    assert(not manual:find(section, at + 1, true), "docs/language.md has twice:\n" .. section)
   end
   spec.equal(count, #documented())
 end)
@@ -46,7 +48,9 @@ end)
 spec.case("the manual describes no constructor that there is not", function()
   local known = {}
   for _, constructor in ipairs(documented()) do known[constructor.name] = true end
-  for name in manual:gmatch "\n### `lunid%.([%w_.]+)`" do assert(known[name], "no such constructor: lunid." .. name) end
+  for name in manual:gmatch "\n### `([%w_.:]+)`" do
+    assert(known[name:gsub("^lunid%.", "")], "no such constructor: " .. name)
+  end
 end)
 
 --- Lines of the first fenced block after `mark`.

@@ -40,7 +40,7 @@ end
 
 spec.case("a harmonic is its cosine, on its time base", function()
   local record = e.harmonic { amplitude = 3, frequency = 7, phase = 0.4, dt = 0.01, duration = 2, start = 1.5 }
-  spec.equal(tostring(record), "record harmonic, 3 N at 7 Hz: 201 rows, 2 s at 100 Hz; channels F")
+  spec.equal(tostring(record):match "^[^\n]*", "record harmonic, 3 N at 7 Hz: 201 rows, 2 s at 100 Hz; channels F")
   spec.equal(record.start, 1.5)
   local force, time = record:column "F", record:column "t"
   for i = 1, record.rows, 17 do spec.near(force[i], 3 * math.cos(2 * pi * 7 * time[i] + 0.4), 1e-13) end

@@ -124,7 +124,7 @@ end)
 
 spec.case("the chain through the protocol", function()
   local train = lunid.thesis_record { system = systems.chain {}, frequency = 20, seed = 1 }
-  spec.equal(tostring(train), "record thesis, 2000 N at 20 Hz: 2401 rows, 3 s at 800 Hz; channels F1 F2 y1 v1 y2 v2 a1* a2*")
+  spec.equal(tostring(train):match "^[^\n]*", "record thesis, 2000 N at 20 Hz: 2401 rows, 3 s at 800 Hz; channels F1 F2 y1 v1 y2 v2 a1* a2*")
   local test = lunid.thesis_validation { system = systems.chain {}, from = train }
   spec.equal(test:column "y2"[1], train:column "y2"[1])
   spec.equal(test:column("F2"):max(), 0.0)

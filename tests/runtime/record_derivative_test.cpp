@@ -221,7 +221,7 @@ TEST(DeriveMotion, NoiseOfAnIntegralIsThatOfADetrendedWalk) {
   for (int k = 0; k < draws; ++k) {
     Eigen::VectorXd v(n);
     for (double& value : v) value = normal(random);
-    Channel channel{"v", "m/s", "", "", v, 1.0, false};
+    Channel channel{"v", "m/s", "", "", v, 1.0, false, {}, {}, {}};
     const Record record = derive_motion(Record("test", 0, 0.1, {channel}));
     sum += column(record, "y").squaredNorm() / n / draws;
     stated = record.channel("y").noise;
@@ -230,7 +230,7 @@ TEST(DeriveMotion, NoiseOfAnIntegralIsThatOfADetrendedWalk) {
 }
 
 TEST(DeriveMotion, NeedsAMotion) {
-  Channel force{"F", "N", "", "", Eigen::VectorXd::Ones(10), 0, false};
+  Channel force{"F", "N", "", "", Eigen::VectorXd::Ones(10), 0, false, {}, {}, {}};
   EXPECT_THROW(derive_motion(Record("test", 0, 1, {force})), InputError);
 }
 

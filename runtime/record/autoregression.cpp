@@ -1,9 +1,7 @@
-#include "statistics/autoregression.hpp"
+#include "record/autoregression.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
@@ -15,11 +13,17 @@ void extend(std::vector<double>& a, double reflection) {
   for (std::size_t i = 0; i < old.size(); ++i) a[i] = old[i] - reflection * old[old.size() - 1 - i];
 }
 
+double mean_of(std::span<const double> x) {
+  double sum = 0;
+  for (double value : x) sum += value;
+  return x.empty() ? 0 : sum / static_cast<double>(x.size());
+}
+
 }  // namespace
 
 AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, Criterion criterion) {
   AutoregressiveFit best;
-  best.mean = moments::mean(x);
+  best.mean = mean_of(x);
   const auto n = static_cast<Eigen::Index>(x.size());
   if (n == 0) return best;
   Eigen::VectorXd forward = Eigen::Map<const Eigen::VectorXd>(x.data(), n).array() - best.mean;

@@ -1,0 +1,27 @@
+#pragma once
+// Inside record: what every treatment of a record asks of its channels.
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "record/record.hpp"
+
+namespace lunid {
+
+/// The values of a channel within the window. Throws InputError `where: ...`: no such channel, a value that is not a
+/// number (with its time), fewer than `rows` rows.
+std::span<const double> numbers(const Record& record, std::string_view channel, std::string_view where,
+                                Eigen::Index rows = 6);
+/// The same, and not all of one value.
+std::span<const double> varying(const Record& record, std::string_view channel, std::string_view where,
+                                Eigen::Index rows = 6);
+/// The names as given, or all of the record's. Throws InputError for a name that it lacks.
+std::vector<std::string> names_or_all(const Record& record, const std::vector<std::string>& names,
+                                      std::string_view where);
+/// This record's channels (within its window) over another time base: warnings and history go along.
+Record remade(const Record& record, double t0, double dt, std::vector<Channel> channels);
+/// A channel within the window, with other values.
+Channel with_values(const Record& record, std::string_view channel, Eigen::VectorXd values);
+
+}  // namespace lunid

@@ -1,0 +1,30 @@
+#pragma once
+// Inside record: the error that a linear filter will make of a derivative, from the spectrum and the noise alone.
+#include <Eigen/Core>
+#include <span>
+
+namespace lunid {
+
+/// Mean squared error of a filtered derivative (0: of the smoothed signal) in the middle of a record: the noise that it
+/// lets through, plus what it does to the part of the signal that stands out of the noise. Samples one apart.
+class DerivativeError {
+ public:
+  /// `noise`: standard deviation of the white noise in x.
+  DerivativeError(std::span<const double> x, double noise, int derivative);
+  /// Of the weights of a symmetric or antisymmetric window, an odd number of them.
+  double of(const Eigen::VectorXd& weights) const;
+  /// Of a filter whose response at the bins is ideal() times the real `gain`.
+  double of_gain(const Eigen::VectorXd& gain) const;
+  Eigen::Index length() const { return length_; }  ///< of the transform; bin k is at 2 pi k / length per sample
+  const Eigen::VectorXd& density() const { return density_; }  ///< of the signal without the noise; 0 where below it
+  double noise_density() const { return noise_density_; }
+  const Eigen::VectorXcd& ideal() const { return ideal_; }  ///< (i w)^derivative
+
+ private:
+  Eigen::VectorXd density_;
+  double noise_density_ = 0;
+  Eigen::VectorXcd ideal_;
+  Eigen::Index length_ = 0;
+};
+
+}  // namespace lunid

@@ -1,0 +1,20 @@
+#pragma once
+// Inside record: the coordinates of a record's motion and what its derivatives and integrals are called.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "record/record.hpp"
+
+namespace lunid {
+
+/// What stands behind y, v or a in the names of the channels: "" of one coordinate, "1" "2" ... of several, "b" of a
+/// base; in order of appearance.
+std::vector<std::string> coordinates(const Record& record);
+/// The unit of the derivative of this rank (0: y, 1: v, 2: a) where a channel of the coordinate has the unit `from`.
+std::string motion_unit(const std::string& from, int rank);
+/// Integral from 0 by cubics through four samples (error of order dt^4), rid of its least-squares polynomial; degree
+/// -1: as it is.
+Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree);
+
+}  // namespace lunid
