@@ -140,7 +140,7 @@ void first_errors(Pool& pool, const HistoryOptions& options, const std::vector<H
   longer.degree = 1;
   longer.output_lags = 2 * (options.output_lags + options.noise_lags) + 5;
   longer.input_lags = longer.output_lags;
-  HistoryRows rows(pool, features_of(pool, longer), longer);
+  HistoryRows rows(features_of(pool, longer), longer);
   for (const HistorySignals& s : signals)
     if (s.y.size() < 2 * rows.first() + rows.features()) return;  // too short for it: begin with no errors
   const Fit fit = least_squares(statistic(rows, signals, errors, rows.first()));
@@ -154,7 +154,7 @@ HistoryModel fit_from(Pool& pool, std::span<const Record> records, const History
   model.between = records.front().channel(options.input).between;
   const std::vector<Expr> features = features_of(pool, options);
   if (features.empty()) throw InputError("history model: expected at least one lag or feature");
-  HistoryRows rows(pool, features, options);
+  HistoryRows rows(features, options);
   std::vector<HistorySignals> signals;
   std::vector<VectorXd> errors;
   for (const Record& record : records) {

@@ -28,7 +28,7 @@ Lag lag_of(const std::string& name, const HistoryOptions& options) {
 
 }  // namespace
 
-HistoryRows::HistoryRows(Pool&, std::vector<Expr> features, const HistoryOptions& options) {
+HistoryRows::HistoryRows(std::vector<Expr> features, const HistoryOptions& options) {
   std::vector<Expr> inputs;
   for (const Expr& f : features) {
     names_.push_back(to_text(f));
@@ -72,8 +72,9 @@ HistorySignals signals_of(const Record& record, const HistoryOptions& options) {
     const auto values = record[name];
     const VectorXd out = Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
     if (!out.allFinite())
-      throw InputError("history model: channel '" + name + "' of " + record.name() + " holds a value that is not finite",
-                       {}, Fault::data);
+      throw InputError(
+          "history model: channel '" + name + "' of " + record.name() + " holds a value that is not finite", {},
+          Fault::data);
     return out;
   };
   return {column(options.output), column(options.input)};

@@ -18,7 +18,8 @@ struct Lag {
 /// The features of a history model over lagged samples, as one tape.
 class HistoryRows {
  public:
-  HistoryRows(Pool& pool, std::vector<Expr> features, const HistoryOptions& options);
+  /// Throws InputError on a feature of anything but lagged samples.
+  HistoryRows(std::vector<Expr> features, const HistoryOptions& options);
 
   Eigen::Index first() const { return first_; }  ///< first row with all its lags
   int features() const { return tape_.outputs(); }

@@ -23,7 +23,7 @@ constexpr double kGrown = 1e6;  // times the measured output: a run without boun
 HistoryRows rows_of(const HistoryModel& model) {
   std::vector<Expr> features;
   for (const HistoryTerm& term : model.terms) features.push_back(term.feature);
-  return HistoryRows(features.front().pool(), features, model.options);
+  return HistoryRows(features, model.options);
 }
 
 VectorXd coefficients_of(const HistoryModel& model) {
@@ -104,7 +104,8 @@ ResidualTest correlate(std::string name, const VectorXd& a, const VectorXd& b, i
   const VectorXd x = a.array() - a.mean(), z = b.array() - b.mean();
   const double size = x.norm() * z.norm();
   const Index n = x.size();
-  ResidualTest test{std::move(name), first, VectorXd::Zero(last - first + 1), 1.96 / std::sqrt(static_cast<double>(n)), 0, true};
+  ResidualTest test{
+      std::move(name), first, VectorXd::Zero(last - first + 1), 1.96 / std::sqrt(static_cast<double>(n)), 0, true};
   for (int lag = first; lag <= last; ++lag) {
     const double value = lag >= 0 ? x.tail(n - lag).dot(z.head(n - lag)) : x.head(n + lag).dot(z.tail(n + lag));
     test.correlation[lag - first] = size > 0 ? value / size : 0;
@@ -260,12 +261,15 @@ ContinuousModel to_continuous(const HistoryModel& model) {
   const VectorXd b = coefficients_of(model);
   const Linear linear = linear_of(model, b);
   if (linear.a.size() != 2 || linear.b.empty() || linear.b.size() > 3)
-    throw InputError("history model: an equation m*a + c*v + k*y = F has two output lags and inputs of lags 0 to 2, this "
-                     "one has " + std::to_string(linear.a.size()) + " and " + std::to_string(linear.b.size()));
+    throw InputError(
+        "history model: an equation m*a + c*v + k*y = F has two output lags and inputs of lags 0 to 2, this "
+        "one has " +
+        std::to_string(linear.a.size()) + " and " + std::to_string(linear.b.size()));
   const double square = linear.a[0] * linear.a[0] / 4 + linear.a[1];
   if (square > 0 && linear.a[0] / 2 - std::sqrt(square) <= 0)
-    throw InputError("history model: a pole on the negative real axis belongs to no equation of motion: sample faster, "
-                     "or describe the noise (noise_lags)");
+    throw InputError(
+        "history model: a pole on the negative real axis belongs to no equation of motion: sample faster, "
+        "or describe the noise (noise_lags)");
   const Equation e = equation_of(linear, model.dt);
   if (!(std::isfinite(e.k) && std::isfinite(e.m)) || e.k == 0)
     throw InputError("history model: no static gain, so that the mass cannot be told");
@@ -283,8 +287,7 @@ ContinuousModel to_continuous(const HistoryModel& model) {
   out.mass_std = std::sqrt(covariance(0, 0));
   out.damping_std = std::sqrt(covariance(1, 1));
   out.stiffness_std = std::sqrt(covariance(2, 2));
-  const std::vector<double> expected =
-      input_coefficients(e, linear, model.dt, model.between != Interpolation::hold);
+  const std::vector<double> expected = input_coefficients(e, linear, model.dt, model.between != Interpolation::hold);
   double difference = 0, size = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double got = i < linear.b.size() ? linear.b[i] : 0;

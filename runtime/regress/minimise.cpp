@@ -12,9 +12,19 @@
 namespace lunid {
 
 const std::vector<std::string>& search_methods() {
-  static const std::vector<std::string> names = {"slsqp", "lbfgs", "mlsl",      "direct",         "esch",
-                                                 "crs",   "isres", "stogo",     "annealing",      "particle_swarm",
-                                                 "puddle_jumping", "monte_carlo", "stochastic_gradient"};
+  static const std::vector<std::string> names = {"slsqp",
+                                                 "lbfgs",
+                                                 "mlsl",
+                                                 "direct",
+                                                 "esch",
+                                                 "crs",
+                                                 "isres",
+                                                 "stogo",
+                                                 "annealing",
+                                                 "particle_swarm",
+                                                 "puddle_jumping",
+                                                 "monte_carlo",
+                                                 "stochastic_gradient"};
   return names;
 }
 
@@ -83,9 +93,8 @@ nlopt_algorithm algorithm_of(SearchMethod method) {
   }
 }
 
-/// Whether the points at a place are worth a call of their own: a box [0, 1]^n, tolerances, the objective over its
-/// first value. The best point evaluated is the result, whatever code NLopt ends with: one below 0 that is no fault of
-/// ours is a line search at its limit of rounding.
+/// Runs NLopt in the box [0, 1]^n on the objective over its first value. The best point evaluated is the result,
+/// whatever code NLopt ends with: one below 0 that is no fault of ours is a line search at its limit of rounding.
 Minimum run(Optimiser& optimiser, const Objective& objective, std::vector<double> x, int evaluations) {
   const double first = objective.value(x.data(), nullptr);
   Call call{objective, optimiser.get(), first > 0 ? first : 1, {x, first > 0 ? 1.0 : first}, nullptr};
@@ -143,7 +152,6 @@ Minimum minimise_by_nlopt(const Objective& objective, std::vector<double> start,
     const Optimiser inner = local(NLOPT_LD_SLSQP, objective.size);
     nlopt_set_local_optimizer(optimiser.get(), inner.get());
   }
-  // NLopt's Gaussian and evolution methods stop at a bound of their own on the spread; ours is the count alone.
   return run(optimiser, objective, std::move(start), options.evaluations);
 }
 
