@@ -1,7 +1,7 @@
 -- `lunid help TOPIC` and `lunid list`: written from the schemas and the catalogue, never by hand.
 local core = require "lunid.core"
 local effects = require "lunid.effect"
-local regression = require "lunid.regression"
+local solvers = require "lunid.solvers"
 local schema = require "lunid.schema"
 local simulation = require "lunid.simulation"
 
@@ -150,7 +150,8 @@ end
 
 function lists.features()
   print "signals     displacement y, velocity v, acceleration a, time t, force F"
-  print "sets        lunid.polynomials({ y, v }, order)"
+  print "sets        polynomials chebyshev fourier tanhs exponentials powers piecewise radial lags features;"
+  print "            a set times a set, or times an expression, is the set of all products"
   local names = {}
   for name in pairs(core.functions) do names[#names + 1] = name end
   table.sort(names)
@@ -169,7 +170,7 @@ function lists.systems() list_group "systems" end
 
 function lists.solvers()
   print "of a regression"
-  for _, name in ipairs(regression.solver_names) do
+  for _, name in ipairs(solvers.names) do
     print(("  %-15s%s"):format(name, schema.definitions[name].help))
   end
   print "of a simulation (solver = \"...\")"

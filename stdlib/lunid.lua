@@ -4,7 +4,7 @@ local schema = require "lunid.schema"
 
 local public = { version = core.version }
 
-for _, room in ipairs { "symbols", "records", "models", "constraints", "regression", "surfaces", "excitation", "noise",
+for _, room in ipairs { "symbols", "records", "models", "features", "constraints", "solvers", "regression", "surfaces", "excitation", "noise",
   "systems", "simulation", "responses", "ensembles", "protocol", "effect", "discovery", "figures", "option" } do
   local exported = require("lunid." .. room)
   for name, value in pairs(exported.public or exported) do

@@ -129,19 +129,89 @@ function lunid.stlsq(fields) end
 ---@return lunid.solver
 function lunid.lasso(fields) end
 
----Fits the coefficients of features to the restoring force F - m*a along the measured motion.
----@class lunid.regress.fields
----@field record any # one record or several
----@field mass? number|lunid.expression # without it the target is F itself
----@field features table # functions of displacement, velocity, time; sets of them are laid flat
----@field known? number|lunid.expression # part of the restoring force that is known
----@field constraints? table # what is known about the coefficients
----@field window? lunid.window # part of the records
----@field solver? any # least squares by default
----@field blocks? integer # blocks of time, for cross-validation and standard errors
----@param fields lunid.regress.fields
----@return lunid.regression
-function lunid.regress(fields) end
+---Least squares with a penalty on absolute coefficients and on squares: keeps features that resemble one another together.
+---@class lunid.elastic_net.fields
+---@field mixture? number # share of the penalty on absolute values; 1 is the lasso
+---@field lambda? number # weight of the penalty, dimensionless; or chosen over left-out blocks of time
+---@field path? integer # values of lambda that are tried
+---@field refit? boolean # refit what was kept by least squares
+---@param fields lunid.elastic_net.fields
+---@return lunid.solver
+function lunid.elastic_net(fields) end
+
+---Least squares with every coefficient >= 0.
+---@class lunid.non_negative.fields
+---@param fields lunid.non_negative.fields
+---@return lunid.solver
+function lunid.non_negative(fields) end
+
+---Sparse relaxed regularised regression: a sparse copy of the coefficients is kept near them.
+---@class lunid.sr3.fields
+---@field threshold? number # contribution at which a coefficient is cut
+---@field relaxation? number # how far the sparse copy may be from the coefficients
+---@field absolute? boolean # shrink by the threshold (l1) in place of cutting (l0)
+---@field refit? boolean # refit what was kept by least squares
+---@param fields lunid.sr3.fields
+---@return lunid.solver
+function lunid.sr3(fields) end
+
+---Forward regression by orthogonal least squares: takes up the feature of largest error reduction ratio, one after another.
+---@class lunid.frols.fields
+---@field threshold? number # least error reduction ratio of a term
+---@field max_terms? integer # at most so many; 0: all
+---@param fields lunid.frols.fields
+---@return lunid.solver
+function lunid.frols(fields) end
+
+---Adds or drops one feature at a time while that lowers an information criterion.
+---@class lunid.stepwise.fields
+---@field criterion? "bic"|"aicc" # what is to be least
+---@field max_terms? integer # at most so many; 0: all
+---@param fields lunid.stepwise.fields
+---@return lunid.solver
+function lunid.stepwise(fields) end
+
+---The best of all subsets of up to 30 features, by branch and bound; fit.steps holds the best of each size.
+---@class lunid.best_subset.fields
+---@field terms? integer # how many; 0: by the criterion
+---@field criterion? "bic"|"aicc" # what is to be least
+---@param fields lunid.best_subset.fields
+---@return lunid.solver
+function lunid.best_subset(fields) end
+
+---Bayesian selection: the probability of each feature to belong to the model, and the features above a cut.
+---@class lunid.spike_slab.fields
+---@field prior? number # probability of a feature before the data
+---@field cut? number # least probability of a feature that is kept
+---@field sweeps? integer # of the sampler, with more than 15 features
+---@param fields lunid.spike_slab.fields
+---@return lunid.solver
+function lunid.spike_slab(fields) end
+
+---Solves many times on blocks of time drawn with replacement, and keeps what most members keep.
+---@class lunid.ensemble_of.fields
+---@field solver? lunid.solver # of each member; stlsq by default
+---@field members? integer # how many
+---@field features? number # share of the features that a member sees
+---@field inclusion? number # least share of members that keep a feature
+---@param fields lunid.ensemble_of.fields
+---@return lunid.solver
+function lunid.ensemble_of(fields) end
+
+---Counts the noise of the features as that of the target: errors in variables, from the noise of the channels.
+---@class lunid.total_least_squares.fields
+---@field noise? lunid.table # standard deviations, such as { y = 1e-5, F = 2 }; else as estimated
+---@param fields lunid.total_least_squares.fields
+---@return lunid.solver
+function lunid.total_least_squares(fields) end
+
+---Robust regression: residuals beyond a threshold count linearly; outliers are reported. Several passes over the data.
+---@class lunid.huber.fields
+---@field threshold? number # in deviations of the residual
+---@field outlier? number # residuals beyond so many deviations are reported
+---@param fields lunid.huber.fields
+---@return lunid.solver
+function lunid.huber(fields) end
 
 ---Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.
 ---@class lunid.simulate.fields
@@ -206,34 +276,137 @@ function lunid.load(fields) end
 ---All products of powers of the variables up to an order, without the constant unless asked for.
 ---@param variables table # such as { y, v }
 ---@param order integer # largest sum of the powers
----@param constant? boolean # put the constant 1 first
+---@param options? any # true: the constant 1 first; or a table: constant = true, keep = "odd" or "even" (sum of the powers), degree = "tensor" (each power up to the order)
 ---@return lunid.features
-function lunid.polynomials(variables, order, constant) end
+function lunid.polynomials(variables, order, options) end
+
+---Products of Chebyshev polynomials of the variables, each normalised to -1 to 1 over its range; without the constant.
+---@param variables table # such as { y, v }
+---@param order integer # largest sum of the orders
+---@param kind? "T"|"U" # first or second kind
+---@param range? table # { { least, largest }, ... } of each variable; else that of the data
+---@return lunid.features
+function lunid.chebyshev(variables, order, kind, range) end
+
+---sin(k*w*x) and cos(k*w*x) for k from 1 to the order.
+---@param variable number|lunid.expression # such as y
+---@param order integer # number of harmonics
+---@param wave number|lunid.expression # w: a number, or a parameter to be searched for
+---@return lunid.features
+function lunid.fourier(variable, order, wave) end
+
+---tanh(s*x) for each s: springs that yield, smoothed friction.
+---@param variable number|lunid.expression # such as y
+---@param slopes table # numbers, or parameters to be searched for
+---@return lunid.features
+function lunid.tanhs(variable, slopes) end
+
+---exp(r*x) for each r.
+---@param variable number|lunid.expression # such as y
+---@param rates table # numbers, or parameters to be searched for
+---@return lunid.features
+function lunid.exponentials(variable, rates) end
+
+---sign(x)*abs(x)^p for each exponent p: odd powers that need not be whole.
+---@param variable number|lunid.expression # such as y
+---@param exponents table # such as { 0.5, 1.5 }
+---@return lunid.features
+function lunid.powers(variable, exponents) end
+
+---What bends, or jumps, at each knot: max(x - knot, 0)^degree, or for degree 0 a step. Clearances and stops.
+---@param variable number|lunid.expression # such as y
+---@param knots table # places in units of the variable
+---@param degree? integer # 1: the slope changes; 0: the value jumps
+---@return lunid.features
+function lunid.piecewise(variable, knots, degree) end
+
+---Gaussian bumps on an even grid over the range of the variables, as wide as their distance times the width.
+---@param variables table # such as { y, v }
+---@param count integer # bumps along each variable
+---@param width? number # in distances between neighbours
+---@param range? table # { { least, largest }, ... } of each variable; else that of the data
+---@return lunid.features
+function lunid.radial(variables, count, width, range) end
+
+---A signal as it was so many samples ago: the features y_lag1, y_lag2 ... of a sampled regression. A regression that keeps one has no continuous model.
+---@param variable number|lunid.expression # a signal: y, v, a or the force F
+---@param samples table # such as { 1, 2, 3 }
+---@return lunid.features
+function lunid.lags(variable, samples) end
+
+---Your own expressions as a set, which remembers its line and can be multiplied.
+---@param list table # expressions
+---@return lunid.features
+function lunid.features(list) end
+
+---The coefficient of a feature, for linear relations between coefficients; sums, differences and multiples of them may stand where a feature may.
+---@param feature number|lunid.expression # the feature whose coefficient is meant
+---@return lunid.coefficient
+function lunid.coefficient(feature) end
 
 ---The coefficient is at least a bound.
----@param feature number|lunid.expression # the feature whose coefficient is meant
----@param bound number|lunid.expression # a number, or another feature, whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
+---@param bound number|lunid.expression # a number, another feature, or a sum of coefficients
 ---@return lunid.constraint
 function lunid.at_least(feature, bound) end
 
 ---The coefficient is at most a bound.
----@param feature number|lunid.expression # the feature whose coefficient is meant
----@param bound number|lunid.expression # a number, or another feature, whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
+---@param bound number|lunid.expression # a number, another feature, or a sum of coefficients
 ---@return lunid.constraint
 function lunid.at_most(feature, bound) end
 
 ---The coefficient has a known value.
----@param feature number|lunid.expression # the feature whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
 ---@param value number # its value
 ---@return lunid.constraint
 function lunid.fixed(feature, value) end
 
 ---The coefficient lies between two values.
----@param feature number|lunid.expression # the feature whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
 ---@param lower number # least value
 ---@param upper number # largest value
 ---@return lunid.constraint
 function lunid.between(feature, lower, upper) end
+
+---At most one of these features, or `at_most` of them, has a coefficient; every choice is tried and the one of least BIC is taken.
+---@param features table # features of the regression
+---@param at_most? integer # how many of them
+---@return lunid.constraint
+function lunid.one_of(features, at_most) end
+
+---The force creates no energy: v*(f(y, v) - f(y, 0)) >= 0 at the points of a grid over the range of the data.
+---@class lunid.passive.fields
+---@field points? table # along displacement and velocity
+---@field impose? boolean # false: it is looked at and reported only
+---@param fields lunid.passive.fields
+---@return lunid.constraint
+function lunid.passive(fields) end
+
+---Integrates the equation against bumps of short support, so that no derivative of the data is needed.
+---@class lunid.weak_form.fields
+---@field half_width? number # of the bumps; 0: from the dominant frequency
+---@field order? integer # of the bumps (1 - (t/half_width)^2)^order
+---@field spacing? number # from bump to bump, in half widths
+---@param fields lunid.weak_form.fields
+---@return lunid.form
+function lunid.weak_form(fields) end
+
+---Fits the coefficients of features to the restoring force F - m*a along the measured motion.
+---@class lunid.regress.fields
+---@field record any # one record or several
+---@field mass? number|lunid.expression # without it the target is F itself
+---@field features table # functions of displacement, velocity, time; sets of them are laid flat
+---@field known? number|lunid.expression # part of the restoring force that is known
+---@field constraints? table # what is known about the coefficients
+---@field window? lunid.window # part of the records
+---@field solver? lunid.solver # least squares by default
+---@field form? lunid.form # integrals in place of the rows themselves
+---@field blocks? integer # blocks of time in each record, for cross-validation and standard errors; 8, or 32 for the bootstrap
+---@field bootstrap? integer # intervals from so many resamplings of the blocks
+---@param fields lunid.regress.fields
+---@return lunid.regression
+function lunid.regress(fields) end
 
 ---A curve or a cloud of points, for figure.lines.
 ---@class lunid.figure.series.fields
