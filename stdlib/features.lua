@@ -96,9 +96,9 @@ end
 local polynomial_options = {
   name = "polynomials: options",
   fields = {
-    { "constant", types.boolean, default = false },
-    { "keep", types.choice { "all", "odd", "even" }, default = "all" },
-    { "degree", types.choice { "total", "tensor" }, default = "total" },
+    { name = "constant", type = types.boolean, default = false },
+    { name = "keep", type = types.choice { "all", "odd", "even" }, default = "all" },
+    { name = "degree", type = types.choice { "total", "tensor" }, default = "total" },
   },
 }
 
