@@ -20,9 +20,9 @@ double student(double freedom) {
   const double g1 = z * (z2 + 1) / 4, g2 = z * (5 * z2 * z2 + 16 * z2 + 3) / 96;
   const double g3 = z * (3 * z2 * z2 * z2 + 19 * z2 * z2 + 17 * z2 - 15) / 384;
   const double g4 = z * (79 * z2 * z2 * z2 * z2 + 776 * z2 * z2 * z2 + 1482 * z2 * z2 - 1920 * z2 - 945) / 92160;
-  return freedom > 0 ? z + g1 / freedom + g2 / std::pow(freedom, 2) + g3 / std::pow(freedom, 3) +
-                           g4 / std::pow(freedom, 4)
-                     : std::nan("");
+  return freedom > 0
+             ? z + g1 / freedom + g2 / std::pow(freedom, 2) + g3 / std::pow(freedom, 3) + g4 / std::pow(freedom, 4)
+             : std::nan("");
 }
 
 /// " (a at study.lua:9, y at study.lua:8)", or "".
@@ -50,7 +50,8 @@ void check_units(std::span<const Record> records, const std::vector<Expr>& expre
         const std::string &one = first->channel(s.name()).unit, &other = record.channel(s.name()).unit;
         if (one != other)
           throw InputError("regress: '" + s.name() + "' is in " + one + " in " + first->name() + " and in " + other +
-                               " in " + record.name() + ": regress them one by one, or mend the units where they are read",
+                               " in " + record.name() +
+                               ": regress them one by one, or mend the units where they are read",
                            {}, Fault::data);
       }
     }
@@ -88,8 +89,7 @@ namespace {
 
 void add_intervals(Regression& result, const RegressOptions& options, const Solved& solved) {
   if (options.bootstrap > 0) {
-    const Bootstrap drawn =
-        bootstrap(solved.parts, solved.constraints, solved.fit, options.bootstrap, options.seed);
+    const Bootstrap drawn = bootstrap(solved.parts, solved.constraints, solved.fit, options.bootstrap, options.seed);
     for (std::size_t j = 0; j < result.terms.size(); ++j) {
       result.terms[j].block_std = drawn.std[static_cast<Index>(j)];
       result.terms[j].lower = drawn.lower[static_cast<Index>(j)];
@@ -101,8 +101,8 @@ void add_intervals(Regression& result, const RegressOptions& options, const Solv
   }
   const bool blocks = std::any_of(result.terms.begin(), result.terms.end(),
                                   [](const Term& term) { return std::isfinite(term.block_std) && term.block_std > 0; });
-  const double freedom = blocks ? static_cast<double>(solved.parts.size()) - 1
-                                : static_cast<double>(solved.fit.rows - solved.fit.free);
+  const double freedom =
+      blocks ? static_cast<double>(solved.parts.size()) - 1 : static_cast<double>(solved.fit.rows - solved.fit.free);
   for (Term& term : result.terms) {
     const double reach = student(freedom) * (blocks ? term.block_std : term.std);
     term.lower = term.coefficient - reach;
@@ -134,8 +134,7 @@ std::string unit_of(Expr feature, const RegressOptions& options, const Record& r
 void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,
                std::span<const Record> records) {
   const Fit& fit = solved.fit;
-  const VectorXd block_std =
-      options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved);
+  const VectorXd block_std = options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved);
   for (std::size_t j = 0; j < options.features.size(); ++j) {
     const Index i = static_cast<Index>(j);
     Term term;

@@ -16,7 +16,8 @@ void check_units(std::span<const Record> records, const std::vector<Expr>& expre
 Eigen::VectorXd block_deviations(const Solved& solved);
 
 /// Fills in terms with their units and intervals.
-void add_terms(Regression& result, const RegressOptions& options, const Solved& solved, std::span<const Record> records);
+void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,
+               std::span<const Record> records);
 
 /// What no solver can see from the result alone. `constant`: the feature that is constant on the data, or -1.
 std::vector<std::string> warnings(const Regression& result, std::span<const Record> records,

@@ -22,8 +22,8 @@ constexpr int kMost = 30;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// The tree of dropped features. A node is a list of candidates of which the first `kept` stay in all below it, with the
-/// triangular factor of [them in this order, target]: its leading columns give the sums of squares of the leading
+/// The tree of dropped features. A node is a list of candidates of which the first `kept` stay in all below it, with
+/// the triangular factor of [them in this order, target]: its leading columns give the sums of squares of the leading
 /// subsets for nothing. A node's own sum is the least of all below it.
 class Search {
  public:
@@ -181,9 +181,10 @@ Fit best_subset(const Statistic& data, const BestSubsetOptions& options, std::sp
   }
   Fit fit = subsets.fit(search.model(chosen));
   fit.steps = std::move(steps);
-  fit.summary.solver =
-      "best subset, " + std::to_string(chosen) + " terms" +
-      (options.terms > 0 ? "" : options.criterion == Criterion::bic ? " by BIC" : " by AICc");
+  fit.summary.solver = "best subset, " + std::to_string(chosen) + " terms" +
+                       (options.terms > 0                     ? ""
+                        : options.criterion == Criterion::bic ? " by BIC"
+                                                              : " by AICc");
   fit.summary.iterations = static_cast<int>(search.nodes());
   fit.summary.converged = fit.summary.converged && search.complete();
   fit.summary.stopped = search.complete() ? "all subsets searched or bounded" : "max_nodes reached";

@@ -33,11 +33,8 @@ class Replicates {
       for (Index k = 0; k < f_; ++k)
         columns.col(k) = r.col(problem.columns[static_cast<std::size_t>(k)]) / problem.size[k];
       columns.col(f_) = r.col(n) - r.leftCols(n) * problem.held.cast<long double>();
-      const MatrixXd turned = whole.transpose()
-                                  .triangularView<Eigen::Lower>()
-                                  .solve(columns.transpose())
-                                  .transpose()
-                                  .cast<double>();
+      const MatrixXd turned =
+          whole.transpose().triangularView<Eigen::Lower>().solve(columns.transpose()).transpose().cast<double>();
       gram_.push_back(turned.transpose() * turned);
     }
   }
@@ -51,7 +48,8 @@ class Replicates {
     if (root.info() != Eigen::Success || root.matrixLLT().diagonal().cwiseAbs().minCoeff() < 1e-7) return false;
     // [sum's root] * factor is the triangle of the replicate's [features, target].
     const MatrixXd square = MatrixXd(root.matrixU()) * factor_.topLeftCorner(f_, f_);
-    const VectorXd cross = sum.topLeftCorner(f_, f_) * factor_.col(f_).head(f_) + sum.col(f_).head(f_) * factor_(f_, f_);
+    const VectorXd cross =
+        sum.topLeftCorner(f_, f_) * factor_.col(f_).head(f_) + sum.col(f_).head(f_) * factor_(f_, f_);
     const VectorXd z = root.matrixL().solve(cross);
     if (problem_.c.rows() == 0) {
       u = square.triangularView<Eigen::Upper>().solve(z);
@@ -80,8 +78,7 @@ double quantile(const std::vector<double>& sorted, double p) {
 
 Bootstrap bootstrap(std::span<const Statistic> blocks, std::span<const Constraint> constraints, const Fit& fit,
                     int replicates, std::uint64_t seed) {
-  if (replicates < 20)
-    throw InputError("bootstrap: expected 20 replicates or more, got " + std::to_string(replicates));
+  if (replicates < 20) throw InputError("bootstrap: expected 20 replicates or more, got " + std::to_string(replicates));
   if (blocks.size() < 3)
     throw InputError("bootstrap: expected at least 3 blocks of time, got " + std::to_string(blocks.size()));
   const Index n = fit.coefficients.size();

@@ -24,8 +24,8 @@ class Columns {
   const std::vector<std::string>& parameters() const { return parameters_; }
 
   /// Rows [first, first + work.rows()) of a record into columns 1.. of `work` (features, then the target). `values`:
-  /// one for each of parameters(). A channel such as y_lag3 is y three rows before: `first` is at least the largest lag.
-  /// Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
+  /// one for each of parameters(). A channel such as y_lag3 is y three rows before: `first` is at least the largest
+  /// lag. Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
   void fill(const Record& record, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
 
   /// What is done to the rows from `first` on, filled in, before they are folded in.
@@ -46,8 +46,8 @@ struct TimeBlock {
   std::size_t record = 0;
   Eigen::Index first = 0, count = 0;
 };
-/// Each record in `blocks` parts of nearly equal length, fewer where a part would have less than `least` rows; the first
-/// `skip` rows are left out. Throws InputError (Fault::data) when a record has no row left.
+/// Each record in `blocks` parts of nearly equal length, fewer where a part would have less than `least` rows; the
+/// first `skip` rows are left out. Throws InputError (Fault::data) when a record has no row left.
 std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Eigen::Index least,
                                    Eigen::Index skip = 0);
 

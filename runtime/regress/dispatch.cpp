@@ -15,8 +15,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// d feature / d channel for all features and the target, as a statistic of each record: its factor's Gram matrix is the
-/// sum over the rows of the products of the slopes.
+/// d feature / d channel for all features and the target, as a statistic of each record: its factor's Gram matrix is
+/// the sum over the rows of the products of the slopes.
 MatrixXd slopes(const Data& data, Expr channel, std::size_t record) {
   std::vector<Expr> slope;
   std::vector<std::string> names;
@@ -112,8 +112,9 @@ struct Solver {
  private:
   void need_rows(const char* name) const {
     if (data.weak)
-      throw InputError(std::string(name) + ": needs the rows of the record, the weak form has integrals: take another "
-                                           "solver, or leave weak_form out");
+      throw InputError(std::string(name) +
+                       ": needs the rows of the record, the weak form has integrals: take another "
+                       "solver, or leave weak_form out");
   }
   Solved finished(Solved out) const {
     if (out.parts.empty()) out.parts.assign(data.parts.begin(), data.parts.end());

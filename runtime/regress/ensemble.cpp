@@ -135,8 +135,8 @@ Fit ensemble(std::span<const Statistic> blocks, const EnsembleOptions& options,
   Fit fit = detail::fit_selected(data, constraints, detail::admissible(zero, data, constraints));
   fit.inclusion = inclusion;
   fit.unexcited = whole.unexcited;
-  fit.summary.solver = "ensemble of " + std::to_string(members) + " (" + member + "), kept by at least " +
-                       number(options.inclusion, 3);
+  fit.summary.solver =
+      "ensemble of " + std::to_string(members) + " (" + member + "), kept by at least " + number(options.inclusion, 3);
   fit.summary.stopped = "members done";
   fit.summary.iterations = members;
   fit.summary.seconds = watch.seconds();

@@ -121,12 +121,11 @@ struct PathPoint {
   double cv_std = 0;   ///< standard error of the left-out mean square, carried over to the rmse
 };
 
-/// min |X b - z|^2 / (2 rows size(z)^2) + lambda * sum (mixture |s_j| + (1 - mixture) s_j^2 / 2) with s_j = size_j b_j /
-/// size(z) and the sizes of ridge(). Exact at each
-/// lambda: a quadratic programme in the orthant of the signs, which moves to a neighbouring orthant while that lowers
-/// the objective; works with any constraints. (Tibshirani 1996, J. R. Stat. Soc. B 58, 267.)
-/// `blocks`: statistics of blocks of time; cross-validation leaves out each in turn and needs at least 3.
-/// `path` receives the whole path when given.
+/// min |X b - z|^2 / (2 rows size(z)^2) + lambda * sum (mixture |s_j| + (1 - mixture) s_j^2 / 2) with s_j = size_j b_j
+/// / size(z) and the sizes of ridge(). Exact at each lambda: a quadratic programme in the orthant of the signs, which
+/// moves to a neighbouring orthant while that lowers the objective; works with any constraints. (Tibshirani 1996, J. R.
+/// Stat. Soc. B 58, 267.) `blocks`: statistics of blocks of time; cross-validation leaves out each in turn and needs at
+/// least 3. `path` receives the whole path when given.
 Fit lasso(std::span<const Statistic> blocks, const LassoOptions& options = {},
           std::span<const Constraint> constraints = {}, std::vector<PathPoint>* path = nullptr);
 

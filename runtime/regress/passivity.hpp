@@ -12,8 +12,8 @@
 
 namespace lunid {
 
-/// v * (f(y, v) - f(y, 0)) >= 0 at the points of a grid over the range of y and v: the part of the force that depends on
-/// the velocity takes energy out of the motion. (The rest, f(y, 0), is conservative.)
+/// v * (f(y, v) - f(y, 0)) >= 0 at the points of a grid over the range of y and v: the part of the force that depends
+/// on the velocity takes energy out of the motion. (The rest, f(y, 0), is conservative.)
 struct PassiveOptions {
   int points_y = 9, points_v = 8;  ///< of the grid, 2..100 each
   bool impose = true;              ///< false: only looked at

@@ -36,7 +36,7 @@ VectorXd fixed_values(const Statistic& data, std::span<const Constraint> constra
 
 /// "on these data a = -4.3e4*y + 12*v": column `k` as a combination of the columns `before` (all of length `size`).
 Unexcited combination(const Statistic& data, const MatrixXd& r, const VectorXd& size, int k,
-                        const std::vector<int>& before) {
+                      const std::vector<int>& before) {
   LongMatrix basis(r.rows(), static_cast<Index>(before.size()));
   for (Index i = 0; i < basis.cols(); ++i)
     basis.col(i) = (r.col(before[at(i)]) / size[before[at(i)]]).cast<long double>();

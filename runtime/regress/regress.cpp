@@ -169,8 +169,7 @@ std::vector<detail::TimeBlock> blocks_of(std::span<const Record> records, const 
   const Index lag = largest_lag(all);
   Index least = static_cast<Index>(options.features.size()) + 1;
   if (options.weak)
-    for (const Record& record : records)
-      least = std::max<Index>(least, 8 * std::lround(half_width / record.dt()) + 1);
+    for (const Record& record : records) least = std::max<Index>(least, 8 * std::lround(half_width / record.dt()) + 1);
   return detail::time_blocks(records, options.blocks, least, lag);
 }
 
@@ -196,9 +195,12 @@ void validate(const RegressOptions& options) {
   std::visit(
       [](const auto& solver) {
         using Options = std::decay_t<decltype(solver)>;
-        if constexpr (std::is_same_v<Options, TotalOptions>) return;
-        else if constexpr (std::is_constructible_v<StatisticSolver, const Options&>) validate(StatisticSolver(solver));
-        else validate(solver);
+        if constexpr (std::is_same_v<Options, TotalOptions>)
+          return;
+        else if constexpr (std::is_constructible_v<StatisticSolver, const Options&>)
+          validate(StatisticSolver(solver));
+        else
+          validate(solver);
       },
       options.solver);
 }
@@ -227,8 +229,7 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   if (options.passive) {
     dissipation.emplace(options.features, options.known, known, options.passive->where);
     if (options.passive->impose)
-      for (Constraint& c :
-           detail::passive_constraints(*dissipation, detail::motion_range(records), *options.passive))
+      for (Constraint& c : detail::passive_constraints(*dissipation, detail::motion_range(records), *options.passive))
         constraints.push_back(std::move(c));
   }
 
@@ -238,8 +239,8 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   const std::vector<Statistic> parts =
       weak ? detail::weak_statistics(*weak, columns.names(), *options.weak, known, records, blocks, options.threads)
            : detail::statistics(columns, records, blocks, values, options.threads);
-  const detail::Data data{{columns, records, blocks, values, options.threads},
-                          parts, options.features, target, &known, weak.has_value()};
+  const detail::Data data{
+      {columns, records, blocks, values, options.threads}, parts, options.features, target, &known, weak.has_value()};
   detail::Solved solved = detail::solve(options.solver, data, constraints, groups);
   result.fit = solved.fit;
   result.path = std::move(solved.path);

@@ -64,15 +64,15 @@ struct RegressOptions {
   std::vector<TermConstraint> constraints;
   std::vector<TermGroup> groups;
   std::optional<PassiveOptions> passive;
-  std::optional<WeakForm> weak;               ///< integrals against test functions in place of the rows themselves
-  std::vector<SourceSpan> places;             ///< of the features, for messages; empty: unknown
-  std::map<std::string, std::string> units;   ///< of parameters, for the units of coefficients
+  std::optional<WeakForm> weak;              ///< integrals against test functions in place of the rows themselves
+  std::vector<SourceSpan> places;            ///< of the features, for messages; empty: unknown
+  std::map<std::string, std::string> units;  ///< of parameters, for the units of coefficients
   RegressionSolver solver = LeastSquaresOptions{};
-  int blocks = 8;   ///< of time in each record, 1..1000: for cross-validation and block errors
-  int bootstrap = 0;  ///< replicates of the block bootstrap, 20 or more; 0: none
+  int blocks = 8;          ///< of time in each record, 1..1000: for cross-validation and block errors
+  int bootstrap = 0;       ///< replicates of the block bootstrap, 20 or more; 0: none
   std::uint64_t seed = 1;  ///< of the bootstrap
-  int starts = 4;   ///< of the search for implicit parameters, the first guess among them, >= 1
-  int threads = 0;  ///< 0: all cores; the result does not depend on it
+  int starts = 4;          ///< of the search for implicit parameters, the first guess among them, >= 1
+  int threads = 0;         ///< 0: all cores; the result does not depend on it
 };
 /// Throws InputError: no features, bad counts, bounds of implicit parameters, options of the solver.
 void validate(const RegressOptions& options);
@@ -80,9 +80,9 @@ void validate(const RegressOptions& options);
 struct Term {
   Expr feature;
   double coefficient = 0;
-  double std = 0;           ///< from the residual taken as white
-  double block_std = 0;     ///< by leaving out blocks of time in turn (jackknife): holds for coloured residuals too
-  double contribution = 0;  ///< rms(coefficient * feature) / rms(target)
+  double std = 0;               ///< from the residual taken as white
+  double block_std = 0;         ///< by leaving out blocks of time in turn (jackknife): holds for coloured residuals too
+  double contribution = 0;      ///< rms(coefficient * feature) / rms(target)
   double lower = 0, upper = 0;  ///< 95 % interval, as Regression::interval says
   double vif = 0;               ///< variance inflation
   double inclusion = 0;         ///< probability that it belongs to the model; NaN where the solver gives none
@@ -104,14 +104,14 @@ struct Regression {
   std::string form;             ///< "" for the rows themselves, else what was integrated
   Outliers outliers;            ///< of a robust regression
   std::optional<Passivity> passivity;
-  Expr restoring;               ///< sum of the terms that are not 0, implicit values put in, plus the known part
+  Expr restoring;  ///< sum of the terms that are not 0, implicit values put in, plus the known part
 };
 
 /// Regresses over all rows of `records` (windows of them, several side by side) in one pass by blocks of time; memory
 /// does not grow with the rows. Throws InputError: a channel that a record lacks, a parameter without a value, a state
 /// in a feature, a constraint on what is no feature, a value that is not finite (record, time, feature), and what the
-/// solvers refuse; records whose channels differ in unit. The target and the features share the records' noise: the coefficients are those of the equation
-/// error, a first guess that a free run has yet to confirm.
+/// solvers refuse; records whose channels differ in unit. The target and the features share the records' noise: the
+/// coefficients are those of the equation error, a first guess that a free run has yet to confirm.
 Regression regress(std::span<const Record> records, const RegressOptions& options);
 
 }  // namespace lunid

@@ -79,8 +79,7 @@ void add_inflation(Fit& fit, const Problem& p, const MatrixXd& r, const Statisti
   const int constant = data.constant_feature();
   const VectorXd deviation = data.deviation();
   const MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(f, f));
-  const bool centred =
-      std::find(p.columns.begin(), p.columns.end(), constant) != p.columns.end();
+  const bool centred = std::find(p.columns.begin(), p.columns.end(), constant) != p.columns.end();
   fit.vif = VectorXd::Constant(data.features(), kNan);
   for (Index k = 0; k < f; ++k) {
     const int j = p.columns[static_cast<std::size_t>(k)];

@@ -120,8 +120,7 @@ Fit huber(const Pass& pass, std::span<const Statistic> plain, const HuberOptions
     const double next = scale * std::sqrt(sums.square / (left * share));
     const VectorXd moved = (fit.coefficients - before).cwiseAbs();
     converged = std::abs(next / scale - 1) < 1e-7;
-    for (Index j = 0; j < moved.size(); ++j)
-      converged = converged && !(moved[j] > 1e-6 * first.std[j]);
+    for (Index j = 0; j < moved.size(); ++j) converged = converged && !(moved[j] > 1e-6 * first.std[j]);
     scale = next;
     ++passes;
   }
@@ -139,8 +138,8 @@ Fit huber(const Pass& pass, std::span<const Statistic> plain, const HuberOptions
   rescore(fit, data);
   fit.residual_std = scale;
   fit.summary = weighted_fit.summary;
-  fit.summary.solver = "huber, threshold = " + number(options.threshold, 4) + " (weighs the rows anew: " +
-                       std::to_string(passes + 1) + " passes over the data)";
+  fit.summary.solver = "huber, threshold = " + number(options.threshold, 4) +
+                       " (weighs the rows anew: " + std::to_string(passes + 1) + " passes over the data)";
   fit.summary.iterations = passes;
   fit.summary.converged = fit.summary.converged && converged;
   fit.summary.stopped = converged ? "coefficients and scale move no more" : "max_passes reached";

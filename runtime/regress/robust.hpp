@@ -39,8 +39,8 @@ struct Pass {
 
 /// Minimises the sum of Huber's function of the residuals over the coefficients and the scale together (Huber 1981,
 /// Robust Statistics, 7.7: proposal 2, convex in both), by reweighted least squares under the constraints. `weighted`
-/// receives the blocks' statistics of the weighted rows; rmse and r2 are those of the plain residuals. Covariance: Huber
-/// 1981, equation 7.6.5.
+/// receives the blocks' statistics of the weighted rows; rmse and r2 are those of the plain residuals. Covariance:
+/// Huber 1981, equation 7.6.5.
 Fit huber(const Pass& pass, std::span<const Statistic> plain, const HuberOptions& options,
           std::span<const Constraint> constraints, std::vector<Statistic>& weighted, Outliers& outliers);
 

@@ -76,8 +76,7 @@ std::vector<int> begin(const Subsets& subsets, bool bic, std::vector<SelectionSt
     in.push_back(best);
     left = without(left, best);
     const double after = left.empty() ? subsets.rss(in) : subsets.unconstrained(in);
-    const double value =
-        detail::information(bic, subsets.rows(), after, subsets.target(), static_cast<int>(in.size()));
+    const double value = detail::information(bic, subsets.rows(), after, subsets.target(), static_cast<int>(in.size()));
     steps.push_back(step_of(subsets, in, best, true, before, after, value));
     before = after;
   }

@@ -54,9 +54,9 @@ struct BestSubsetOptions {
   long max_nodes = 2000000;  ///< >= 1: of the search tree
 };
 void validate(const BestSubsetOptions& options);
-/// The best model of each size, among all subsets: branch and bound over the tree of dropped features (Furnival & Wilson
-/// 1974, Technometrics 16, 499; Gatu & Kontoghiorghes 2006, J. Comput. Graph. Stat. 15, 139). At most 30 features.
-/// Constraints hold in every model; the bound is the sum of squares without them.
+/// The best model of each size, among all subsets: branch and bound over the tree of dropped features (Furnival &
+/// Wilson 1974, Technometrics 16, 499; Gatu & Kontoghiorghes 2006, J. Comput. Graph. Stat. 15, 139). At most 30
+/// features. Constraints hold in every model; the bound is the sum of squares without them.
 Fit best_subset(const Statistic& data, const BestSubsetOptions& options = {},
                 std::span<const Constraint> constraints = {});
 
@@ -69,9 +69,9 @@ struct SpikeSlabOptions {
 void validate(const SpikeSlabOptions& options);
 /// Bayesian selection by a spike at 0 and a slab: Zellner's prior with g = rows (the information of one row) for the
 /// coefficients of a model, 1/sigma for the noise. The probability of a model is then a closed form in its residual sum
-/// of squares. Up to 15 features all models are summed; beyond, Gibbs sampling (George & McCulloch 1997, Stat. Sinica 7,
-/// 339). Reports the median probability model (Barbieri & Berger 2004, Ann. Stat. 32, 870), by least squares. Rows count
-/// as independent. Refuses constraints other than fixed coefficients.
+/// of squares. Up to 15 features all models are summed; beyond, Gibbs sampling (George & McCulloch 1997, Stat. Sinica
+/// 7, 339). Reports the median probability model (Barbieri & Berger 2004, Ann. Stat. 32, 870), by least squares. Rows
+/// count as independent. Refuses constraints other than fixed coefficients.
 Fit spike_slab(const Statistic& data, const SpikeSlabOptions& options = {},
                std::span<const Constraint> constraints = {});
 
@@ -82,8 +82,8 @@ using StatisticSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOpt
                                      Sr3Options, FrolsOptions, StepwiseOptions, BestSubsetOptions, SpikeSlabOptions>;
 void validate(const StatisticSolver& solver);
 /// Solves by any of them. `blocks`: of time, for cross-validation; `path` receives a lasso's path where it makes one.
-Fit solve(std::span<const Statistic> blocks, const StatisticSolver& solver, std::span<const Constraint> constraints = {},
-          std::vector<PathPoint>* path = nullptr);
+Fit solve(std::span<const Statistic> blocks, const StatisticSolver& solver,
+          std::span<const Constraint> constraints = {}, std::vector<PathPoint>* path = nullptr);
 
 struct EnsembleOptions {
   StatisticSolver solver = StlsqOptions{};  ///< of each member
@@ -102,8 +102,9 @@ Fit ensemble(std::span<const Statistic> blocks, const EnsembleOptions& options,
 
 /// Total least squares: the least change of features and target, in units of their noise, that makes an exact equation
 /// of them (generalised: Van Huffel & Vandewalle 1989, SIAM J. Matrix Anal. 10, 294). `noise`: any rows x (features +
-/// 1), noise' noise the sum over the data's rows of the covariances of the errors of [features, target]; a feature whose
-/// column is 0 is exact. Covariance to first order in the noise. Refuses constraints other than fixed coefficients.
+/// 1), noise' noise the sum over the data's rows of the covariances of the errors of [features, target]; a feature
+/// whose column is 0 is exact. Covariance to first order in the noise. Refuses constraints other than fixed
+/// coefficients.
 Fit total_least_squares(const Statistic& data, const Eigen::MatrixXd& noise,
                         std::span<const Constraint> constraints = {});
 

@@ -22,8 +22,7 @@ void validate(const SpikeSlabOptions& options) {
   };
   part("prior", options.prior);
   part("cut", options.cut);
-  if (options.sweeps < 1)
-    throw InputError("spike_slab: sweeps: expected >= 1, got " + std::to_string(options.sweeps));
+  if (options.sweeps < 1) throw InputError("spike_slab: sweeps: expected >= 1, got " + std::to_string(options.sweeps));
 }
 
 namespace {
@@ -105,16 +104,16 @@ Fit spike_slab(const Statistic& data, const SpikeSlabOptions& options, std::span
   const Subsets subsets(data, constraints);
   Posterior posterior(subsets, options);
   const bool all = subsets.count() <= kSummed;
-  const VectorXd inclusion = subsets.target() > 0
-                                 ? (all ? posterior.summed() : posterior.sampled())
-                                 : VectorXd::Zero(subsets.count());
+  const VectorXd inclusion =
+      subsets.target() > 0 ? (all ? posterior.summed() : posterior.sampled()) : VectorXd::Zero(subsets.count());
   std::vector<int> in;
   for (int k = 0; k < subsets.count(); ++k)
     if (inclusion[k] >= options.cut) in.push_back(k);
   Fit fit = subsets.fit(in);
   fit.inclusion = VectorXd::Zero(data.features());
   for (int j = 0; j < data.features(); ++j) fit.inclusion[j] = fit.coefficients[j] != 0 ? 1 : 0;  // fixed ones
-  for (int k = 0; k < subsets.count(); ++k) fit.inclusion[subsets.columns()[static_cast<std::size_t>(k)]] = inclusion[k];
+  for (int k = 0; k < subsets.count(); ++k)
+    fit.inclusion[subsets.columns()[static_cast<std::size_t>(k)]] = inclusion[k];
   fit.summary.solver = "spike and slab, features of inclusion probability >= " + number(options.cut, 3);
   fit.summary.stopped = all ? "all models summed" : "sweeps done";
   fit.summary.iterations = all ? 1 << subsets.count() : options.sweeps;

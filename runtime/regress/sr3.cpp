@@ -64,9 +64,8 @@ class Relaxed {
   double turn() {
     const VectorXd right = problem_.r.transpose() * problem_.z + pull_ * weight_.cwiseProduct(w_);
     const VectorXd z = penalised_.r.transpose().triangularView<Eigen::Lower>().solve(right);
-    u_ = problem_.c.rows() == 0
-             ? VectorXd(penalised_.r.triangularView<Eigen::Upper>().solve(z))
-             : solve_quadratic(penalised_.r, z, problem_.c, problem_.d, problem_.equalities).x;
+    u_ = problem_.c.rows() == 0 ? VectorXd(penalised_.r.triangularView<Eigen::Upper>().solve(z))
+                                : solve_quadratic(penalised_.r, z, problem_.c, problem_.d, problem_.equalities).x;
     const VectorXd next = prox(weight_.cwiseProduct(u_));
     const double moved = (next - w_).norm(), length = next.norm();
     w_ = next;
@@ -108,8 +107,8 @@ Fit sr3(const Statistic& data, const Sr3Options& options, std::span<const Constr
   const detail::Stopwatch watch;
   validate(options);
   if (!options.refit && !constraints.empty())
-    throw InputError("sr3: without refit the sparse copy need not meet '" +
-                         to_text(constraints.front(), data.names()) + "': take refit = true, or no constraint",
+    throw InputError("sr3: without refit the sparse copy need not meet '" + to_text(constraints.front(), data.names()) +
+                         "': take refit = true, or no constraint",
                      constraints.front().where);
   Relaxed relaxed(data, options, constraints);
   int passes = 0;
@@ -118,15 +117,16 @@ Fit sr3(const Statistic& data, const Sr3Options& options, std::span<const Constr
     converged = relaxed.turn() <= options.tolerance;
     ++passes;
   }
-  Fit fit = detail::fit_selected(
-      data, constraints, detail::admissible(relaxed.dropped(data.features()), data, constraints));
+  Fit fit =
+      detail::fit_selected(data, constraints, detail::admissible(relaxed.dropped(data.features()), data, constraints));
   if (!options.refit) {
     fit.coefficients = relaxed.coefficients();
     detail::rescore(fit, data);
   }
   fit.unexcited = relaxed.problem().unexcited;
-  fit.summary.solver = "sr3, threshold = " + number(options.threshold, 4) + ", relaxation = " +
-                       number(options.relaxation, 4) + (options.refit ? ", refitted by least squares" : "");
+  fit.summary.solver = "sr3, threshold = " + number(options.threshold, 4) +
+                       ", relaxation = " + number(options.relaxation, 4) +
+                       (options.refit ? ", refitted by least squares" : "");
   fit.summary.iterations = passes;
   fit.summary.converged = fit.summary.converged && converged;
   fit.summary.stopped = converged ? "the sparse copy moves no more" : "max_passes reached";

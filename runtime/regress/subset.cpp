@@ -25,7 +25,8 @@ Subsets::Subsets(const Statistic& data, std::span<const Constraint> constraints)
       problem_(reduce(data, constraints)),
       rows_(static_cast<double>(data.rows())) {
   const Index n = data.features(), f = problem_.r.cols();
-  rest_ = static_cast<double>(std::pow(data.factor()(n, n), 2)) + static_cast<double>(std::pow(problem_.exact(f, f), 2));
+  rest_ =
+      static_cast<double>(std::pow(data.factor()(n, n), 2)) + static_cast<double>(std::pow(problem_.exact(f, f), 2));
   target_ = problem_.z.squaredNorm() + rest_;
   const std::vector<bool> given_back = admissible(std::vector<bool>(at(n), true), data, constraints);
   for (int k = 0; k < count(); ++k)

@@ -51,17 +51,19 @@ Fit total_least_squares(const Statistic& data, const MatrixXd& noise, std::span<
     const VectorXd x = a.triangularView<Eigen::Upper>().solve(svd.matrixV().col(0));
     const bool generic = std::abs(x[f]) * target > 1e-10 * (a * x).norm() && std::isfinite(x.sum());
     fit.summary.converged = generic;
-    fit.summary.stopped = generic ? "optimal" : "the least change leaves the target out: the features alone are nearly "
-                                                "dependent, least squares is given instead";
+    fit.summary.stopped = generic ? "optimal"
+                                  : "the least change leaves the target out: the features alone are nearly "
+                                    "dependent, least squares is given instead";
     if (generic) {
       fit.coefficients = expand(p, -x.head(f) / x[f]);
       detail::rescore(fit, data);
       const double share = 1 / (svd.singularValues()[0] * svd.singularValues()[0]);
-      const MatrixXd gram = a.leftCols(f).transpose() * a.leftCols(f) - share * d.leftCols(f).transpose() * d.leftCols(f);
+      const MatrixXd gram =
+          a.leftCols(f).transpose() * a.leftCols(f) - share * d.leftCols(f).transpose() * d.leftCols(f);
       const Eigen::LLT<MatrixXd> root(gram);
       const bool definite = root.info() == Eigen::Success;
-      detail::set_covariance(fit, p, definite ? MatrixXd(root.solve(MatrixXd::Identity(f, f)))
-                                              : MatrixXd::Constant(f, f, std::nan("")));
+      detail::set_covariance(
+          fit, p, definite ? MatrixXd(root.solve(MatrixXd::Identity(f, f))) : MatrixXd::Constant(f, f, std::nan("")));
     }
   }
   fit.summary.seconds = watch.seconds();

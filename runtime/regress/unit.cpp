@@ -84,17 +84,13 @@ std::optional<Unit> unit_of(Expr e, const std::function<std::optional<Unit>(Expr
     return a && b && *a == *b ? a : std::nullopt;
   };
   switch (e.op()) {
-    case Op::constant:
-      return Unit{};
-    case Op::symbol:
-      return of_symbol(e);
+    case Op::constant: return Unit{};
+    case Op::symbol: return of_symbol(e);
     case Op::add:
     case Op::sub:
     case Op::min:
-    case Op::max:
-      return alike(0, 1);
-    case Op::where:
-      return alike(1, 2);
+    case Op::max: return alike(0, 1);
+    case Op::where: return alike(1, 2);
     case Op::mul:
     case Op::div: {
       const auto a = of(0), b = of(1);
@@ -104,13 +100,10 @@ std::optional<Unit> unit_of(Expr e, const std::function<std::optional<Unit>(Expr
     case Op::pow:
       if (!arguments[1].is_constant()) return std::nullopt;
       return scaled(of(0), arguments[1].value());
-    case Op::sqrt:
-      return scaled(of(0), 0.5);
+    case Op::sqrt: return scaled(of(0), 0.5);
     case Op::neg:
-    case Op::abs:
-      return of(0);
-    default:
-      return Unit{};  // of a function: a number, as must be what stands in it
+    case Op::abs: return of(0);
+    default: return Unit{};  // of a function: a number, as must be what stands in it
   }
 }
 

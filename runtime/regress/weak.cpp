@@ -68,7 +68,8 @@ Expr antiderivative(Expr feature) {
 double default_half_width(const Record& record, int order) {
   const double fastest = 3 * dominant_frequency(record[record.has("y") ? "y" : "F"], record.dt());
   const double width = fastest > 0 ? 2 * std::sqrt(2.0 * order + 3) / fastest : 0;
-  return std::clamp(width, static_cast<double>(kLeast) * record.dt(), std::max(record.duration() / 16, 6 * record.dt()));
+  return std::clamp(width, static_cast<double>(kLeast) * record.dt(),
+                    std::max(record.duration() / 16, 6 * record.dt()));
 }
 
 }  // namespace
@@ -128,8 +129,8 @@ void add_rows(Statistic& sum, const WeakProblem& problem, const Integrals& integ
     rows.setZero(now, n + 2);
     for (Index j = 0; j < all; ++j) {
       const int k = integrals.derivative[static_cast<std::size_t>(j)];
-      const double factor = (k == 1 ? -record.dt() : record.dt()) *
-                            (j < n ? 1 : problem.target[static_cast<std::size_t>(j - n)].first);
+      const double factor =
+          (k == 1 ? -record.dt() : record.dt()) * (j < n ? 1 : problem.target[static_cast<std::size_t>(j - n)].first);
       const VectorXd& phi = test[static_cast<std::size_t>(k)];
       for (Index i = 0; i < now; ++i)
         rows(i, std::min(j, n) + 1) += factor * phi.dot(work.col(j + 1).segment(i * step, phi.size()));
@@ -165,8 +166,8 @@ std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::ve
     const Index step = std::max<Index>(1, std::lround(form.spacing * static_cast<double>(h)));
     if (blocks[i].count < 2 * h + 1)
       throw InputError("weak_form: a block of " + record.name() + " lasts " +
-                           number(record.dt() * static_cast<double>(blocks[i].count), 3) +
-                           " s, a test function " + number(2 * record.dt() * static_cast<double>(h), 3) +
+                           number(record.dt() * static_cast<double>(blocks[i].count), 3) + " s, a test function " +
+                           number(2 * record.dt() * static_cast<double>(h), 3) +
                            " s: take fewer blocks or a smaller half_width",
                        {}, Fault::data);
     std::vector<VectorXd> test;

@@ -104,8 +104,9 @@ TEST(RegressWeak, says_what_it_cannot_free_of_derivatives_and_what_it_refuses) {
   options.weak = WeakForm{};
   const Regression r = run(record, options);
   ASSERT_FALSE(r.warnings.empty());
-  EXPECT_EQ(r.warnings.back(),
-            "weak form: the feature 'v^3' holds v, which was derived from the data: it is not free of their derivative");
+  EXPECT_EQ(
+      r.warnings.back(),
+      "weak form: the feature 'v^3' holds v, which was derived from the data: it is not free of their derivative");
   const auto text = [&] { return message([&] { run(record, options); }); };
   options.solver = HuberOptions{};
   EXPECT_EQ(text(),
@@ -116,8 +117,9 @@ TEST(RegressWeak, says_what_it_cannot_free_of_derivatives_and_what_it_refuses) {
   EXPECT_EQ(text(), "weak_form: expected a mass that is a number, 'y + 1' depends on y");
   options.mass = s.pool.constant(1);
   options.weak->half_width = 3;
-  EXPECT_EQ(text(), "weak_form: a block of measured.csv lasts 4 s, a test function 6 s: take fewer blocks or a smaller "
-                    "half_width");
+  EXPECT_EQ(text(),
+            "weak_form: a block of measured.csv lasts 4 s, a test function 6 s: take fewer blocks or a smaller "
+            "half_width");
   options.weak->half_width = -1;
   EXPECT_EQ(text(), "weak_form: half_width: expected >= 0, got -1");
 }
@@ -248,7 +250,8 @@ TEST(RegressGroups, the_best_choice_is_that_of_trying_each) {
 }
 
 TEST(RegressPassivity, is_imposed_on_the_grid_and_looked_at_between) {
-  // A force that creates energy at small amplitudes (van der Pol): plain least squares finds it, the passive fit cannot.
+  // A force that creates energy at small amplitudes (van der Pol): plain least squares finds it, the passive fit
+  // cannot.
   Symbols s;
   RegressOptions options;
   options.features = {s.y, s.v, pow(s.y, 2) * s.v};
@@ -271,8 +274,9 @@ TEST(RegressPassivity, is_imposed_on_the_grid_and_looked_at_between) {
   EXPECT_LE(passive.fit.summary.kkt, 1e-10);
   options.features.push_back(parse(s.pool, "sin(t)"));
   options.passive->where = {"study.lua", 11, 0};
-  EXPECT_EQ(message([&] { run(record, options); }),
-            "study.lua:11: passive: 'sin(t)' depends on t: passivity is looked at over displacement and velocity alone");
+  EXPECT_EQ(
+      message([&] { run(record, options); }),
+      "study.lua:11: passive: 'sin(t)' depends on t: passivity is looked at over displacement and velocity alone");
 }
 
 TEST(RegressLags, are_the_rows_before) {
@@ -300,8 +304,14 @@ TEST(RegressLags, are_the_rows_before) {
 TEST(RegressUnits, of_coefficients_and_of_records) {
   Symbols s;
   RegressOptions options;
-  options.features = {s.y, s.v, pow(s.y, 3), parse(s.pool, "sign(v)"), parse(s.pool, "max(y - 0.001, 0)"),
-                      parse(s.pool, "tanh(80*y)"), parse(s.pool, "sqrt(abs(v))"), parse(s.pool, "y*v")};
+  options.features = {s.y,
+                      s.v,
+                      pow(s.y, 3),
+                      parse(s.pool, "sign(v)"),
+                      parse(s.pool, "max(y - 0.001, 0)"),
+                      parse(s.pool, "tanh(80*y)"),
+                      parse(s.pool, "sqrt(abs(v))"),
+                      parse(s.pool, "y*v")};
   const Record record = made(500, 1e-3, 1, duffing);
   const std::vector<std::string> expected = {"N/m", "N s/m", "N/m^3", "N", "N/m", "N", "N s^0.5/m^0.5", "N s/m^2"};
   const Regression r = run(record, options);
@@ -332,7 +342,8 @@ TEST(RegressIntervals, come_from_blocks_or_from_the_bootstrap) {
     EXPECT_NEAR(std::log(drawn.terms[j].block_std / left_out.terms[j].block_std), 0, 0.3);
   }
   options.bootstrap = 10;
-  EXPECT_EQ(message([&] { run(record, options); }), "regress: bootstrap: expected 20 replicates or more (or 0), got 10");
+  EXPECT_EQ(message([&] { run(record, options); }),
+            "regress: bootstrap: expected 20 replicates or more (or 0), got 10");
 }
 
 TEST(RegressWarnings, name_the_places_of_features_that_are_one) {
@@ -342,9 +353,10 @@ TEST(RegressWarnings, name_the_places_of_features_that_are_one) {
   options.places = {{"study.lua", 4, 0}, {"study.lua", 5, 0}, {"study.lua", 6, 0}};
   const Regression r = run(made(500, 1e-3, 1, duffing), options);
   ASSERT_EQ(r.warnings.size(), 1u);
-  EXPECT_EQ(r.warnings[0],
-            "on these data v = -2*y + 1*2*y + v (v at study.lua:6, y at study.lua:4, 2*y + v at study.lua:5): they cannot "
-            "be told apart, 'v' is left at 0");
+  EXPECT_EQ(
+      r.warnings[0],
+      "on these data v = -2*y + 1*2*y + v (v at study.lua:6, y at study.lua:4, 2*y + v at study.lua:5): they cannot "
+      "be told apart, 'v' is left at 0");
 }
 
 TEST(RegressMemory, does_not_grow_with_the_rows) {

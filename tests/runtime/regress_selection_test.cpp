@@ -45,7 +45,8 @@ Narx narx(unsigned seed) {
   return out;
 }
 
-/// The paper's algorithm as it is written: classical Gram-Schmidt on the columns (Chen, Billings & Luo 1989, section 3).
+/// The paper's algorithm as it is written: classical Gram-Schmidt on the columns (Chen, Billings & Luo 1989, section
+/// 3).
 std::vector<std::pair<Index, double>> by_gram_schmidt(const MatrixXd& x, const VectorXd& z, Index terms) {
   std::vector<std::pair<Index, double>> chosen;
   MatrixXd basis(x.rows(), terms);
@@ -200,9 +201,10 @@ TEST(RegressBestSubset, thirty_features_and_no_more) {
   const Fit fit = best_subset(data_of(x.leftCols(30), z), {.terms = 3});
   EXPECT_TRUE(fit.summary.converged);
   EXPECT_EQ(mask_of(fit.steps[3].features), 1u << 3 | 1u << 17 | 1u << 25);
-  EXPECT_EQ(message([&] { best_subset(data_of(x, z)); }),
-            "best_subset: expected at most 30 features that are not fixed, got 31: the search grows as 2^features, take "
-            "frols or stepwise");
+  EXPECT_EQ(
+      message([&] { best_subset(data_of(x, z)); }),
+      "best_subset: expected at most 30 features that are not fixed, got 31: the search grows as 2^features, take "
+      "frols or stepwise");
   EXPECT_EQ(best_subset(data_of(x.leftCols(30), z), {.max_nodes = 5}).summary.stopped, "max_nodes reached");
 }
 

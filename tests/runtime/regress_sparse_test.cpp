@@ -1,5 +1,5 @@
-// Elastic net, SR3, non-negative and total least squares, spike and slab, ensembles, bootstrap: conditions of optimality,
-// closed forms, brute force.
+// Elastic net, SR3, non-negative and total least squares, spike and slab, ensembles, bootstrap: conditions of
+// optimality, closed forms, brute force.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -68,7 +68,8 @@ TEST(RegressSr3, ends_at_a_fixed_point_of_its_two_steps) {
     for (const double nu : {0.05, 1.0}) {
       const double cut = 0.1;
       const Fit fit =
-          sr3(data_of(x, z), {.threshold = cut, .relaxation = nu, .absolute = absolute, .refit = false, .tolerance = 1e-14});
+          sr3(data_of(x, z),
+              {.threshold = cut, .relaxation = nu, .absolute = absolute, .refit = false, .tolerance = 1e-14});
       ASSERT_TRUE(fit.summary.converged);
       const VectorXd w = fit.coefficients.cwiseProduct(size) / target;
       // s solves its normal equations for this w, and w is the proximal point of s.
@@ -140,7 +141,8 @@ TEST(RegressTotalLeastSquares, is_the_least_singular_vector_for_equal_noise) {
     EXPECT_LT(std::abs(fit.coefficients[j] - truth[j]), 4 * fit.std[j]);  // least squares is 8 % low, 5 deviations
     EXPECT_LT(fit.std[j], 0.06);
   }
-  // No noise in the features is least squares, one exact feature the mixed problem: the others less their part along it.
+  // No noise in the features is least squares, one exact feature the mixed problem: the others less their part along
+  // it.
   MatrixXd noise = MatrixXd::Zero(1, n + 1);
   noise(0, n) = 1;
   EXPECT_LE((total_least_squares(data, noise).coefficients - least_squares(data).coefficients).norm(), 1e-12);
@@ -166,9 +168,10 @@ TEST(RegressTotalLeastSquares, fixed_coefficients_move_to_the_left_others_are_re
   EXPECT_NEAR(fit.coefficients[0], -v[0] / v[1] * std::sqrt(5.0), 1e-12);
   std::vector<Constraint> c = {at_least(0, 0)};
   c[0].where = {"study.lua", 4, 0};
-  EXPECT_EQ(message([&] { total_least_squares(data, noise, c); }),
-            "study.lua:4: total_least_squares: cannot honour the constraint 'x0 >= 0', only fixed coefficients: leave it "
-            "out or take another solver");
+  EXPECT_EQ(
+      message([&] { total_least_squares(data, noise, c); }),
+      "study.lua:4: total_least_squares: cannot honour the constraint 'x0 >= 0', only fixed coefficients: leave it "
+      "out or take another solver");
 }
 
 TEST(RegressSpikeSlab, probabilities_are_the_integrals_of_an_orthogonal_design) {
@@ -189,8 +192,8 @@ TEST(RegressSpikeSlab, probabilities_are_the_integrals_of_an_orthogonal_design) 
     for (Index j = 0; j < n; ++j)
       factor[j] = prior / (1 - prior) / std::sqrt(1 + g) *
                   std::exp(g / (1 + g) * std::pow(x.col(j).dot(z), 2) / (2 * variance * rows));
-    const double weight = std::pow(variance, -rows / 2.0) * std::exp(-z.squaredNorm() / (2 * variance)) *
-                          (1 + factor.array()).prod();
+    const double weight =
+        std::pow(variance, -rows / 2.0) * std::exp(-z.squaredNorm() / (2 * variance)) * (1 + factor.array()).prod();
     all += weight;
     expected.array() += weight * factor.array() / (1 + factor.array());
   }
@@ -240,7 +243,8 @@ TEST(RegressEnsemble, keeps_what_the_members_keep) {
   EXPECT_EQ(message([&] { ensemble(std::span(blocks).first(2), {}); }),
             "ensemble_of: resampling needs at least 3 blocks of time, got 2");
   EXPECT_EQ(message([&] { ensemble(blocks, {.members = 1}); }), "ensemble_of: members: expected >= 2, got 1");
-  EXPECT_EQ(message([&] { ensemble(blocks, {.inclusion = 0}); }), "ensemble_of: inclusion: expected > 0 and <= 1, got 0");
+  EXPECT_EQ(message([&] { ensemble(blocks, {.inclusion = 0}); }),
+            "ensemble_of: inclusion: expected > 0 and <= 1, got 0");
 }
 
 TEST(RegressBootstrap, replicates_are_refits_of_the_merged_blocks) {
