@@ -1,10 +1,12 @@
 // Regressions of the restoring force on features.
+#include "regress/lag.hpp"
 #include "regress/regress.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "runtime.hpp"
 #include "types.hpp"
@@ -15,7 +17,8 @@ namespace lunid::lua {
 struct SolvedRegression {
   Regression result;
   DeclarationsPtr declared;
-  Model model;
+  std::optional<Model> model;  ///< none with lags
+  std::string why_none;        ///< why there is no model
 };
 
 template <>
@@ -33,47 +36,116 @@ SourceSpan span_of(const std::string& place) {
   return {place.substr(0, colon), std::atoi(place.c_str() + colon + 1), 0};
 }
 
-/// The constraint on top of the stack, as stdlib/constraints.lua made it.
+/// The constraint on top of the stack, as stdlib/constraints.lua made it: {terms = {{feature =, weight =}, ...}, lower
+/// =, upper =, place =}.
 TermConstraint read_constraint(lua_State* L) {
-  const std::string kind = string_field(L, -1, "kind").value_or("");
-  const Expr feature = field_value(L, -1, "feature").expr;
   TermConstraint constraint;
-  if (kind == "fixed") {
-    constraint = fixed(feature, number_field(L, -1, "value").value_or(0));
-  } else if (kind == "between") {
-    constraint = between(feature, number_field(L, -1, "lower").value_or(0), number_field(L, -1, "upper").value_or(0));
-  } else {
-    const Expr bound = field_value(L, -1, "bound").expr;
-    if (bound.is_constant()) {
-      constraint = kind == "at_most" ? at_most(feature, bound.value()) : at_least(feature, bound.value());
-    } else {
-      constraint = kind == "at_most" ? at_most(feature, bound) : at_most(bound, feature);
-    }
-  }
+  with_field(L, -1, "terms", [&] {
+    for_each(L, -1, [&](lua_Integer) {
+      constraint.terms.emplace_back(field_value(L, -1, "feature").expr, number_field(L, -1, "weight").value_or(1));
+    });
+  });
+  constraint.lower = number_field(L, -1, "lower").value_or(constraint.lower);
+  constraint.upper = number_field(L, -1, "upper").value_or(constraint.upper);
   constraint.where = span_of(string_field(L, -1, "place").value_or(""));
   return constraint;
 }
 
-/// The solver on top of the stack, as stdlib/regression.lua made it.
-RegressionSolver read_solver(lua_State* L) {
+TermGroup read_group(lua_State* L) {
+  TermGroup group;
+  with_field(L, -1, "features",
+             [&] { for_each(L, -1, [&](lua_Integer) { group.features.push_back(check_value(L, -1).expr); }); });
+  group.at_most = static_cast<int>(number_field(L, -1, "at_most").value_or(1));
+  group.where = span_of(string_field(L, -1, "place").value_or(""));
+  return group;
+}
+
+/// Sets a field of the table on top of the stack where it is there.
+template <class Number>
+void read(lua_State* L, const char* field, Number& value) {
+  if (const auto given = number_field(L, -1, field)) value = static_cast<Number>(*given);
+}
+
+PassiveOptions read_passive(lua_State* L) {
+  PassiveOptions options;
+  read(L, "points_y", options.points_y);
+  read(L, "points_v", options.points_v);
+  options.impose = boolean_field(L, -1, "impose", options.impose);
+  options.where = span_of(string_field(L, -1, "place").value_or(""));
+  return options;
+}
+
+WeakForm read_weak(lua_State* L) {
+  WeakForm form;
+  read(L, "half_width", form.half_width);
+  read(L, "order", form.order);
+  read(L, "spacing", form.spacing);
+  return form;
+}
+
+Criterion read_criterion(lua_State* L) {
+  return string_field(L, -1, "criterion").value_or("bic") == "bic" ? Criterion::bic : Criterion::aicc;
+}
+
+/// A lasso or an elastic net.
+LassoOptions read_lasso(lua_State* L) {
+  LassoOptions options;
+  options.lambda = number_field(L, -1, "lambda_value");
+  read(L, "mixture", options.mixture);
+  read(L, "path", options.path);
+  options.refit = boolean_field(L, -1, "refit", options.refit);
+  return options;
+}
+
+/// The solver on top of the stack, as stdlib/solvers.lua made it; those that work on statistics.
+StatisticSolver read_statistic_solver(lua_State* L, std::uint64_t seed) {
   const std::string kind = string_field(L, -1, "kind").value_or("least_squares");
+  if (kind == "lasso" || kind == "elastic_net") return read_lasso(L);
+  if (kind == "non_negative") return NonNegativeOptions{};
   if (kind == "ridge") {
     RidgeOptions options;
-    options.lambda = number_field(L, -1, "lambda").value_or(options.lambda);
+    read(L, "lambda", options.lambda);
     return options;
   }
   if (kind == "stlsq") {
     StlsqOptions options;
-    options.threshold = number_field(L, -1, "threshold").value_or(options.threshold);
-    options.ridge = number_field(L, -1, "ridge").value_or(options.ridge);
-    options.max_passes = static_cast<int>(number_field(L, -1, "max_passes").value_or(options.max_passes));
+    read(L, "threshold", options.threshold);
+    read(L, "ridge", options.ridge);
+    read(L, "max_passes", options.max_passes);
     return options;
   }
-  if (kind == "lasso") {
-    LassoOptions options;
-    options.lambda = number_field(L, -1, "lambda_value");
-    options.path = static_cast<int>(number_field(L, -1, "path").value_or(options.path));
+  if (kind == "sr3") {
+    Sr3Options options;
+    read(L, "threshold", options.threshold);
+    read(L, "relaxation", options.relaxation);
+    options.absolute = boolean_field(L, -1, "absolute", options.absolute);
     options.refit = boolean_field(L, -1, "refit", options.refit);
+    return options;
+  }
+  if (kind == "frols") {
+    FrolsOptions options;
+    read(L, "threshold", options.threshold);
+    read(L, "max_terms", options.max_terms);
+    return options;
+  }
+  if (kind == "stepwise") {
+    StepwiseOptions options;
+    options.criterion = read_criterion(L);
+    read(L, "max_terms", options.max_terms);
+    return options;
+  }
+  if (kind == "best_subset") {
+    BestSubsetOptions options;
+    options.criterion = read_criterion(L);
+    read(L, "terms", options.terms);
+    return options;
+  }
+  if (kind == "spike_slab") {
+    SpikeSlabOptions options;
+    read(L, "prior", options.prior);
+    read(L, "cut", options.cut);
+    read(L, "sweeps", options.sweeps);
+    options.seed = seed;
     return options;
   }
   return LeastSquaresOptions{};
@@ -89,11 +161,40 @@ SearchOptions read_search(lua_State* L, std::uint64_t seed) {
   return search;
 }
 
+RegressionSolver read_solver(lua_State* L, std::uint64_t seed) {
+  const std::string kind = string_field(L, -1, "kind").value_or("least_squares");
+  if (kind == "huber") {
+    HuberOptions options;
+    read(L, "threshold", options.threshold);
+    read(L, "outlier", options.outlier);
+    return options;
+  }
+  if (kind == "total_least_squares") {
+    TotalOptions options;
+    with_field(L, -1, "noise", [&] {
+      for (lua_pushnil(L); lua_next(L, -2) != 0; lua_pop(L, 1))
+        options.noise[check_string(L, -2)] = check_number(L, -1);
+    });
+    return options;
+  }
+  if (kind == "ensemble_of") {
+    EnsembleOptions options;
+    with_field(L, -1, "solver", [&] { options.solver = read_statistic_solver(L, seed); });
+    read(L, "members", options.members);
+    read(L, "features", options.features);
+    read(L, "inclusion", options.inclusion);
+    options.seed = seed;
+    return options;
+  }
+  return std::visit([](const auto& solver) { return RegressionSolver(solver); }, read_statistic_solver(L, seed));
+}
+
 /// Parameters in the features: fixed ones have a value, the others are searched for within finite bounds.
 void read_parameters(const Expr expr, const DeclarationsPtr& declared, RegressOptions& options) {
   for (const Expr symbol : symbols(expr, SymbolKind::parameter)) {
     const Parameter* row = find_declared(declared, symbol.name());
     const Parameter parameter = row ? *row : Parameter{};
+    options.units[symbol.name()] = parameter.unit;
     if (options.values.count(symbol.name())) continue;
     const auto known = [&](const ImplicitParameter& p) { return p.name == symbol.name(); };
     if (std::any_of(options.implicit.begin(), options.implicit.end(), known)) continue;
@@ -140,6 +241,7 @@ Model model_of(lua_State* L, const Regression& result, Expr mass, const RegressO
     while (model.find(parameter.name)) parameter.name += "_";
     parameter.value = term.coefficient;
     parameter.std = term.block_std > 0 ? term.block_std : term.std;
+    parameter.unit = term.unit;
     parameter.fixed = term.std == 0;
     const Expr part = pool.parameter(parameter.name) * term.feature;
     model.restoring = model.restoring.valid() ? model.restoring + part : part;
@@ -163,7 +265,21 @@ Model model_of(lua_State* L, const Regression& result, Expr mass, const RegressO
   return complete(std::move(model));
 }
 
-/// regress({records}, {features=, mass=, known=, constraints=, solver=, blocks=})
+/// Why the terms kept make no continuous model; "" where they do.
+std::string lag_in(const Regression& result) {
+  for (const Term& term : result.terms) {
+    if (term.coefficient == 0 || first_lag(term.feature).empty()) continue;
+    const std::string place = to_text(term.where);
+    return "the regression has no model: its term '" + to_text(term.feature) + "'" +
+           (place.empty() ? "" : " (" + place + ")") +
+           " is a lag, which holds at the samples of this record only; leave lags out, or use the terms and the "
+           "coefficients themselves";
+  }
+  return "";
+}
+
+/// regress({records}, {features=, places=, mass=, known=, constraints=, groups=, passive=, form=, solver=, blocks=,
+/// bootstrap=})
 int run(lua_State* L) {
   std::vector<Record> records;
   check_table(L, 1);
@@ -190,12 +306,27 @@ int run(lua_State* L) {
   for (const Expr expr : all) read_parameters(expr, declared, options);
   with_field(L, 2, "constraints",
              [&] { for_each(L, -1, [&](lua_Integer) { options.constraints.push_back(read_constraint(L)); }); });
-  with_field(L, 2, "solver", [&] { options.solver = read_solver(L); });
+  with_field(L, 2, "groups", [&] { for_each(L, -1, [&](lua_Integer) { options.groups.push_back(read_group(L)); }); });
+  with_field(L, 2, "passive", [&] { options.passive = read_passive(L); });
+  with_field(L, 2, "form", [&] { options.weak = read_weak(L); });
+  for (const std::string& place : strings_field(L, 2, "places")) options.places.push_back(span_of(place));
+  options.seed = runtime(L).seed;
+  options.bootstrap = static_cast<int>(number_field(L, 2, "bootstrap").value_or(0));
+  with_field(L, 2, "solver", [&] { options.solver = read_solver(L, options.seed); });
   with_field(L, 2, "objective", [&] { options.objective.mean_force = number_field(L, -1, "mean_force").value_or(0); });
-  with_field(L, 2, "search", [&] { options.search = read_search(L, runtime(L).seed); });
-  Regression result = regress(records, options);
-  Model model = model_of(L, result, options.mass, options, declared);
-  push<SolvedRegression>(L, {std::move(result), declared, std::move(model)});
+  with_field(L, 2, "search", [&] { options.search = read_search(L, options.seed); });
+  SolvedRegression solved{regress(records, options), declared, {}, {}};
+  with_field(L, 2, "notes",
+             [&] { for_each(L, -1, [&](lua_Integer) { solved.result.warnings.push_back(check_string(L, -1)); }); });
+  solved.why_none = lag_in(solved.result);
+  if (solved.why_none.empty()) solved.model = model_of(L, solved.result, options.mass, options, declared);
+  push<SolvedRegression>(L, std::move(solved));
+  return 1;
+}
+
+/// lag(signal, samples)
+int make_lag(lua_State* L) {
+  push<Value>(L, {lag(check_value(L, 1).expr, static_cast<int>(check_integer(L, 2))), nullptr});
   return 1;
 }
 
@@ -205,7 +336,8 @@ void set_number(lua_State* L, const char* field, double value) {
   lua_setfield(L, -2, field);
 }
 
-/// List of {feature=, name=, value=, std=, block_std=, contribution=}, each also under its feature's text.
+/// List of {feature=, name=, value=, unit=, std=, block_std=, lower=, upper=, vif=, inclusion=, contribution=, place=},
+/// each also under its feature's text.
 void push_terms(lua_State* L, const SolvedRegression& solved) {
   lua_newtable(L);
   lua_Integer i = 0;
@@ -220,6 +352,14 @@ void push_terms(lua_State* L, const SolvedRegression& solved) {
     set_number(L, "std", term.std);
     set_number(L, "block_std", term.block_std);
     set_number(L, "contribution", term.contribution);
+    set_number(L, "lower", term.lower);
+    set_number(L, "upper", term.upper);
+    set_number(L, "vif", term.vif);
+    set_number(L, "inclusion", term.inclusion);
+    push_text(L, term.unit);
+    lua_setfield(L, -2, "unit");
+    push_text(L, to_text(term.where));
+    lua_setfield(L, -2, "place");
     lua_pushvalue(L, -1);
     lua_setfield(L, -3, name.c_str());
     lua_rawseti(L, -2, ++i);
@@ -236,6 +376,77 @@ void push_implicit(lua_State* L, const Regression& result) {
   }
 }
 
+/// {count=, largest = {{record=, row=, time=, size=}, ...}}
+void push_outliers(lua_State* L, const Outliers& outliers) {
+  lua_newtable(L);
+  set_number(L, "count", static_cast<double>(outliers.count));
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Outlier& o : outliers.largest) {
+    lua_newtable(L);
+    set_number(L, "record", static_cast<double>(o.record + 1));
+    set_number(L, "row", static_cast<double>(o.row + 1));
+    set_number(L, "time", o.time);
+    set_number(L, "size", o.size);
+    lua_rawseti(L, -2, ++i);
+  }
+  lua_setfield(L, -2, "largest");
+}
+
+/// List of {features = {names}, feature=, added=, error_reduction=, rmse=, criterion=}.
+void push_steps(lua_State* L, const Fit& fit) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const SelectionStep& step : fit.steps) {
+    lua_newtable(L);
+    lua_newtable(L);
+    lua_Integer k = 0;
+    for (const int j : step.features) {
+      push_text(L, fit.features[static_cast<std::size_t>(j)]);
+      lua_rawseti(L, -2, ++k);
+    }
+    lua_setfield(L, -2, "features");
+    if (step.feature >= 0) {
+      push_text(L, fit.features[static_cast<std::size_t>(step.feature)]);
+      lua_setfield(L, -2, "feature");
+    }
+    lua_pushboolean(L, step.added);
+    lua_setfield(L, -2, "added");
+    set_number(L, "error_reduction", step.error_reduction);
+    set_number(L, "rmse", step.rmse);
+    set_number(L, "criterion", step.criterion);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+void push_covariance(lua_State* L, const Fit& fit) {
+  lua_newtable(L);
+  for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
+    lua_newtable(L);
+    for (Eigen::Index j = 0; j < fit.covariance.cols(); ++j) {
+      lua_pushnumber(L, fit.covariance(i, j));
+      lua_rawseti(L, -2, static_cast<lua_Integer>(j + 1));
+    }
+    lua_rawseti(L, -2, static_cast<lua_Integer>(i + 1));
+  }
+}
+
+/// {least_power=, y=, v=, imposed=}, or nil.
+void push_passivity(lua_State* L, const std::optional<Passivity>& passivity) {
+  if (!passivity) return lua_pushnil(L);
+  lua_newtable(L);
+  set_number(L, "least_power", passivity->least_power);
+  set_number(L, "y", passivity->y);
+  set_number(L, "v", passivity->v);
+  lua_pushboolean(L, passivity->imposed);
+  lua_setfield(L, -2, "imposed");
+}
+
+const Model& model_of(const SolvedRegression& solved) {
+  if (!solved.model) throw InputError(solved.why_none);
+  return *solved.model;
+}
+
 template <class Item, class Text>
 void push_texts(lua_State* L, const std::vector<Item>& items, Text text) {
   lua_newtable(L);
@@ -246,8 +457,7 @@ void push_texts(lua_State* L, const std::vector<Item>& items, Text text) {
   }
 }
 
-/// Fields model, terms, implicit, r2, rmse, solver, stopped, converged, condition, active, unexcited, warnings,
-/// windows.
+/// The fields that the last message lists.
 int get(lua_State* L) {
   const SolvedRegression& solved = check<SolvedRegression>(L, 1);
   const Regression& result = solved.result;
@@ -255,7 +465,7 @@ int get(lua_State* L) {
   const auto itself = [](const std::string& text) { return text; };
   const auto text = [](const auto& item) { return item.text; };
   if (key == "model")
-    push<Model>(L, solved.model);
+    push<Model>(L, model_of(solved));
   else if (key == "terms")
     push_terms(L, solved);
   else if (key == "implicit")
@@ -266,6 +476,22 @@ int get(lua_State* L) {
     lua_pushnumber(L, result.rmse);
   else if (key == "condition")
     lua_pushnumber(L, result.fit.condition);
+  else if (key == "kkt")
+    lua_pushnumber(L, result.fit.summary.kkt);
+  else if (key == "iterations")
+    lua_pushinteger(L, result.fit.summary.iterations);
+  else if (key == "covariance")
+    push_covariance(L, result.fit);
+  else if (key == "steps")
+    push_steps(L, result.fit);
+  else if (key == "outliers")
+    push_outliers(L, result.outliers);
+  else if (key == "passivity")
+    push_passivity(L, result.passivity);
+  else if (key == "interval")
+    push_text(L, result.interval);
+  else if (key == "form")
+    push_text(L, result.form);
   else if (key == "solver")
     push_text(L, result.fit.summary.solver);
   else if (key == "stopped")
@@ -275,7 +501,7 @@ int get(lua_State* L) {
   else if (key == "converged")
     lua_pushboolean(L, result.fit.summary.converged);
   else if (key == "restoring")
-    push<Value>(L, {solved.model.restoring, declarations_of(solved.model)});
+    push<Value>(L, {model_of(solved).restoring, declarations_of(model_of(solved))});
   else if (key == "active")
     push_texts(L, result.fit.active, text);
   else if (key == "unexcited")
@@ -286,16 +512,33 @@ int get(lua_State* L) {
     push_texts(L, result.windows, itself);
   else {
     throw InputError("a regression has no '" + key +
-                     "' (fields: model restoring terms implicit r2 rmse mode condition solver stopped converged active "
-                     "unexcited warnings windows)");
+                     "' (fields: model restoring terms implicit r2 rmse mode form condition covariance interval solver "
+                     "stopped converged iterations kkt steps active unexcited outliers passivity warnings windows)");
   }
   return 1;
 }
 
-std::string line(const std::string& name, double value, double std) {
+std::string line(const std::string& name, double value, double std, const std::string& unit = "") {
   char text[96];
   std::snprintf(text, sizeof text, std > 0 ? " = %.6g +- %.2g" : " = %.6g", value, std);
-  return "\n  " + name + text;
+  return "\n  " + name + text + (unit.empty() ? "" : " " + unit);
+}
+
+/// "\n  6 outliers, the largest at t = 0.7 s"
+std::string outlier_line(const Outliers& outliers) {
+  if (outliers.count == 0) return "";
+  char text[96];
+  std::snprintf(text, sizeof text, "\n  %lld outliers, the largest at t = %.6g s (%.3g deviations)",
+                static_cast<long long>(outliers.count), outliers.largest[0].time, outliers.largest[0].size);
+  return text;
+}
+
+std::string passivity_line(const std::optional<Passivity>& passivity) {
+  if (!passivity) return "";
+  char text[128];
+  std::snprintf(text, sizeof text, "\n  passivity %s: least dissipated power %.3g W at y = %.3g, v = %.3g",
+                passivity->imposed ? "imposed" : "looked at", passivity->least_power, passivity->y, passivity->v);
+  return text;
 }
 
 int to_string(lua_State* L) {
@@ -303,12 +546,14 @@ int to_string(lua_State* L) {
   char head[128];
   std::snprintf(head, sizeof head, ": R2 %.5g, RMSE %.4g (", result.r2, result.rmse);
   std::string text = result.fit.summary.solver + head + result.mode + ")";
+  if (!result.form.empty()) text += "\n  " + result.form;
   for (const Term& term : result.terms) {
-    if (term.coefficient != 0) text += line(to_text(term.feature), term.coefficient, term.block_std);
+    if (term.coefficient == 0) continue;
+    text += line(to_text(term.feature), term.coefficient, term.block_std > 0 ? term.block_std : term.std, term.unit);
   }
   for (const ImplicitParameter& found : result.implicit) text += line(found.name, found.value, found.std);
   for (const ActiveBound& bound : result.fit.active) text += "\n  held by " + bound.text;
-  for (const Unexcited& unexcited : result.fit.unexcited) text += "\n  " + unexcited.text;
+  text += outlier_line(result.outliers) + passivity_line(result.passivity);
   for (const std::string& warning : result.warnings) text += "\n  note: " + warning;
   push_text(L, text);
   return 1;
@@ -319,7 +564,7 @@ int to_string(lua_State* L) {
 void open_regressions(lua_State* L) {
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<SolvedRegression>(L, {}, meta);
-  static constexpr Entry functions[] = {{"regress", guarded<run>}};
+  static constexpr Entry functions[] = {{"regress", guarded<run>}, {"lag", guarded<make_lag>}};
   set_functions(L, functions);
 }
 

@@ -26,7 +26,7 @@ local expressions = types.list(types.either(types.expression, types.is("features
 --- Features of a record as names and values.
 local function of_record(given, list)
   local columns = {}
-  for i, feature in ipairs(regression.flat(list)) do
+  for i, feature in ipairs(regression.flat(list, { given.record })) do
     columns[i] = { name = tostring(feature), values = core.evaluate(given.record, feature, "rank_features") }
   end
   return columns

@@ -2,7 +2,7 @@
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local element = require "lunid.element"
-local regression = require "lunid.regression"
+local solvers = require "lunid.solvers"
 local schema = require "lunid.schema"
 local simulation = require "lunid.simulation"
 
@@ -167,7 +167,8 @@ end
 
 function lists.features()
   print "signals     displacement y, velocity v, acceleration a, time t, force F"
-  print "sets        lunid.polynomials({ y, v }, order)"
+  print "sets        polynomials chebyshev fourier tanhs exponentials powers piecewise radial lags features;"
+  print "            a set times a set, or times an expression, is the set of all products"
   local names = {}
   for name in pairs(core.functions) do names[#names + 1] = name end
   table.sort(names)
@@ -186,7 +187,7 @@ function lists.systems() list_group "systems" end
 
 function lists.solvers()
   print "of a regression"
-  for _, name in ipairs(regression.solver_names) do
+  for _, name in ipairs(solvers.names) do
     print(("  %-15s%s"):format(name, schema.definitions[name].help))
   end
   print "of a simulation (solver = \"...\")"

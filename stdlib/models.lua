@@ -279,33 +279,4 @@ models.load = schema.define({
   return model
 end)
 
-models.polynomials = schema.define({
-  name = "polynomials",
-  help = "All products of powers of the variables up to an order, without the constant unless asked for.",
-  style = "arguments",
-  positional = { "variables", "order", "constant" },
-  fields = {
-    { "variables", types.list(types.expression, 1), required = true, help = "such as { y, v }" },
-    { "order", types.integer { min = 1, max = 20 }, required = true, help = "largest sum of the powers" },
-    { "constant", types.boolean, default = false, help = "put the constant 1 first" },
-  },
-  returns = "features",
-  example = [[features = { lunid.polynomials({ y, v }, 5) }]],
-}, function(given)
-  local features = {}
-  local function add(variable, left, term)
-    if variable > #given.variables then
-      if left == 0 then features[#features + 1] = term end
-      return
-    end
-    for power = left, 0, -1 do
-      local factor = power > 0 and given.variables[variable] ^ power or nil
-      add(variable + 1, left - power, factor and (term and term * factor or factor) or term)
-    end
-  end
-  if given.constant then features[1] = 1 end
-  for order = 1, given.order do add(1, order, nil) end
-  return schema.object("features", features, nil, function(self) return ("%d features"):format(#self) end)
-end)
-
 return models

@@ -1,62 +1,44 @@
--- Regressions: F - m*a = sum of coefficient * feature, and their solvers.
+-- Regressions: F - m*a = sum of coefficient * feature.
 local core = require "lunid.core"
+local features = require "lunid.features"
 local schema = require "lunid.schema"
 local types = schema.types
 
-local function solver(definition)
-  definition.returns = "solver"
-  return schema.define(definition, function(given)
-    given.kind = definition.name
-    given.place = core.place()
-    if given.lambda ~= "cross-validate" then given.lambda_value = given.lambda end
-    return schema.object("solver", given, nil, function() return definition.name end)
-  end)
+local regression = { public = {} }
+local public = regression.public
+
+public.weak_form = schema.define({
+  name = "weak_form",
+  help = "Integrates the equation against bumps of short support, so that no derivative of the data is needed.",
+  fields = {
+    { "half_width", types.number { min = 0 }, default = 0, unit = "s", help = "of the bumps; 0: from the dominant frequency" },
+    { "order", types.integer { min = 3, max = 16 }, default = 8, help = "of the bumps (1 - (t/half_width)^2)^order" },
+    { "spacing", types.number { above = 0, max = 1 }, default = 0.25, help = "from bump to bump, in half widths" },
+  },
+  returns = "form",
+  example = "local fit = lunid.regress { record = train, mass = 49, features = { y, v, y^3 }, form = lunid.weak_form {} }",
+}, function(given)
+  return schema.object("form", given, nil, function() return "weak form" end)
+end)
+
+--- Least and largest value of an expression over the records.
+local function range_over(records)
+  return function(variable)
+    local name = tostring(variable)
+    local low, high = math.huge, -math.huge
+    for _, each in ipairs(records) do
+      local symbols = core.is_expression(variable) and variable:symbols() or {}
+      if #symbols ~= 1 or symbols[1].kind ~= "channel" or symbols[1].name ~= name then
+        schema.fail("regress", ("features: the range of '%s' is not known: give it (range = ...) to the set of features"):format(
+          name))
+      end
+      local column = each:column(name)
+      low, high = math.min(low, column:min()), math.max(high, column:max())
+    end
+    if not (low < high) then schema.fail("regress", ("features: '%s' is constant on these data: it has no range"):format(name)) end
+    return low, high
+  end
 end
-
-local regression = {}
-
-regression.solver_names = { "least_squares", "ridge", "stlsq", "lasso" }
-
-local public = {}
-regression.public = public
-
-public.least_squares = solver {
-  name = "least_squares",
-  help = "Ordinary least squares, by a streaming QR factorisation.",
-  fields = {},
-  example = "solver = lunid.least_squares {}",
-}
-
-public.ridge = solver {
-  name = "ridge",
-  help = "Least squares with a penalty on the squares of the coefficients, each in units of its feature's size.",
-  fields = { { "lambda", types.number { above = 0 }, default = 1e-3, help = "weight of the penalty, dimensionless" } },
-  example = "solver = lunid.ridge { lambda = 1e-3 }",
-}
-
-public.stlsq = solver {
-  name = "stlsq",
-  help = "Sequentially thresholded least squares: drops features that contribute less than a threshold.",
-  fields = {
-    { "threshold", types.number { above = 0, below = 1 }, default = 0.02,
-      help = "least rms of coefficient * feature over the rms of the target" },
-    { "ridge", types.number { min = 0 }, default = 0, help = "lambda of the ridge regression in each pass" },
-    { "max_passes", types.integer { min = 1 }, default = 50, help = "at most so many passes" },
-  },
-  example = "solver = lunid.stlsq { threshold = 0.02 }",
-}
-
-public.lasso = solver {
-  name = "lasso",
-  help = "Least squares with a penalty on the absolute coefficients: keeps few features.",
-  fields = {
-    { "lambda", types.either(types.number { above = 0 }, types.choice { "cross-validate" }), default = "cross-validate",
-      help = "weight of the penalty, dimensionless; or chosen over left-out blocks of time" },
-    { "path", types.integer { min = 2 }, default = 100, help = "values of lambda that are tried" },
-    { "refit", types.boolean, default = false, help = "refit what was kept by least squares" },
-  },
-  example = [[solver = lunid.lasso { lambda = "cross-validate" }]],
-}
 
 local searches = { "slsqp", "lbfgs", "mlsl", "direct", "esch", "crs", "isres", "stogo", "annealing", "particle_swarm",
   "puddle_jumping", "monte_carlo", "stochastic_gradient" }
@@ -88,27 +70,19 @@ local function check_objective(objective)
   end
 end
 
---- Features, with sets of features (lunid.polynomials) laid flat, each once.
-local function flat(list)
-  local features, seen = {}, {}
-  local function add(feature)
-    local key = tostring(feature)
-    if not seen[key] then
-      seen[key] = true
-      features[#features + 1] = feature
-    end
+--- Constraints by what they are.
+local function sorted(list)
+  local bounds, groups, passive = {}, {}, nil
+  for _, each in ipairs(list) do
+    if each.kind == "group" then groups[#groups + 1] = each
+    elseif each.kind == "passive" then passive = each
+    else bounds[#bounds + 1] = each end
   end
-  for _, entry in ipairs(list) do
-    if getmetatable(entry) == "lunid.features" then
-      for _, feature in ipairs(entry) do add(feature) end
-    else
-      add(entry)
-    end
-  end
-  return features
+  return bounds, groups, passive
 end
 
-regression.flat = flat
+--- The features of a list of expressions and sets, laid flat; sets that need the range of the data take it from records.
+function regression.flat(list, records) return (features.flat(list, range_over(records or {}), core.place())) end
 
 local record = types.is("record", "lunid.read")
 
@@ -118,18 +92,20 @@ public.regress = schema.define({
   fields = {
     { "record", types.either(record, types.list(record, 1)), required = true, help = "one record or several" },
     { "mass", types.expression, unit = "kg", help = "without it the target is F itself" },
-    { "features", types.list(types.either(types.expression, types.is("features", "lunid.polynomials")), 1),
+    { "features", types.list(types.either(types.expression, types.is("features", "lunid.polynomials and its kin")), 1),
       required = true, help = "functions of displacement, velocity, time; sets of them are laid flat" },
     { "known", types.expression, unit = "N", help = "part of the restoring force that is known" },
     { "constraints", types.list(types.is("constraint", "lunid.at_least and its kin")), default = {},
       help = "what is known about the coefficients" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
-    { "solver", types.is("solver", "lunid.least_squares, ridge, stlsq or lasso"), help = "least squares by default" },
+    { "solver", types.is("solver", "lunid.least_squares and its kin"), help = "least squares by default" },
     { "objective", types.table, help = "{ mean_force = 0.25 }: so much of what is minimised is the square of the mean "
       .. "residual in each block of time, which keeps the force from shifting; the rest is the mean square" },
     { "search", types.is("search", "lunid.search"), help = "for parameters inside features; local from 4 starts by default" },
-    { "blocks", types.integer { min = 1, max = 1000 }, default = 8,
-      help = "blocks of time, for cross-validation and standard errors" },
+    { "form", types.is("form", "lunid.weak_form"), help = "integrals in place of the rows themselves" },
+    { "blocks", types.integer { min = 1, max = 1000 },
+      help = "blocks of time in each record, for cross-validation and standard errors; 8, or 32 for the bootstrap" },
+    { "bootstrap", types.integer { min = 20 }, help = "intervals from so many resamplings of the blocks" },
   },
   returns = "regression",
   example = [[local fit = lunid.regress { record = train, mass = 49, features = { lunid.polynomials({ y, v }, 3) } }]],
@@ -138,11 +114,14 @@ public.regress = schema.define({
   for i, each in ipairs(list) do
     list[i] = given.window and each:window(given.window.from, given.window.to) or each
   end
-  given.features = flat(given.features)
+  given.blocks = given.blocks or given.bootstrap and 32 or 8
+  given.features, given.places, given.notes = features.flat(given.features, range_over(list), core.place())
+  given.constraints, given.groups, given.passive = sorted(given.constraints)
   check_objective(given.objective)
   return core.regress(list, given)
 end)
 
-regression.flat = flat
+--- The features of a list of expressions and sets, laid flat; sets that need the range of the data take it from records.
+function regression.flat(list, records) return (features.flat(list, range_over(records or {}), core.place())) end
 
 return regression

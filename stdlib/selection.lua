@@ -270,7 +270,7 @@ end
 --- What the usual pipeline gives: central differences and thresholded least squares.
 local function naive_model(given, train)
   local fit = core.regress(smoothed(train, 0), { mass = given.mass, known = given.known, features = given.features,
-    blocks = 1, search = given.search, solver = regression.public.stlsq {} })
+    blocks = 1, search = given.search, solver = solvers.public.stlsq {} })
   return { model = fit.model, regression = fit, r2 = fit.r2 }
 end
 
@@ -336,7 +336,7 @@ selection.select = schema.define({
   example = [[local found = lunid.select { record = train, test = test, mass = 1, features = { lunid.polynomials({ y, v }, 5) } }]],
 }, function(given)
   local records = list_of(given.record)
-  given.features = regression.flat(given.features)
+  given.features = regression.flat(given.features, records)
   local train, holdout = records, given.holdout and list_of(given.holdout)
   if not holdout then train, holdout = split(records, given.holdout_part) end
   local measured = records[1].channels.v

@@ -6,6 +6,7 @@
 #include <exception>
 #include <thread>
 
+#include "regress/lag.hpp"
 #include "regress/number.hpp"
 
 namespace lunid::detail {
@@ -29,8 +30,8 @@ std::vector<Expr> inputs_of(const std::vector<Expr>& outputs, SymbolKind kind) {
 
 }  // namespace
 
-Columns::Columns(std::vector<Expr> features, Expr target) {
-  for (const Expr& f : features) names_.push_back(to_text(f));
+Columns::Columns(std::vector<Expr> features, Expr target, std::vector<std::string> names) : names_(std::move(names)) {
+  for (std::size_t j = names_.size(); j < features.size(); ++j) names_.push_back(to_text(features[j]));
   features.push_back(target);
   const std::vector<Expr> states = inputs_of(features, SymbolKind::state);
   if (!states.empty())
@@ -45,7 +46,7 @@ Columns::Columns(std::vector<Expr> features, Expr target) {
   tape_ = Tape(features, inputs);
 }
 
-void Columns::run(const Record& record, Index first, std::span<const double> values, MatrixXd& work) const {
+void Columns::fill(const Record& record, Index first, std::span<const double> values, MatrixXd& work) const {
   const Index rows = work.rows();
   std::vector<double> time;
   std::vector<const double*> in;
@@ -56,6 +57,8 @@ void Columns::run(const Record& record, Index first, std::span<const double> val
       time.resize(static_cast<std::size_t>(rows));
       for (Index i = 0; i < rows; ++i) time[static_cast<std::size_t>(i)] = record.time(first + i);
       in.push_back(time.data());
+    } else if (const auto past = record.has(name) ? std::nullopt : lag_of(name)) {
+      in.push_back(record[past->channel].data() + first - past->samples);
     } else {
       in.push_back(record[name].data() + first);
     }
@@ -67,6 +70,8 @@ void Columns::run(const Record& record, Index first, std::span<const double> val
   std::vector<double*> out;
   for (Index j = 1; j < work.cols(); ++j) out.push_back(work.col(j).data());
   tape_.run_columns(in, stride, static_cast<std::size_t>(rows), out);
+  for (Index j = 1; j < work.cols(); ++j)
+    if (!std::isfinite(work.col(j).sum())) refuse(record, first, work);
 }
 
 void Columns::refuse(const Record& record, Index first, const MatrixXd& work) const {
@@ -85,40 +90,42 @@ void Columns::refuse(const Record& record, Index first, const MatrixXd& work) co
   throw InputError("the columns overflow when added up: scale the features", {}, Fault::data);
 }
 
-Statistic Columns::statistic(const Record& record, Index first, Index count, std::span<const double> values) const {
+Statistic Columns::statistic(const Record& record, Index first, Index count, std::span<const double> values,
+                             const Visit& visit) const {
   Statistic sum(names_);
   MatrixXd work;
   for (Index at = 0; at < count; at += kRows) {
     work.resize(std::min(kRows, count - at), static_cast<Index>(names_.size()) + 2);
-    run(record, first + at, values, work);
-    for (Index j = 1; j < work.cols(); ++j)
-      if (!std::isfinite(work.col(j).sum())) refuse(record, first + at, work);
+    fill(record, first + at, values, work);
+    if (visit) visit(first + at, work);
     sum.add_in_place(work);
   }
   return sum;
 }
 
-std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Index least) {
+std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Index least, Index skip) {
   std::vector<TimeBlock> out;
   for (std::size_t r = 0; r < records.size(); ++r) {
-    const Index rows = records[r].rows();
+    const Index rows = records[r].rows() - skip;
+    if (rows < 1)
+      throw InputError(records[r].name() + ": the largest lag is " + std::to_string(skip) + " rows, the record has " +
+                           std::to_string(records[r].rows()),
+                       {}, Fault::data);
     const Index count = std::clamp<Index>(rows / std::max<Index>(least, 1), 1, blocks);
     for (Index k = 0; k < count; ++k) {
       const Index from = rows * k / count, to = rows * (k + 1) / count;
-      out.push_back({r, from, to - from});
+      out.push_back({r, skip + from, to - from});
     }
   }
   return out;
 }
 
-std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
-                                  std::span<const TimeBlock> blocks, std::span<const double> values, int threads) {
-  std::vector<Statistic> out(blocks.size());
-  std::vector<std::exception_ptr> faults(blocks.size());
+void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
+  std::vector<std::exception_ptr> faults(count);
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < blocks.size();) try {
-        out[i] = columns.statistic(records[blocks[i].record], blocks[i].first, blocks[i].count, values);
+  const auto worker = [&] {
+    for (std::size_t i; (i = next++) < count;) try {
+        work(i);
       } catch (...) {
         faults[i] = std::current_exception();
       }
@@ -126,11 +133,19 @@ std::vector<Statistic> statistics(const Columns& columns, std::span<const Record
   if (!columns.thread_safe()) threads = 1;
   const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), blocks.size()); ++i) others.emplace_back(work);
-  work();
+  for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), count); ++i) others.emplace_back(worker);
+  worker();
   others.clear();
   for (const std::exception_ptr& fault : faults)
     if (fault) std::rethrow_exception(fault);
+}
+
+std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
+                                  std::span<const TimeBlock> blocks, std::span<const double> values, int threads) {
+  std::vector<Statistic> out(blocks.size());
+  in_parallel(blocks.size(), threads, [&](std::size_t i) {
+    out[i] = columns.statistic(records[blocks[i].record], blocks[i].first, blocks[i].count, values);
+  });
   return out;
 }
 

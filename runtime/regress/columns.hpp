@@ -1,7 +1,7 @@
 #pragma once
 // Inside regress: the columns of a regression, built by one tape in blocks of rows, and their statistics.
 #include <Eigen/Core>
-#include <map>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,8 +16,9 @@ namespace lunid::detail {
 /// Features and target as one tape over the channels of a record.
 class Columns {
  public:
-  /// Throws InputError on a state, naming it. Parameters get their values at each run.
-  Columns(std::vector<Expr> features, Expr target);
+  /// Throws InputError on a state, naming it. Parameters get their values at each run. `names`: of the features; empty:
+  /// their texts.
+  Columns(std::vector<Expr> features, Expr target, std::vector<std::string> names = {});
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& parameters() const { return parameters_; }
@@ -25,13 +26,18 @@ class Columns {
   /// False: only this thread may run them (external functions).
   bool thread_safe() const { return tape_.thread_safe(); }
 
-  /// The statistic of rows [first, first + count) of a record. `values`: one for each of parameters().
-  /// Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
-  Statistic statistic(const Record& record, Eigen::Index first, Eigen::Index count,
-                      std::span<const double> values) const;
+  /// Rows [first, first + work.rows()) of a record into columns 1.. of `work` (features, then the target). `values`:
+  /// one for each of parameters(). A channel such as y_lag3 is y three rows before: `first` is at least the largest
+  /// lag. Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
+  void fill(const Record& record, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
+
+  /// What is done to the rows from `first` on, filled in, before they are folded in.
+  using Visit = std::function<void(Eigen::Index first, Eigen::MatrixXd& work)>;
+  /// The statistic of rows [first, first + count) of a record.
+  Statistic statistic(const Record& record, Eigen::Index first, Eigen::Index count, std::span<const double> values,
+                      const Visit& visit = {}) const;
 
  private:
-  void run(const Record& record, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
   [[noreturn]] void refuse(const Record& record, Eigen::Index first, const Eigen::MatrixXd& work) const;
 
   std::vector<std::string> names_, channels_, parameters_;
@@ -43,8 +49,14 @@ struct TimeBlock {
   std::size_t record = 0;
   Eigen::Index first = 0, count = 0;
 };
-/// Each record in `blocks` parts of nearly equal length, fewer where a part would have less than `least` rows.
-std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Eigen::Index least);
+/// Each record in `blocks` parts of nearly equal length, fewer where a part would have less than `least` rows; the
+/// first `skip` rows are left out. Throws InputError (Fault::data) when a record has no row left.
+std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Eigen::Index least,
+                                   Eigen::Index skip = 0);
+
+/// Calls work(0) .. work(count - 1) by `threads` threads (0: all cores). Of several exceptions that of the least number
+/// is thrown.
+void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
 /// One statistic for each block, computed by `threads` threads; the same bits for any number of them.
 std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,

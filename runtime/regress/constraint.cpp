@@ -39,9 +39,9 @@ Constraint at_most(int feature, double bound) {
   return c;
 }
 
-Constraint between(int feature, double lower, double upper) { return {{{feature, 1.0}}, lower, upper, {}}; }
+Constraint between(int feature, double lower, double upper) { return {{{feature, 1.0}}, lower, upper, {}, {}}; }
 
-Constraint fixed(int feature, double value) { return {{{feature, 1.0}}, value, value, {}}; }
+Constraint fixed(int feature, double value) { return {{{feature, 1.0}}, value, value, {}, {}}; }
 
 Constraint ordered(int smaller, int larger) {
   Constraint c;
@@ -51,6 +51,7 @@ Constraint ordered(int smaller, int larger) {
 }
 
 std::string to_text(const Constraint& c, std::span<const std::string> features) {
+  if (!c.label.empty()) return c.label;
   const auto& t = c.terms;
   if (t.size() == 2 && t[0].second == 1 && t[1].second == -1 && c.lower == 0 && std::isinf(c.upper))
     return features[static_cast<std::size_t>(t[1].first)] + " <= " + features[static_cast<std::size_t>(t[0].first)];
@@ -59,6 +60,11 @@ std::string to_text(const Constraint& c, std::span<const std::string> features) 
   if (std::isinf(c.upper)) return left + " >= " + number(c.lower);
   if (std::isinf(c.lower)) return left + " <= " + number(c.upper);
   return number(c.lower) + " <= " + left + " <= " + number(c.upper);
+}
+
+std::string to_text(const SourceSpan& where) {
+  if (where.file.empty()) return "";
+  return where.line > 0 ? where.file + ":" + std::to_string(where.line) : where.file;
 }
 
 void validate(const Constraint& c, std::span<const std::string> features) {

@@ -1,6 +1,7 @@
 #pragma once
-// What every solver returns, and the solvers: least squares, ridge, sequentially thresholded least squares, lasso.
-// All work on a Statistic; all honour linear constraints. Bad options throw InputError from validate().
+// What every solver returns, and the first solvers: least squares, ridge, sequentially thresholded least squares, lasso
+// and elastic net. All work on a Statistic; all honour linear constraints. Bad options throw InputError from
+// validate(). The others are in solvers.hpp.
 #include <Eigen/Core>
 #include <optional>
 #include <span>
@@ -25,7 +26,18 @@ struct ActiveBound {
 /// coefficient is left at 0.
 struct Unexcited {
   int feature = 0;
-  std::string text;  ///< "on these data a = -4.3e4*y"
+  std::string text;     ///< "on these data a = -4.3e4*y"
+  std::vector<int> of;  ///< the features that it is a combination of
+};
+
+/// One model that a search over subsets passed through.
+struct SelectionStep {
+  std::vector<int> features;   ///< of the model, in the order in which they came in
+  int feature = -1;            ///< what the step added or dropped; -1: the best model of its size
+  bool added = true;           ///< false: dropped
+  double error_reduction = 0;  ///< of this step: fall of the residual sum of squares over that of the target
+  double rmse = 0;
+  double criterion = 0;  ///< AICc or BIC
 };
 
 struct SolverSummary {
@@ -52,6 +64,11 @@ struct Fit {
   double rmse = 0;          ///< sqrt(RSS / rows)
   double r2 = 0;            ///< about the mean when a constant is among the features, else about zero (as NIST)
   double condition = 0;     ///< of the free columns, each scaled to length 1
+  /// Variance inflation: how much larger the variance of a coefficient is than if its feature were orthogonal to the
+  /// others (about the mean when a constant is among them). NaN for held coefficients and the constant.
+  Eigen::VectorXd vif;
+  Eigen::VectorXd inclusion;         ///< probability that the feature belongs to the model; empty where none is known
+  std::vector<SelectionStep> steps;  ///< of a search over subsets
   std::vector<Unexcited> unexcited;
   std::vector<ActiveBound> active;
   SolverSummary summary;
@@ -82,6 +99,9 @@ void validate(const StlsqOptions& options);
 Fit stlsq(const Statistic& data, const StlsqOptions& options = {}, std::span<const Constraint> constraints = {});
 
 struct LassoOptions {
+  /// Share of the penalty that is on absolute values, 0 < mixture <= 1; the rest is on half the squares (elastic net:
+  /// Zou & Hastie 2005, J. R. Stat. Soc. B 67, 301).
+  double mixture = 1;
   /// Dimensionless, > 0; empty: by cross-validation over the blocks given. At the first entry of a path all are zero.
   std::optional<double> lambda = std::nullopt;
   int path = 100;                  ///< values of lambda on the path, >= 2
@@ -101,11 +121,11 @@ struct PathPoint {
   double cv_std = 0;   ///< standard error of the left-out mean square, carried over to the rmse
 };
 
-/// min |X b - z|^2 / (2 rows size(z)^2) + lambda * sum size_j |b_j| / size(z), with the sizes of ridge(). Exact at each
-/// lambda: a quadratic programme in the orthant of the signs, which moves to a neighbouring orthant while that lowers
-/// the objective; works with any constraints. (Tibshirani 1996, J. R. Stat. Soc. B 58, 267.)
-/// `blocks`: statistics of blocks of time; cross-validation leaves out each in turn and needs at least 3.
-/// `path` receives the whole path when given.
+/// min |X b - z|^2 / (2 rows size(z)^2) + lambda * sum (mixture |s_j| + (1 - mixture) s_j^2 / 2) with s_j = size_j b_j
+/// / size(z) and the sizes of ridge(). Exact at each lambda: a quadratic programme in the orthant of the signs, which
+/// moves to a neighbouring orthant while that lowers the objective; works with any constraints. (Tibshirani 1996, J. R.
+/// Stat. Soc. B 58, 267.) `blocks`: statistics of blocks of time; cross-validation leaves out each in turn and needs at
+/// least 3. `path` receives the whole path when given.
 Fit lasso(std::span<const Statistic> blocks, const LassoOptions& options = {},
           std::span<const Constraint> constraints = {}, std::vector<PathPoint>* path = nullptr);
 

@@ -1,4 +1,4 @@
-// Lasso: exact at each lambda, by a walk over the orthants of the coefficients' signs.
+// Lasso and elastic net: exact at each lambda, by a walk over the orthants of the coefficients' signs.
 #include <algorithm>
 #include <cmath>
 
@@ -26,14 +26,18 @@ using Eigen::VectorXd;
 /// the active set that it ends with is solved with the kinks at 0.
 class OrthantWalk {
  public:
-  OrthantWalk(const Statistic& data, std::span<const Constraint> constraints, const std::vector<bool>& zero)
-      : problem_(detail::reduce(data, constraints, zero)), user_rows_(problem_.c.rows()) {
+  OrthantWalk(const Statistic& data, std::span<const Constraint> constraints, const std::vector<bool>& zero,
+              double mixture)
+      : problem_(detail::reduce(data, constraints, zero)), plain_(problem_), user_rows_(problem_.c.rows()) {
     const Index n = problem_.r.cols();
     const VectorXd size = detail::penalty_sizes(data);
     kappa_.resize(n);
+    square_.resize(n);
+    const double count = static_cast<double>(data.rows());
     for (Index k = 0; k < n; ++k) {
-      kappa_[k] = static_cast<double>(data.rows()) * size[data.features()] *
-                  size[problem_.columns[static_cast<std::size_t>(k)]] / problem_.size[k];
+      const double ratio = size[problem_.columns[static_cast<std::size_t>(k)]] / problem_.size[k];
+      kappa_[k] = mixture * count * size[data.features()] * ratio;
+      square_[k] = (1 - mixture) * count * ratio * ratio;
       if (kappa_[k] > 0) penalised_.push_back(k);
     }
     sign_ = VectorXd::Ones(n);
@@ -50,6 +54,7 @@ class OrthantWalk {
   }
 
   const Problem& problem() const { return problem_; }
+  const MatrixXd& plain() const { return plain_.r; }  ///< the factor without the penalty on squares
   const Point& point() const { return point_; }
 
   /// The least lambda at which every penalised coefficient is 0 when there are no constraints.
@@ -62,6 +67,10 @@ class OrthantWalk {
 
   void advance(double lambda) {
     int iterations = 0;
+    if (square_.size() > 0 && square_.maxCoeff() > 0) {
+      problem_.exact = plain_.exact;
+      penalise(problem_, lambda * square_);
+    }
     bool moved = step(lambda, iterations);
     // Each orthant's optimum lowers the objective, so that no orthant comes twice.
     while (moved) {
@@ -170,10 +179,10 @@ class OrthantWalk {
     return size > 0 ? worst / size : worst;
   }
 
-  Problem problem_;
+  Problem problem_, plain_;
   Index user_rows_;  // rows of c that are the user's; the signs' rows follow
   std::vector<Index> penalised_;
-  VectorXd kappa_, sign_, kink_;
+  VectorXd kappa_, square_, sign_, kink_;  // kappa, square: weights of |u| and u^2 / 2 at lambda = 1
   Point point_;
 };
 
@@ -187,7 +196,7 @@ std::vector<double> lambdas(const LassoOptions& options, double greatest) {
 
 /// Left-out mean squares: (lambda, block).
 MatrixXd cross_validate(std::span<const Statistic> blocks, std::span<const Constraint> constraints,
-                        const std::vector<double>& grid) {
+                        const std::vector<double>& grid, double mixture) {
   MatrixXd left_out(static_cast<Index>(grid.size()), static_cast<Index>(blocks.size()));
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     Statistic rest(blocks[k].names());
@@ -197,7 +206,7 @@ MatrixXd cross_validate(std::span<const Statistic> blocks, std::span<const Const
     const VectorXd rms = rest.rms();
     std::vector<bool> zero(blocks[k].names().size());
     for (std::size_t j = 0; j < zero.size(); ++j) zero[j] = rms[static_cast<Index>(j)] == 0;
-    OrthantWalk walk(rest, constraints, zero);
+    OrthantWalk walk(rest, constraints, zero, mixture);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       walk.advance(grid[i]);
       left_out(static_cast<Index>(i), static_cast<Index>(k)) =
@@ -226,8 +235,8 @@ std::size_t choose(const MatrixXd& left_out, bool one_standard_error, std::vecto
 }
 
 std::vector<PathPoint> walk_path(const Statistic& data, std::span<const Constraint> constraints,
-                                 const std::vector<double>& grid) {
-  OrthantWalk walk(data, constraints, {});
+                                 const std::vector<double>& grid, double mixture) {
+  OrthantWalk walk(data, constraints, {}, mixture);
   std::vector<PathPoint> path;
   for (double lambda : grid) {
     walk.advance(lambda);
@@ -242,21 +251,25 @@ std::vector<PathPoint> walk_path(const Statistic& data, std::span<const Constrai
 Fit refit(const Statistic& data, std::span<const Constraint> constraints, const Fit& lasso) {
   std::vector<bool> zero(lasso.features.size());
   for (std::size_t j = 0; j < zero.size(); ++j) zero[j] = lasso.coefficients[static_cast<Index>(j)] == 0;
-  const Problem problem = detail::reduce(data, constraints, zero);
-  Fit fit = report(problem, solve(problem, data, constraints), data, constraints);
+  Fit fit = detail::fit_selected(data, constraints, zero);
   fit.unexcited = lasso.unexcited;
   fit.summary.iterations += lasso.summary.iterations;
   return fit;
 }
 
+std::string name_of(const LassoOptions& options) { return options.mixture == 1 ? "lasso" : "elastic_net"; }
+
 }  // namespace
 
 void validate(const LassoOptions& options) {
+  const std::string name = name_of(options);
+  if (!(options.mixture > 0 && options.mixture <= 1))
+    throw InputError(name + ": mixture: expected > 0 and <= 1, got " + number(options.mixture));
   if (options.lambda && (!(*options.lambda > 0) || std::isinf(*options.lambda)))
-    throw InputError("lasso: lambda: expected > 0, got " + number(*options.lambda));
-  if (options.path < 2) throw InputError("lasso: path: expected >= 2, got " + std::to_string(options.path));
+    throw InputError(name + ": lambda: expected > 0, got " + number(*options.lambda));
+  if (options.path < 2) throw InputError(name + ": path: expected >= 2, got " + std::to_string(options.path));
   if (!(options.path_ratio > 0 && options.path_ratio < 1))
-    throw InputError("lasso: path_ratio: expected > 0 and < 1, got " + number(options.path_ratio));
+    throw InputError(name + ": path_ratio: expected > 0 and < 1, got " + number(options.path_ratio));
 }
 
 Fit lasso(std::span<const Statistic> blocks, const LassoOptions& options, std::span<const Constraint> constraints,
@@ -264,25 +277,28 @@ Fit lasso(std::span<const Statistic> blocks, const LassoOptions& options, std::s
   const detail::Stopwatch watch;
   validate(options);
   if (!options.lambda && blocks.size() < 3)
-    throw InputError("lasso: cross-validation needs at least 3 blocks of time, got " + std::to_string(blocks.size()));
+    throw InputError(name_of(options) + ": cross-validation needs at least 3 blocks of time, got " +
+                     std::to_string(blocks.size()));
   const Statistic data = merged(blocks);
-  OrthantWalk walk(data, constraints, {});
+  OrthantWalk walk(data, constraints, {}, options.mixture);
 
   double lambda = options.lambda.value_or(0);
   std::string how;
   if (path || !options.lambda) {
     const double greatest = walk.greatest_lambda();
     const std::vector<double> grid = lambdas(options, greatest > 0 ? greatest : 1);
-    std::vector<PathPoint> points = walk_path(data, constraints, grid);
+    std::vector<PathPoint> points = walk_path(data, constraints, grid, options.mixture);
     if (!options.lambda) {
-      lambda = points[choose(cross_validate(blocks, constraints, grid), options.one_standard_error, points)].lambda;
+      const MatrixXd left_out = cross_validate(blocks, constraints, grid, options.mixture);
+      lambda = points[choose(left_out, options.one_standard_error, points)].lambda;
       how = options.one_standard_error ? " (cross-validation, one standard error)" : " (cross-validation)";
     }
     if (path) *path = std::move(points);
   }
   walk.advance(lambda);
-  Fit fit = report(walk.problem(), walk.point(), data, constraints);
-  const std::string selected = "lasso, lambda = " + number(lambda, 4) + how;
+  Fit fit = report(walk.problem(), walk.point(), data, constraints, options.mixture < 1 ? &walk.plain() : nullptr);
+  const std::string kind = options.mixture == 1 ? "lasso" : "elastic net, mixture = " + number(options.mixture, 3);
+  const std::string selected = kind + ", lambda = " + number(lambda, 4) + how;
   if (options.refit) fit = refit(data, constraints, fit);
   fit.summary.solver = selected + (options.refit ? ", refitted by least squares" : "");
   fit.summary.seconds = watch.seconds();

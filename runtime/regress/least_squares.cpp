@@ -1,5 +1,6 @@
 // Least squares, ridge and sequentially thresholded least squares.
 #include <cmath>
+#include <utility>
 
 #include "regress/fit.hpp"
 #include "regress/number.hpp"
@@ -31,15 +32,6 @@ Fit pass(const Statistic& data, double lambda, std::span<const Constraint> const
   }
   penalise(problem, weight);
   return report(problem, solve(problem, data, constraints), data, constraints, &unpenalised);
-}
-
-/// True where a constraint on this coefficient alone excludes 0.
-std::vector<bool> kept_from_zero(int features, std::span<const Constraint> constraints) {
-  std::vector<bool> kept(static_cast<std::size_t>(features), false);
-  for (const Constraint& c : constraints)
-    if (c.terms.size() == 1 && (c.lower > 0 || c.upper < 0 || c.equality()))
-      kept[static_cast<std::size_t>(c.terms.front().first)] = true;
-  return kept;
 }
 
 }  // namespace
@@ -79,21 +71,22 @@ void validate(const StlsqOptions& options) {
 Fit stlsq(const Statistic& data, const StlsqOptions& options, std::span<const Constraint> constraints) {
   const Stopwatch watch;
   validate(options);
-  const int n = data.features();
-  const std::vector<bool> kept = kept_from_zero(n, constraints);
-  std::vector<bool> zero(static_cast<std::size_t>(n), false);
+  std::vector<bool> zero(static_cast<std::size_t>(data.features()), false);
+  std::vector<bool> kept = zero;  // what the constraints need
   Fit fit = pass(data, options.ridge, constraints);
   const std::vector<Unexcited> unexcited = fit.unexcited;
   int passes = 1;
   bool changed = true;
   while (changed && passes < options.max_passes) {
-    changed = false;
-    for (int j = 0; j < n; ++j) {
-      const std::size_t i = static_cast<std::size_t>(j);
-      if (zero[i] || kept[i] || fit.contribution[j] >= options.threshold) continue;
-      zero[i] = changed = true;
-    }
+    std::vector<bool> smaller = zero;
+    for (std::size_t j = 0; j < zero.size(); ++j)
+      if (!kept[j] && fit.contribution[static_cast<Index>(j)] < options.threshold) smaller[j] = true;
+    const std::vector<bool> wanted = smaller;
+    smaller = detail::admissible(std::move(smaller), data, constraints);
+    for (std::size_t j = 0; j < zero.size(); ++j) kept[j] = kept[j] || (wanted[j] && !smaller[j]);
+    changed = smaller != zero;
     if (!changed) break;
+    zero = std::move(smaller);
     fit = pass(data, options.ridge, constraints, zero);
     ++passes;
   }

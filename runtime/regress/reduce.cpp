@@ -28,30 +28,29 @@ VectorXd fixed_values(const Statistic& data, std::span<const Constraint> constra
     if (!c.equality() || c.terms.size() != 1) continue;
     const auto [feature, weight] = c.terms.front();
     const double wanted = c.lower / weight;
-    if (!std::isnan(value[feature]) && value[feature] != wanted)
-      throw InputError("constraint: '" + data.names()[at(feature)] + "' is fixed at " + number(value[feature]) +
-                           " and at " + number(wanted),
-                       c.where);
+    if (!std::isnan(value[feature]) && value[feature] != wanted) refuse_contradiction(data, constraints);
     value[feature] = wanted;
   }
   return value;
 }
 
 /// "on these data a = -4.3e4*y + 12*v": column `k` as a combination of the columns `before` (all of length `size`).
-std::string combination(const Statistic& data, const MatrixXd& r, const VectorXd& size, int k,
-                        const std::vector<int>& before) {
+Unexcited combination(const Statistic& data, const MatrixXd& r, const VectorXd& size, int k,
+                      const std::vector<int>& before) {
   LongMatrix basis(r.rows(), static_cast<Index>(before.size()));
   for (Index i = 0; i < basis.cols(); ++i)
     basis.col(i) = (r.col(before[at(i)]) / size[before[at(i)]]).cast<long double>();
   const VectorXd weight = solve_by_qr(basis, (r.col(k) / size[k]).cast<long double>()).cast<double>();
   std::string text;
+  std::vector<int> of;
   for (Index i = 0; i < weight.size(); ++i) {
     if (std::abs(weight[i]) < 1e-6 * weight.cwiseAbs().maxCoeff()) continue;
     const double factor = weight[i] * size[k] / size[before[at(i)]];
     text += text.empty() ? (factor < 0 ? "-" : "") : (factor < 0 ? " - " : " + ");
     text += number(std::abs(factor), 4) + "*" + data.names()[at(before[at(i)])];
+    of.push_back(before[at(i)]);
   }
-  return "on these data " + data.names()[at(k)] + " = " + text;
+  return {k, "on these data " + data.names()[at(k)] + " = " + text, std::move(of)};
 }
 
 /// Moves those of `candidates` that are combinations of candidates before them to `out`.
@@ -65,7 +64,7 @@ std::vector<int> excited(const Statistic& data, const MatrixXd& r, const VectorX
     for (int pass = 0; pass < 2; ++pass) rest -= basis.leftCols(q) * (basis.leftCols(q).transpose() * rest);
     const double length = rest.norm();
     if (length <= kRank) {
-      out.push_back({k, combination(data, r, size, k, kept)});
+      out.push_back(combination(data, r, size, k, kept));
       continue;
     }
     basis.col(q) = rest / length;
@@ -74,9 +73,10 @@ std::vector<int> excited(const Statistic& data, const MatrixXd& r, const VectorX
   return kept;
 }
 
-/// Appends the sides of one constraint as rows in the free, scaled variables.
-void add_sides(Problem& p, const Statistic& data, const Constraint& constraint, int index,
+/// Appends the sides of constraints[index] as rows in the free, scaled variables.
+void add_sides(Problem& p, const Statistic& data, std::span<const Constraint> constraints, int index,
                const std::vector<int>& place, std::vector<VectorXd>& rows, std::vector<double>& bounds) {
+  const Constraint& constraint = constraints[at(index)];
   VectorXd row = VectorXd::Zero(static_cast<Index>(p.columns.size()));
   double held = 0, scale = 0;
   for (const auto& [feature, weight] : constraint.terms) {
@@ -91,10 +91,12 @@ void add_sides(Problem& p, const Statistic& data, const Constraint& constraint, 
   if (length == 0) {
     const double slack = 1e-12 * (scale + (std::isfinite(constraint.lower) ? std::abs(constraint.lower) : 0) +
                                   (std::isfinite(constraint.upper) ? std::abs(constraint.upper) : 0));
-    if (held < constraint.lower - slack || held > constraint.upper + slack)
+    if (held < constraint.lower - slack || held > constraint.upper + slack) {
+      refuse_contradiction(data, constraints);
       throw InputError("constraint '" + to_text(constraint, data.names()) +
-                           "' contradicts the coefficients that are fixed or that the data do not excite",
+                           "' needs features that are left out or that the data do not excite",
                        constraint.where);
+    }
     return;
   }
   if (std::isfinite(constraint.lower)) {
@@ -118,7 +120,7 @@ void add_constraints(Problem& p, const Statistic& data, std::span<const Constrai
   for (const bool equality : {true, false}) {
     for (std::size_t i = 0; i < constraints.size(); ++i)
       if (constraints[i].equality() == equality)
-        add_sides(p, data, constraints[i], static_cast<int>(i), place, rows, bounds);
+        add_sides(p, data, constraints, static_cast<int>(i), place, rows, bounds);
     if (equality) p.equalities = static_cast<int>(rows.size());
   }
   p.c.resize(static_cast<Index>(rows.size()), static_cast<Index>(p.columns.size()));
@@ -234,8 +236,12 @@ void polish(const Problem& p, Point& point) {
 Point solve(const Problem& p, const Statistic& data, std::span<const Constraint> constraints) {
   QuadraticSolution q = solve_quadratic(p.r, p.z, p.c, p.d, p.equalities);
   if (q.blocked >= 0) {
+    refuse_contradiction(data, constraints);
     const Constraint& c = constraints[at(p.sides[at(q.blocked)].constraint)];
-    throw InputError("constraint '" + to_text(c, data.names()) + "' cannot be met together with the others", c.where);
+    throw InputError("constraint '" + to_text(c, data.names()) +
+                         "' cannot be met together with the others: it needs features that are left out or that the "
+                         "data do not excite",
+                     c.where);
   }
   Point point{std::move(q.x), std::move(q.multipliers), std::move(q.active), q.iterations, q.finished, 0};
   polish(p, point);
@@ -248,6 +254,11 @@ VectorXd expand(const Problem& p, const VectorXd& u) {
   for (std::size_t k = 0; k < p.columns.size(); ++k)
     b[p.columns[k]] = u[static_cast<Index>(k)] / p.size[static_cast<Index>(k)];
   return b;
+}
+
+Fit fit_selected(const Statistic& data, std::span<const Constraint> constraints, const std::vector<bool>& zero) {
+  const Problem problem = reduce(data, constraints, zero);
+  return report(problem, solve(problem, data, constraints), data, constraints);
 }
 
 VectorXd penalty_sizes(const Statistic& data) {

@@ -62,6 +62,24 @@ Eigen::VectorXd expand(const Problem& problem, const Eigen::VectorXd& u);
 Fit report(const Problem& problem, const Point& point, const Statistic& data, std::span<const Constraint> constraints,
            const Eigen::MatrixXd* unpenalised = nullptr);
 
+/// Scores of the coefficients that a fit now holds.
+void rescore(Fit& fit, const Statistic& data);
+/// Covariance and deviations: the square of residual_std times `unit`, that of the scaled free variables.
+void set_covariance(Fit& fit, const Problem& problem, const Eigen::MatrixXd& unit);
+
+/// Throws InputError, with its line, on a constraint that is not a single fixed coefficient.
+void only_fixed(const char* solver, const Statistic& data, std::span<const Constraint> constraints);
+
+/// Least squares under the constraints on the features that are not `zero`.
+Fit fit_selected(const Statistic& data, std::span<const Constraint> constraints, const std::vector<bool>& zero);
+
+/// `zero` with those features given back that the constraints need (so that they can be met again).
+std::vector<bool> admissible(std::vector<bool> zero, const Statistic& data, std::span<const Constraint> constraints);
+
+/// Throws InputError naming constraints that contradict one another (a smallest set of them, with their lines). Returns
+/// when all can be met together.
+void refuse_contradiction(const Statistic& data, std::span<const Constraint> constraints);
+
 /// Size of each feature for a penalty (0: not penalised), and of the target (last).
 Eigen::VectorXd penalty_sizes(const Statistic& data);
 

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "expr/external.hpp"
+#include "regress/account.hpp"
 #include "regress/columns.hpp"
+#include "regress/dispatch.hpp"
 #include "regress/implicit.hpp"
+#include "regress/lag.hpp"
 #include "regress/number.hpp"
-#include "regress/reduce.hpp"
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
 
 using detail::number;
 using Eigen::Index;
-using Eigen::VectorXd;
 
 TermConstraint at_least(Expr feature, double bound) {
   TermConstraint c;
@@ -46,14 +48,6 @@ TermConstraint between(Expr feature, double lower, double upper) {
 TermConstraint fixed(Expr feature, double value) { return between(feature, value, value); }
 
 namespace {
-
-struct ValidateSolver {
-  void operator()(const LeastSquaresOptions&) const {}
-  template <class Options>
-  void operator()(const Options& options) const {
-    validate(options);
-  }
-};
 
 void validate_implicit(const ImplicitParameter& p, const RegressOptions& options) {
   if (!std::isfinite(p.min) || !std::isfinite(p.max) || !(p.min < p.max))
@@ -92,87 +86,39 @@ void check_parameters(const RegressOptions& options, Expr target) {
                          "' has no value: fix it, or give it min and max to have it searched for");
 }
 
-std::vector<Constraint> by_feature(const RegressOptions& options) {
+/// Its number among the features; `what` speaks of it.
+int index_of(Expr feature, const RegressOptions& options, const char* what, const SourceSpan& where) {
+  const auto found = std::find(options.features.begin(), options.features.end(), feature);
+  if (found != options.features.end()) return static_cast<int>(found - options.features.begin());
   std::vector<std::string> names;
   for (const Expr& f : options.features) names.push_back(to_text(f));
+  const std::string text = to_text(feature), near = nearest_word(text, names);
+  throw InputError(std::string(what) + ": '" + text + "' is not among the features" +
+                       (near.empty() ? "" : ", did you mean '" + near + "'?"),
+                   where);
+}
+
+std::vector<Constraint> by_feature(const RegressOptions& options) {
   std::vector<Constraint> out;
   for (const TermConstraint& c : options.constraints) {
-    Constraint row{{}, c.lower, c.upper, c.where};
+    Constraint row{{}, c.lower, c.upper, c.where, {}};
     for (const auto& [feature, weight] : c.terms) {
-      const auto found = std::find(options.features.begin(), options.features.end(), feature);
-      if (found == options.features.end()) {
-        const std::string text = to_text(feature), near = nearest_word(text, names);
-        throw InputError("constraint: '" + text + "' is not among the features" +
-                             (near.empty() ? "" : ", did you mean '" + near + "'?"),
-                         c.where);
-      }
-      row.terms.emplace_back(static_cast<int>(found - options.features.begin()), weight);
+      row.terms.emplace_back(index_of(feature, options, "constraint", c.where), weight);
     }
     out.push_back(std::move(row));
   }
   return out;
 }
 
-Fit solve(const RegressionSolver& solver, std::span<const Statistic> blocks, std::span<const Constraint> constraints,
-          std::vector<PathPoint>& path) {
-  if (const auto* o = std::get_if<LassoOptions>(&solver))
-    return lasso(blocks, *o, constraints, o->lambda ? nullptr : &path);
-  const Statistic data = merged(blocks);
-  if (const auto* o = std::get_if<RidgeOptions>(&solver)) return ridge(data, *o, constraints);
-  if (const auto* o = std::get_if<StlsqOptions>(&solver)) return stlsq(data, *o, constraints);
-  return least_squares(data, constraints);
-}
-
-/// Spread of the coefficients when each block of time is left out in turn (Efron & Stein 1981, Ann. Stat. 9, 586), by
-/// least squares on the selected features. NaN with fewer than 3 blocks, or where a block alone excites a feature.
-VectorXd block_deviations(std::span<const Statistic> blocks, std::span<const Constraint> constraints, const Fit& fit) {
-  const Index n = fit.coefficients.size(), count = static_cast<Index>(blocks.size());
-  const VectorXd none = VectorXd::Constant(n, std::nan(""));
-  if (count < 3) return none;
-  std::vector<bool> zero(static_cast<std::size_t>(n));
-  for (Index j = 0; j < n; ++j) zero[static_cast<std::size_t>(j)] = fit.coefficients[j] == 0;
-  Eigen::MatrixXd left(n, count);
-  for (Index k = 0; k < count; ++k) {
-    Statistic rest(fit.features);
-    for (Index i = 0; i < count; ++i)
-      if (i != k) rest.merge(blocks[static_cast<std::size_t>(i)]);
-    const VectorXd rms = rest.rms();
-    for (Index j = 0; j < n; ++j)
-      if (rms[j] == 0 && fit.coefficients[j] != 0) return none;
-    const detail::Problem problem = detail::reduce(rest, constraints, zero);
-    left.col(k) = detail::expand(problem, detail::solve(problem, rest, constraints).u);
+std::vector<detail::Choice> choices(const RegressOptions& options) {
+  std::vector<detail::Choice> out;
+  for (const TermGroup& group : options.groups) {
+    if (group.features.empty()) throw InputError("group: expected at least one feature", group.where);
+    if (group.at_most < 1)
+      throw InputError("group: at_most: expected >= 1, got " + std::to_string(group.at_most), group.where);
+    out.push_back({{}, group.at_most, group.where});
+    for (const Expr& f : group.features) out.back().features.push_back(index_of(f, options, "group", group.where));
   }
-  const VectorXd mean = left.rowwise().mean();
-  const double k = static_cast<double>(count);
-  return ((left.colwise() - mean).rowwise().squaredNorm() * ((k - 1) / k)).cwiseSqrt();
-}
-
-std::string describe(const Record& record) {
-  return record.name() + ", " + number(record.start(), 6) + " to " + number(record.start() + record.duration(), 6) +
-         " s, " + std::to_string(record.rows()) + " rows";
-}
-
-/// Two things that no solver can see from the result alone.
-std::vector<std::string> warnings(const Fit& fit, std::span<const Record> records, const RegressOptions& options) {
-  std::vector<std::string> out;
-  for (const Unexcited& u : fit.unexcited)
-    out.push_back(u.text + ": they cannot be told apart, '" + fit.features[static_cast<std::size_t>(u.feature)] +
-                  "' is left at 0");
-  if (fit.condition > 1e8)
-    out.push_back("the features are nearly one another's combinations (condition " + number(fit.condition, 2) +
-                  "): few digits of the coefficients mean anything");
-  Pool& pool = options.features.front().pool();
-  const Expr y = pool.channel("y"), a = pool.channel("a");
-  const bool spring = std::find(options.features.begin(), options.features.end(), y) != options.features.end();
-  const bool inertia = options.mass.valid() && !options.mass.is_constant(0);
-  if (!spring || !inertia) return out;
-  const auto blocks = detail::time_blocks(records, 1, 1);
-  const Statistic data = merged(detail::statistics(detail::Columns({y}, a), records, blocks, {}, options.threads));
-  if (data.rms()[0] == 0) return out;
-  const Fit one = least_squares(data);
-  if (one.r2 > 0.999)
-    out.push_back("on these data a = " + number(one.coefficients[0], 4) + "*y (R2 " + number(one.r2, 6) +
-                  "): one frequency, so that an error of the mass appears in the coefficient of y");
   return out;
 }
 
@@ -203,12 +149,29 @@ int find_implicit(Regression& result, const RegressOptions& options, Expr target
   return passes;
 }
 
-void add_terms(Regression& result, const RegressOptions& options, const VectorXd& block_std) {
-  for (std::size_t j = 0; j < options.features.size(); ++j) {
-    const Index i = static_cast<Index>(j);
-    result.terms.push_back(
-        {options.features[j], result.fit.coefficients[i], result.fit.std[i], block_std[i], result.fit.contribution[i]});
+/// The mass as a number, for the weak form.
+double constant_mass(const RegressOptions& options) {
+  if (!options.mass.valid()) return 0;
+  Expr mass = options.mass;
+  for (const Expr& s : symbols(mass)) {
+    if (s.kind() != SymbolKind::parameter)
+      throw InputError("weak_form: expected a mass that is a number, '" + to_text(mass) + "' depends on " + s.name());
+    const std::pair<Expr, Expr> value[] = {{s, mass.pool().constant(options.values.at(s.name()))}};
+    mass = substitute(mass, value);
   }
+  return mass.value();
+}
+
+/// Rows of a block that a weak form or a lag cannot do without are counted in.
+std::vector<detail::TimeBlock> blocks_of(std::span<const Record> records, const RegressOptions& options, Expr target,
+                                         double half_width) {
+  std::vector<Expr> all = options.features;
+  all.push_back(target);
+  const Index lag = largest_lag(all);
+  Index least = static_cast<Index>(options.features.size()) + 1;
+  if (options.weak)
+    for (const Record& record : records) least = std::max<Index>(least, 8 * std::lround(half_width / record.dt()) + 1);
+  return detail::time_blocks(records, options.blocks, least, lag);
 }
 
 }  // namespace
@@ -226,8 +189,38 @@ void validate(const RegressOptions& options) {
                      number(options.objective.mean_force));
   if (options.threads < 0) throw InputError("regress: threads: expected >= 0, got " + std::to_string(options.threads));
   for (const ImplicitParameter& p : options.implicit) validate_implicit(p, options);
-  std::visit(ValidateSolver{}, options.solver);
+  if (options.bootstrap != 0 && options.bootstrap < 20)
+    throw InputError("regress: bootstrap: expected 20 replicates or more (or 0), got " +
+                     std::to_string(options.bootstrap));
+  if (!options.places.empty() && options.places.size() != options.features.size())
+    throw InputError("regress: places: expected one for each feature");
+  if (options.passive) validate(*options.passive);
+  if (options.weak) validate(*options.weak);
+  std::visit(
+      [](const auto& solver) {
+        using Options = std::decay_t<decltype(solver)>;
+        if constexpr (std::is_same_v<Options, TotalOptions>)
+          return;
+        else if constexpr (std::is_constructible_v<StatisticSolver, const Options&>)
+          validate(StatisticSolver(solver));
+        else
+          validate(solver);
+      },
+      options.solver);
 }
+
+namespace {
+
+/// Gives the mean residual of each block its share of the objective.
+void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
+  const auto& solver = options.solver;
+  if (options.weak || std::holds_alternative<TotalOptions>(solver) || std::holds_alternative<HuberOptions>(solver) ||
+      std::holds_alternative<EnsembleOptions>(solver))
+    throw InputError("regress: objective: mean_force: not with a weak form, total_least_squares, huber or ensemble_of");
+  for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
+}
+
+}  // namespace
 
 Regression regress(std::span<const Record> records, const RegressOptions& options) {
   const detail::Stopwatch watch;
@@ -236,28 +229,58 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   const ExternalWatch externals(options.features.front().pool());
   const Expr target = target_of(options);
   check_parameters(options, target);
-  const std::vector<Constraint> constraints = by_feature(options);
-  const auto blocks = detail::time_blocks(records, options.blocks, static_cast<Index>(options.features.size()) + 1);
+  std::vector<Expr> all = options.features;
+  all.push_back(target);
+  detail::check_units(records, all);
+  std::vector<Constraint> constraints = by_feature(options);
+  const std::vector<detail::Choice> groups = choices(options);
 
   Regression result;
   result.mode = "equation error, train";
+  std::optional<detail::WeakProblem> weak;
+  if (options.weak)
+    weak = detail::weak_problem(options.features, constant_mass(options), options.known, records, *options.weak);
+  const auto blocks = blocks_of(records, options, target, weak ? weak->half_width : 0);
   std::map<std::string, double> known = options.values;
   result.passes = find_implicit(result, options, target, constraints, records, blocks, known);
+  std::optional<detail::Dissipation> dissipation;
+  if (options.passive) {
+    dissipation.emplace(options.features, options.known, known, options.passive->where);
+    if (options.passive->impose)
+      for (Constraint& c : detail::passive_constraints(*dissipation, detail::motion_range(records), *options.passive))
+        constraints.push_back(std::move(c));
+  }
+
   const detail::Columns columns(options.features, target);
   std::vector<double> values;
   for (const std::string& name : columns.parameters()) values.push_back(known.at(name));
-  std::vector<Statistic> parts = detail::statistics(columns, records, blocks, values, options.threads);
-  const Statistic all = merged(parts);
+  std::vector<Statistic> parts =
+      weak ? detail::weak_statistics(*weak, columns.names(), *options.weak, known, records, blocks, options.threads)
+           : detail::statistics(columns, records, blocks, values, options.threads);
+  const Statistic whole = merged(parts);
+  if (options.objective.mean_force > 0) weigh_means(options, parts);
+  const detail::Data data{
+      {columns, records, blocks, values, options.threads}, parts, options.features, target, &known, weak.has_value()};
+  detail::Solved solved = detail::solve(options.solver, data, constraints, groups);
+  result.fit = solved.fit;
+  result.path = std::move(solved.path);
+  result.outliers = std::move(solved.outliers);
+  detail::add_terms(result, options, solved, records);
+
   if (options.objective.mean_force > 0)
-    for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
-  result.fit = solve(options.solver, parts, constraints, result.path);
-  result.fit.rmse = std::sqrt(all.residual_sum(result.fit.coefficients) / static_cast<double>(all.rows()));
-  add_terms(result, options, block_deviations(parts, constraints, result.fit));
-  const double spread = all.deviation()[all.features()];
+    result.fit.rmse = std::sqrt(whole.residual_sum(result.fit.coefficients) / static_cast<double>(whole.rows()));
+  const double spread = whole.deviation()[whole.features()];
   result.rmse = result.fit.rmse;
   result.r2 = spread > 0 ? 1 - result.rmse * result.rmse / (spread * spread) : std::nan("");
-  for (const Record& record : records) result.windows.push_back(describe(record));
-  result.warnings = warnings(result.fit, records, options);
+  for (const Record& record : records) result.windows.push_back(detail::describe(record));
+  result.warnings = detail::warnings(result, records, options, whole.constant_feature());
+  if (weak) {
+    result.form = weak->text;
+    result.warnings.insert(result.warnings.end(), weak->warnings.begin(), weak->warnings.end());
+  }
+  if (dissipation)
+    result.passivity = detail::look_at(*dissipation, detail::motion_range(records), *options.passive,
+                                       {result.fit.coefficients.data(), options.features.size()});
   result.restoring = restoring_of(result, options);
   if (result.passes > 0)
     result.fit.summary.solver += ", around " + to_text(options.search.method) + " on " +

@@ -1,6 +1,7 @@
 #pragma once
 // A regression of the restoring force on features: F - m*a - known = sum of coefficient * feature, on measured records.
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -10,7 +11,11 @@
 #include "expr/expr.hpp"
 #include "record/record.hpp"
 #include "regress/fit.hpp"
+#include "regress/passivity.hpp"
+#include "regress/robust.hpp"
 #include "regress/search.hpp"
+#include "regress/solvers.hpp"
+#include "regress/weak.hpp"
 
 namespace lunid {
 
@@ -27,6 +32,13 @@ TermConstraint at_most(Expr smaller, Expr larger);  ///< between two coefficient
 TermConstraint between(Expr feature, double lower, double upper);
 TermConstraint fixed(Expr feature, double value);
 
+/// At most so many of these features, the others 0: the best choice is found by trying all.
+struct TermGroup {
+  std::vector<Expr> features;
+  int at_most = 1;
+  SourceSpan where;
+};
+
 /// A parameter inside a feature (tanh(p*y)), searched for within its bounds around the linear regression.
 struct ImplicitParameter {
   std::string name;
@@ -35,8 +47,14 @@ struct ImplicitParameter {
   double std = std::numeric_limits<double>::quiet_NaN();  ///< after the fit
 };
 
-struct LeastSquaresOptions {};
-using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions>;
+/// Total least squares. Errors of features and target follow to first order from those of the channels.
+struct TotalOptions {
+  std::map<std::string, double> noise;  ///< standard deviation by channel; empty: as estimated from the records
+};
+
+using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions, NonNegativeOptions,
+                                      Sr3Options, FrolsOptions, StepwiseOptions, BestSubsetOptions, SpikeSlabOptions,
+                                      EnsembleOptions, TotalOptions, HuberOptions>;
 
 /// What a regression minimises: (1 - mean_force) * mean square of the residual + mean_force * mean over the blocks of
 /// time of the squared mean residual. A penalty on the mean keeps the force from shifting where no constant is among
@@ -52,11 +70,18 @@ struct RegressOptions {
   std::map<std::string, double> values;  ///< of parameters in features, mass and known
   std::vector<ImplicitParameter> implicit;
   std::vector<TermConstraint> constraints;
+  std::vector<TermGroup> groups;
+  std::optional<PassiveOptions> passive;
+  std::optional<WeakForm> weak;              ///< integrals against test functions in place of the rows themselves
+  std::vector<SourceSpan> places;            ///< of the features, for messages; empty: unknown
+  std::map<std::string, std::string> units;  ///< of parameters, for the units of coefficients
   RegressionSolver solver = LeastSquaresOptions{};
   RegressObjective objective;
-  int blocks = 8;        ///< of time in each record, 1..1000: for cross-validation and block errors
-  SearchOptions search;  ///< for the implicit parameters
-  int threads = 0;       ///< 0: all cores; the result does not depend on it
+  int blocks = 8;          ///< of time in each record, 1..1000: for cross-validation and block errors
+  int bootstrap = 0;       ///< replicates of the block bootstrap, 20 or more; 0: none
+  std::uint64_t seed = 1;  ///< of the bootstrap
+  SearchOptions search;    ///< for the implicit parameters
+  int threads = 0;         ///< 0: all cores; the result does not depend on it
 };
 /// Throws InputError: no features, bad counts, bounds of implicit parameters, options of the solver.
 void validate(const RegressOptions& options);
@@ -64,9 +89,14 @@ void validate(const RegressOptions& options);
 struct Term {
   Expr feature;
   double coefficient = 0;
-  double std = 0;           ///< from the residual taken as white
-  double block_std = 0;     ///< by leaving out blocks of time in turn (jackknife): holds for coloured residuals too
-  double contribution = 0;  ///< rms(coefficient * feature) / rms(target)
+  double std = 0;               ///< from the residual taken as white
+  double block_std = 0;         ///< by leaving out blocks of time in turn (jackknife): holds for coloured residuals too
+  double contribution = 0;      ///< rms(coefficient * feature) / rms(target)
+  double lower = 0, upper = 0;  ///< 95 % interval, as Regression::interval says
+  double vif = 0;               ///< variance inflation
+  double inclusion = 0;         ///< probability that it belongs to the model; NaN where the solver gives none
+  std::string unit;             ///< of the coefficient; "" where it cannot be told
+  SourceSpan where;
 };
 
 struct Regression {
@@ -80,14 +110,18 @@ struct Regression {
   std::vector<std::string> warnings;
   int passes = 0;               ///< over the data by the search for implicit parameters
   std::vector<PathPoint> path;  ///< of a lasso by cross-validation
-  Expr restoring;               ///< sum of the terms that are not 0, implicit values put in, plus the known part
+  std::string interval;         ///< what lower and upper rest on
+  std::string form;             ///< "" for the rows themselves, else what was integrated
+  Outliers outliers;            ///< of a robust regression
+  std::optional<Passivity> passivity;
+  Expr restoring;  ///< sum of the terms that are not 0, implicit values put in, plus the known part
 };
 
 /// Regresses over all rows of `records` (windows of them, several side by side) in one pass by blocks of time; memory
 /// does not grow with the rows. Throws InputError: a channel that a record lacks, a parameter without a value, a state
 /// in a feature, a constraint on what is no feature, a value that is not finite (record, time, feature), and what the
-/// solvers refuse. The target and the features share the records' noise: the coefficients are those of the equation
-/// error, a first guess that a free run has yet to confirm.
+/// solvers refuse; records whose channels differ in unit. The target and the features share the records' noise: the
+/// coefficients are those of the equation error, a first guess that a free run has yet to confirm.
 Regression regress(std::span<const Record> records, const RegressOptions& options);
 
 }  // namespace lunid

@@ -1,6 +1,7 @@
 // Scores, covariance and active bounds of a solved problem.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "regress/dense.hpp"
 #include "regress/reduce.hpp"
@@ -72,7 +73,25 @@ void add_scores(Fit& fit, const Statistic& data, double freedom) {
   if (rms[n] > 0) fit.contribution /= rms[n];
 }
 
-void add_covariance(Fit& fit, const Problem& p, const MatrixXd& unit) {
+/// 1 / (1 - R^2) of each free feature on the others.
+void add_inflation(Fit& fit, const Problem& p, const MatrixXd& r, const Statistic& data) {
+  const Index f = r.cols();
+  const int constant = data.constant_feature();
+  const VectorXd deviation = data.deviation();
+  const MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(f, f));
+  const bool centred = std::find(p.columns.begin(), p.columns.end(), constant) != p.columns.end();
+  fit.vif = VectorXd::Constant(data.features(), kNan);
+  for (Index k = 0; k < f; ++k) {
+    const int j = p.columns[static_cast<std::size_t>(k)];
+    if (j == constant) continue;
+    const double share = centred ? static_cast<double>(fit.rows) * std::pow(deviation[j] / p.size[k], 2) : 1;
+    fit.vif[j] = inverse.row(k).squaredNorm() * share;
+  }
+}
+
+}  // namespace
+
+void set_covariance(Fit& fit, const Problem& p, const MatrixXd& unit) {
   const Index n = static_cast<Index>(fit.features.size()), f = p.r.cols();
   const double variance = fit.residual_std * fit.residual_std;
   fit.covariance = MatrixXd::Zero(n, n);
@@ -87,7 +106,7 @@ void add_covariance(Fit& fit, const Problem& p, const MatrixXd& unit) {
   fit.std = fit.covariance.diagonal().cwiseSqrt();
 }
 
-}  // namespace
+void rescore(Fit& fit, const Statistic& data) { add_scores(fit, data, static_cast<double>(fit.free)); }
 
 Fit report(const Problem& p, const Point& point, const Statistic& data, std::span<const Constraint> constraints,
            const MatrixXd* unpenalised) {
@@ -102,7 +121,8 @@ Fit report(const Problem& p, const Point& point, const Statistic& data, std::spa
   const MatrixXd unit = unit_covariance(p, free, unpenalised, freedom);
   fit.condition = condition_number(unpenalised ? *unpenalised : p.r);
   add_scores(fit, data, freedom);
-  add_covariance(fit, p, unit);
+  add_inflation(fit, p, unpenalised ? *unpenalised : p.r, data);
+  set_covariance(fit, p, unit);
   add_active_bounds(fit, p, point, data, constraints);
   fit.summary.iterations = point.iterations;
   fit.summary.converged = point.finished;

@@ -402,30 +402,94 @@ function lunid.load(fields) end
 ---All products of powers of the variables up to an order, without the constant unless asked for.
 ---@param variables table # such as { y, v }
 ---@param order integer # largest sum of the powers
----@param constant? boolean # put the constant 1 first
+---@param options? any # true: the constant 1 first; or a table: constant = true, keep = "odd" or "even" (sum of the powers), degree = "tensor" (each power up to the order)
 ---@return lunid.features
-function lunid.polynomials(variables, order, constant) end
+function lunid.polynomials(variables, order, options) end
+
+---Products of Chebyshev polynomials of the variables, each normalised to -1 to 1 over its range; without the constant.
+---@param variables table # such as { y, v }
+---@param order integer # largest sum of the orders
+---@param kind? "T"|"U" # first or second kind
+---@param range? table # { { least, largest }, ... } of each variable; else that of the data
+---@return lunid.features
+function lunid.chebyshev(variables, order, kind, range) end
+
+---sin(k*w*x) and cos(k*w*x) for k from 1 to the order.
+---@param variable number|lunid.expression # such as y
+---@param order integer # number of harmonics
+---@param wave number|lunid.expression # w: a number, or a parameter to be searched for
+---@return lunid.features
+function lunid.fourier(variable, order, wave) end
+
+---tanh(s*x) for each s: springs that yield, smoothed friction.
+---@param variable number|lunid.expression # such as y
+---@param slopes table # numbers, or parameters to be searched for
+---@return lunid.features
+function lunid.tanhs(variable, slopes) end
+
+---exp(r*x) for each r.
+---@param variable number|lunid.expression # such as y
+---@param rates table # numbers, or parameters to be searched for
+---@return lunid.features
+function lunid.exponentials(variable, rates) end
+
+---sign(x)*abs(x)^p for each exponent p: odd powers that need not be whole.
+---@param variable number|lunid.expression # such as y
+---@param exponents table # such as { 0.5, 1.5 }
+---@return lunid.features
+function lunid.powers(variable, exponents) end
+
+---What bends, or jumps, at each knot: max(x - knot, 0)^degree, or for degree 0 a step. Clearances and stops.
+---@param variable number|lunid.expression # such as y
+---@param knots table # places in units of the variable
+---@param degree? integer # 1: the slope changes; 0: the value jumps
+---@return lunid.features
+function lunid.piecewise(variable, knots, degree) end
+
+---Gaussian bumps on an even grid over the range of the variables, as wide as their distance times the width.
+---@param variables table # such as { y, v }
+---@param count integer # bumps along each variable
+---@param width? number # in distances between neighbours
+---@param range? table # { { least, largest }, ... } of each variable; else that of the data
+---@return lunid.features
+function lunid.radial(variables, count, width, range) end
+
+---A signal as it was so many samples ago: the features y_lag1, y_lag2 ... of a sampled regression. A regression that keeps one has no continuous model.
+---@param variable number|lunid.expression # a signal: y, v, a or the force F
+---@param samples table # such as { 1, 2, 3 }
+---@return lunid.features
+function lunid.lags(variable, samples) end
+
+---Your own expressions as a set, which remembers its line and can be multiplied.
+---@param list table # expressions
+---@return lunid.features
+function lunid.features(list) end
+
+---The coefficient of a feature, for linear relations between coefficients; sums, differences and multiples of them may stand where a feature may.
+---@param feature number|lunid.expression # the feature whose coefficient is meant
+---@return lunid.coefficient
+function lunid.coefficient(feature) end
 
 ---The coefficient is at least a bound.
----@param feature number|lunid.expression # the feature whose coefficient is meant
----@param bound number|lunid.expression # a number, or another feature, whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
+---@param bound number|lunid.expression # a number, another feature, or a sum of coefficients
 ---@return lunid.constraint
 function lunid.at_least(feature, bound) end
 
 ---The coefficient is at most a bound.
----@param feature number|lunid.expression # the feature whose coefficient is meant
----@param bound number|lunid.expression # a number, or another feature, whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
+---@param bound number|lunid.expression # a number, another feature, or a sum of coefficients
 ---@return lunid.constraint
 function lunid.at_most(feature, bound) end
 
 ---The coefficient has a known value.
----@param feature number|lunid.expression # the feature whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
 ---@param value number # its value
 ---@return lunid.constraint
 function lunid.fixed(feature, value) end
 
 ---The coefficient lies between two values.
----@param feature number|lunid.expression # the feature whose coefficient is meant
+---@param feature number|lunid.expression # a feature, whose coefficient is meant, or a sum of coefficients
 ---@param lower number # least value
 ---@param upper number # largest value
 ---@return lunid.constraint

@@ -173,18 +173,28 @@ TEST(RegressConstraints, every_solver_honours_them) {
 
 TEST(RegressConstraints, texts_of_what_cannot_be) {
   const Statistic data = data_of(MatrixXd::Random(20, 3), VectorXd::Random(20));
-  std::vector<Constraint> c = {at_least(0, 2), at_most(0, 1)};
-  c[1].where = {"study.lua", 7, 0};
+  std::vector<Constraint> c = {at_least(2, -9), at_least(0, 2), at_most(0, 1)};
+  c[1].where = {"study.lua", 6, 0};
+  c[2].where = {"study.lua", 7, 0};
   EXPECT_EQ(message([&] { least_squares(data, c); }),
-            "study.lua:7: constraint 'x0 <= 1' cannot be met together with the others");
+            "study.lua:7: constraint 'x0 <= 1' contradicts 'x0 >= 2' (study.lua:6)");
+  c = {at_least(0, 2), at_most(1, 1), ordered(0, 1)};
+  EXPECT_EQ(message([&] { least_squares(data, c); }),
+            "constraint 'x0 <= x1' contradicts 'x0 >= 2' together with 'x1 <= 1'");
   c = {between(1, 3, 2)};
   EXPECT_EQ(message([&] { least_squares(data, c); }),
             "constraint on 'x1': the lower bound 3 is above the upper bound 2");
   c = {fixed(1, 3), fixed(1, 2)};
-  EXPECT_EQ(message([&] { least_squares(data, c); }), "constraint: 'x1' is fixed at 3 and at 2");
+  EXPECT_EQ(message([&] { least_squares(data, c); }), "constraint 'x1 = 2' contradicts 'x1 = 3'");
   c = {fixed(1, 3), at_most(1, 2)};
-  EXPECT_EQ(message([&] { least_squares(data, c); }),
-            "constraint 'x1 <= 2' contradicts the coefficients that are fixed or that the data do not excite");
+  EXPECT_EQ(message([&] { least_squares(data, c); }), "constraint 'x1 <= 2' contradicts 'x1 = 3'");
+  Statistic flat({"x0", "x1"});
+  MatrixXd twice(9, 2);
+  twice << VectorXd::LinSpaced(9, -1, 2), VectorXd::LinSpaced(9, -2, 4);
+  flat.add(twice, VectorXd::Random(9));
+  c = {at_least(1, 2)};
+  EXPECT_EQ(message([&] { least_squares(flat, c); }),
+            "constraint 'x1 >= 2' needs features that are left out or that the data do not excite");
   c = {at_least(5, 0)};
   EXPECT_EQ(message([&] { least_squares(data, c); }), "constraint: feature 6 of 3");
 }

@@ -1,0 +1,200 @@
+#include "regress/account.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "regress/lag.hpp"
+#include "regress/number.hpp"
+#include "regress/unit.hpp"
+
+namespace lunid::detail {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// 97.5 % point of Student's t (Abramowitz & Stegun 26.7.5; within 1 % from 2 degrees of freedom on).
+double student(double freedom) {
+  const double z = 1.959963984540054, z2 = z * z;
+  const double g1 = z * (z2 + 1) / 4, g2 = z * (5 * z2 * z2 + 16 * z2 + 3) / 96;
+  const double g3 = z * (3 * z2 * z2 * z2 + 19 * z2 * z2 + 17 * z2 - 15) / 384;
+  const double g4 = z * (79 * z2 * z2 * z2 * z2 + 776 * z2 * z2 * z2 + 1482 * z2 * z2 - 1920 * z2 - 945) / 92160;
+  return freedom > 0
+             ? z + g1 / freedom + g2 / std::pow(freedom, 2) + g3 / std::pow(freedom, 3) + g4 / std::pow(freedom, 4)
+             : std::nan("");
+}
+
+/// " (a at study.lua:9, y at study.lua:8)", or "".
+std::string places_of(const RegressOptions& options, const Fit& fit, const Unexcited& unexcited) {
+  if (options.places.empty()) return "";
+  std::vector<int> all = {unexcited.feature};
+  all.insert(all.end(), unexcited.of.begin(), unexcited.of.end());
+  std::string text;
+  for (const int j : all) {
+    const std::string place = to_text(options.places[static_cast<std::size_t>(j)]);
+    if (!place.empty()) text += (text.empty() ? "" : ", ") + fit.features[static_cast<std::size_t>(j)] + " at " + place;
+  }
+  return text.empty() ? "" : " (" + text + ")";
+}
+
+}  // namespace
+
+void check_units(std::span<const Record> records, const std::vector<Expr>& expressions) {
+  for (const Expr& f : expressions)
+    for (const Expr& s : symbols(f, SymbolKind::channel)) {
+      const Record* first = nullptr;
+      for (const Record& record : records) {
+        if (!record.has(s.name()) || record.channel(s.name()).unit.empty()) continue;
+        if (!first) first = &record;
+        const std::string &one = first->channel(s.name()).unit, &other = record.channel(s.name()).unit;
+        if (one != other)
+          throw InputError("regress: '" + s.name() + "' is in " + one + " in " + first->name() + " and in " + other +
+                               " in " + record.name() +
+                               ": regress them one by one, or mend the units where they are read",
+                           {}, Fault::data);
+      }
+    }
+}
+
+VectorXd block_deviations(const Solved& solved) {
+  const Fit& fit = solved.fit;
+  const Index n = fit.coefficients.size();
+  const std::size_t count = solved.parts.size();
+  const VectorXd none = VectorXd::Constant(n, std::nan(""));
+  if (count < 3) return none;
+  // All but part k is what comes before and what comes after it: three merges for each part.
+  std::vector<Statistic> after(count + 1, Statistic(fit.features));
+  for (std::size_t k = count; k-- > 0;) {
+    after[k] = after[k + 1];
+    after[k].merge(solved.parts[k]);
+  }
+  Statistic before(fit.features);
+  Eigen::MatrixXd left(n, static_cast<Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    Statistic rest = before;
+    rest.merge(after[k + 1]);
+    before.merge(solved.parts[k]);
+    const VectorXd rms = rest.rms();
+    for (Index j = 0; j < n; ++j)
+      if (rms[j] == 0 && fit.coefficients[j] != 0) return none;
+    left.col(static_cast<Index>(k)) = solved.again(rest);
+  }
+  const VectorXd mean = left.rowwise().mean();
+  const double blocks = static_cast<double>(count);
+  return ((left.colwise() - mean).rowwise().squaredNorm() * ((blocks - 1) / blocks)).cwiseSqrt();
+}
+
+namespace {
+
+void add_intervals(Regression& result, const RegressOptions& options, const Solved& solved) {
+  if (options.bootstrap > 0) {
+    const Bootstrap drawn = bootstrap(solved.parts, solved.constraints, solved.fit, options.bootstrap, options.seed);
+    for (std::size_t j = 0; j < result.terms.size(); ++j) {
+      result.terms[j].block_std = drawn.std[static_cast<Index>(j)];
+      result.terms[j].lower = drawn.lower[static_cast<Index>(j)];
+      result.terms[j].upper = drawn.upper[static_cast<Index>(j)];
+    }
+    result.interval = "95 %, " + std::to_string(drawn.replicates) + " replicates of " +
+                      std::to_string(solved.parts.size()) + " blocks";
+    return;
+  }
+  const bool blocks = std::any_of(result.terms.begin(), result.terms.end(),
+                                  [](const Term& term) { return std::isfinite(term.block_std) && term.block_std > 0; });
+  const double freedom =
+      blocks ? static_cast<double>(solved.parts.size()) - 1 : static_cast<double>(solved.fit.rows - solved.fit.free);
+  for (Term& term : result.terms) {
+    const double reach = student(freedom) * (blocks ? term.block_std : term.std);
+    term.lower = term.coefficient - reach;
+    term.upper = term.coefficient + reach;
+  }
+  result.interval = blocks ? "95 %, " + std::to_string(solved.parts.size()) + " blocks left out in turn"
+                           : "95 %, the residual taken as white";
+}
+
+/// Unit of F over that of the feature.
+std::string unit_of(Expr feature, const RegressOptions& options, const Record& record) {
+  const auto of_symbol = [&](Expr s) -> std::optional<Unit> {
+    if (s.kind() == SymbolKind::parameter) {
+      const auto found = options.units.find(s.name());
+      return found == options.units.end() || found->second.empty() ? std::nullopt : read_unit(found->second);
+    }
+    const auto past = lag_of(s.name());
+    const std::string name = past && !record.has(s.name()) ? past->channel : s.name();
+    if (name == "t") return Unit{{"s", 1}};
+    if (!record.has(name) || record.channel(name).unit.empty()) return std::nullopt;
+    return read_unit(record.channel(name).unit);
+  };
+  const auto force = of_symbol(feature.pool().channel("F")), of = detail::unit_of(feature, of_symbol);
+  return force && of ? to_text(quotient(*force, *of)) : "";
+}
+
+}  // namespace
+
+void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,
+               std::span<const Record> records) {
+  const Fit& fit = solved.fit;
+  const VectorXd block_std = options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved);
+  for (std::size_t j = 0; j < options.features.size(); ++j) {
+    const Index i = static_cast<Index>(j);
+    Term term;
+    term.feature = options.features[j];
+    term.coefficient = fit.coefficients[i];
+    term.std = fit.std[i];
+    term.block_std = block_std[i];
+    term.contribution = fit.contribution[i];
+    term.vif = fit.vif[i];
+    term.inclusion = fit.inclusion.size() > 0 ? fit.inclusion[i] : std::nan("");
+    term.unit = unit_of(term.feature, options, records.front());
+    if (!options.places.empty()) term.where = options.places[j];
+    result.terms.push_back(std::move(term));
+  }
+  add_intervals(result, options, solved);
+}
+
+std::string describe(const Record& record) {
+  return record.name() + ", " + number(record.start(), 6) + " to " + number(record.start() + record.duration(), 6) +
+         " s, " + std::to_string(record.rows()) + " rows";
+}
+
+namespace {
+
+/// A motion of one frequency, on which m a and k y are one.
+void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Record> records,
+                           const RegressOptions& options) {
+  Pool& pool = options.features.front().pool();
+  const Expr y = pool.channel("y"), a = pool.channel("a");
+  const bool spring = std::find(options.features.begin(), options.features.end(), y) != options.features.end();
+  const bool inertia = options.mass.valid() && !options.mass.is_constant(0);
+  if (!spring || !inertia) return;
+  for (const Record& record : records)
+    if (!record.has("y") || !record.has("a")) return;
+  const auto blocks = time_blocks(records, 1, 1);
+  const Statistic data = merged(statistics(Columns({y}, a), records, blocks, {}, options.threads));
+  if (data.rms()[0] == 0) return;
+  const Fit one = least_squares(data);
+  if (one.r2 > 0.999)
+    out.push_back("on these data a = " + number(one.coefficients[0], 4) + "*y (R2 " + number(one.r2, 6) +
+                  "): one frequency, so that an error of the mass appears in the coefficient of y");
+}
+
+}  // namespace
+
+std::vector<std::string> warnings(const Regression& result, std::span<const Record> records,
+                                  const RegressOptions& options, int constant) {
+  const Fit& fit = result.fit;
+  std::vector<std::string> out;
+  for (const Unexcited& u : fit.unexcited)
+    out.push_back(u.text + places_of(options, fit, u) + ": they cannot be told apart, '" +
+                  fit.features[static_cast<std::size_t>(u.feature)] + "' is left at 0");
+  if (fit.condition > 1e8)
+    out.push_back("the features are nearly one another's combinations (condition " + number(fit.condition, 2) +
+                  "): few digits of the coefficients mean anything");
+  if (constant >= 0 && !symbols(options.features[static_cast<std::size_t>(constant)]).empty())
+    out.push_back("'" + fit.features[static_cast<std::size_t>(constant)] +
+                  "' is constant on these rows: its coefficient is that of a constant force");
+  warn_of_one_frequency(out, records, options);
+  return out;
+}
+
+}  // namespace lunid::detail
