@@ -130,7 +130,6 @@ void in_parallel(std::size_t count, int threads, const std::function<void(std::s
         faults[i] = std::current_exception();
       }
   };
-  if (!columns.thread_safe()) threads = 1;
   const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
   std::vector<std::jthread> others;
   for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), count); ++i) others.emplace_back(worker);
@@ -143,7 +142,7 @@ void in_parallel(std::size_t count, int threads, const std::function<void(std::s
 std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
                                   std::span<const TimeBlock> blocks, std::span<const double> values, int threads) {
   std::vector<Statistic> out(blocks.size());
-  in_parallel(blocks.size(), threads, [&](std::size_t i) {
+  in_parallel(blocks.size(), columns.thread_safe() ? threads : 1, [&](std::size_t i) {
     out[i] = columns.statistic(records[blocks[i].record], blocks[i].first, blocks[i].count, values);
   });
   return out;

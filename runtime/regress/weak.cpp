@@ -160,7 +160,7 @@ std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::ve
   Integrals integrals{Columns(expressions, expressions.front().pool().constant(0), texts), derivative, {}};
   for (const std::string& name : integrals.columns.parameters()) integrals.values.push_back(values.at(name));
   std::vector<Statistic> out(blocks.size());
-  in_parallel(blocks.size(), threads, [&](std::size_t i) {
+  in_parallel(blocks.size(), integrals.columns.thread_safe() ? threads : 1, [&](std::size_t i) {
     const Record& record = records[blocks[i].record];
     const Index h = std::max<Index>(kLeast, std::lround(problem.half_width / record.dt()));
     const Index step = std::max<Index>(1, std::lround(form.spacing * static_cast<double>(h)));

@@ -42,7 +42,7 @@ std::vector<std::span<const Index>> bundles_of(std::span<const Index> members, b
 
 /// One where the members call a function that only this thread may call.
 int threads_for(const Ensemble& e, const EnsembleOptions& options) {
-  return e.system->rate().thread_safe() && e.force.tape().thread_safe() ? options.threads : 1;
+  return e.system->rate().thread_safe() && e.force.tape().direct().thread_safe() ? options.threads : 1;
 }
 
 void check_sizes(const Ensemble& e) {
@@ -202,7 +202,7 @@ void run_members(const Ensemble& e, const EnsembleOptions& options, std::span<co
     try {
       run_job(e, options, bundle, result);
       e.system->rate().rethrow();
-      e.force.tape().rethrow();
+      e.force.tape().direct().rethrow();
     } catch (const InputError& error) {
       if (error.fault() != Fault::interrupted) throw;
       return;
