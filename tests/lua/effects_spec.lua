@@ -424,13 +424,14 @@ end)
 
 spec.case("elements are fitted: parameters come back from a run, through slips, gaps and yields", function()
   for name, start in pairs { elastic_slip = { k = 380, Fs = 2.4 }, smith_toe = { Ru = 3.3, q = 0.008, J = 0.3 },
-    depth_resistance = { k = 250, Ru0 = 1.7, b = 70, tau = 0.6 }, maxwell_relaxation = { k = 150, tau = 0.08 } } do
+    depth_resistance = { k = 250, Ru0 = 1.7, b = 70, tau = 0.6 }, maxwell_relaxation = { k = 150, tau = 0.08 },
+    rate_power_law = { Ru = 2.7, q = 0.011, J = 0.3, n = 0.25 } } do  -- its slope at v = 0 is infinite
     local record = run_of(effects[name](samples[name]), { duration = 3 }):record()
     local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = 400*y + v + effects[name](start) },
       record = record, interpolation = "cubic" }
     for key, value in pairs(samples[name]) do
       local row = fit.model.parameters[name .. "_" .. key]
-      assert(math.abs(row.value / value - 1) < 2e-3, ("%s: %s = %g"):format(name, key, row.value))
+      assert(math.abs(row.value / value - 1) < (name == "rate_power_law" and 0.02 or 2e-3), ("%s: %s = %g"):format(name, key, row.value))
     end
   end
 end)
