@@ -267,6 +267,11 @@ const double* ModeMachine::run_derivatives() noexcept {
     d_.derivatives.run_prepared_frozen(free_mode_.data(), r);
     // a slope that is infinite on the surface itself is so in every mode, and frozen it has at least a sign
     if (!all_finite(results, size)) d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
+    // that of abs(v)^n at v = 0, which holds for an instant alone, is left out
+    double* slopes = r + d_.derivatives.output_place() + d_.n;
+    if (all_finite(results, d_.n))
+      for (int i = 0; i < size - d_.n; ++i)
+        if (!std::isfinite(slopes[i])) slopes[i] = 0;
   }
   return results;
 }
