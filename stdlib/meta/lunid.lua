@@ -1,7 +1,7 @@
 ---@meta
 -- Written from the schemas by `lunid help stubs`; a test compares it with them.
 ---@class lunid
-local lunid = { derivative = {}, figure = {}, excitation = {}, noise = {}, systems = {} }
+local lunid = { effects = {}, derivative = {}, figure = {}, excitation = {}, noise = {}, systems = {}, statistics = {} }
 ---@class lunid.record
 local record = {}
 
@@ -137,31 +137,89 @@ function lunid.stlsq(fields) end
 ---@return lunid.solver
 function lunid.lasso(fields) end
 
----How parameters inside features are searched for between their bounds. Whatever the method, it ends with a local descent along the exact gradient.
----@class lunid.search.fields
----@field method? "slsqp"|"lbfgs"|"mlsl"|"direct"|"esch"|"crs"|"isres"|"stogo"|"annealing"|"particle_swarm"|"puddle_jumping"|"monte_carlo"|"stochastic_gradient" # local from several starts: slsqp, lbfgs; of NLopt: mlsl, direct, esch, crs, isres, stogo; Lunid's own: annealing, particle_swarm, puddle_jumping, monte_carlo, stochastic_gradient
----@field starts? integer # of the local methods, the first guess among them
----@field evaluations? integer # passes over the data of the other methods
----@field seed? integer # of the methods that draw random numbers; else that of the run
----@param fields lunid.search.fields
----@return lunid.search
-function lunid.search(fields) end
+---Least squares with a penalty on absolute coefficients and on squares: keeps features that resemble one another together.
+---@class lunid.elastic_net.fields
+---@field mixture? number # share of the penalty on absolute values; 1 is the lasso
+---@field lambda? number # weight of the penalty, dimensionless; or chosen over left-out blocks of time
+---@field path? integer # values of lambda that are tried
+---@field refit? boolean # refit what was kept by least squares
+---@param fields lunid.elastic_net.fields
+---@return lunid.solver
+function lunid.elastic_net(fields) end
 
----Fits the coefficients of features to the restoring force F - m*a along the measured motion.
----@class lunid.regress.fields
----@field record any # one record or several
----@field mass? number|lunid.expression # without it the target is F itself
----@field features table # functions of displacement, velocity, time; sets of them are laid flat
----@field known? number|lunid.expression # part of the restoring force that is known
----@field constraints? table # what is known about the coefficients
----@field window? lunid.window # part of the records
----@field solver? any # least squares by default
----@field objective? lunid.table # { mean_force = 0.25 }: so much of what is minimised is the square of the mean residual in each block of time, which keeps the force from shifting; the rest is the mean square
----@field search? lunid.search # for parameters inside features; local from 4 starts by default
----@field blocks? integer # blocks of time, for cross-validation and standard errors
----@param fields lunid.regress.fields
----@return lunid.regression
-function lunid.regress(fields) end
+---Least squares with every coefficient >= 0.
+---@class lunid.non_negative.fields
+---@param fields lunid.non_negative.fields
+---@return lunid.solver
+function lunid.non_negative(fields) end
+
+---Sparse relaxed regularised regression: a sparse copy of the coefficients is kept near them.
+---@class lunid.sr3.fields
+---@field threshold? number # contribution at which a coefficient is cut
+---@field relaxation? number # how far the sparse copy may be from the coefficients
+---@field absolute? boolean # shrink by the threshold (l1) in place of cutting (l0)
+---@field refit? boolean # refit what was kept by least squares
+---@param fields lunid.sr3.fields
+---@return lunid.solver
+function lunid.sr3(fields) end
+
+---Forward regression by orthogonal least squares: takes up the feature of largest error reduction ratio, one after another.
+---@class lunid.frols.fields
+---@field threshold? number # least error reduction ratio of a term
+---@field max_terms? integer # at most so many; 0: all
+---@param fields lunid.frols.fields
+---@return lunid.solver
+function lunid.frols(fields) end
+
+---Adds or drops one feature at a time while that lowers an information criterion.
+---@class lunid.stepwise.fields
+---@field criterion? "bic"|"aicc" # what is to be least
+---@field max_terms? integer # at most so many; 0: all
+---@param fields lunid.stepwise.fields
+---@return lunid.solver
+function lunid.stepwise(fields) end
+
+---The best of all subsets of up to 30 features, by branch and bound; fit.steps holds the best of each size.
+---@class lunid.best_subset.fields
+---@field terms? integer # how many; 0: by the criterion
+---@field criterion? "bic"|"aicc" # what is to be least
+---@param fields lunid.best_subset.fields
+---@return lunid.solver
+function lunid.best_subset(fields) end
+
+---Bayesian selection: the probability of each feature to belong to the model, and the features above a cut.
+---@class lunid.spike_slab.fields
+---@field prior? number # probability of a feature before the data
+---@field cut? number # least probability of a feature that is kept
+---@field sweeps? integer # of the sampler, with more than 15 features
+---@param fields lunid.spike_slab.fields
+---@return lunid.solver
+function lunid.spike_slab(fields) end
+
+---Solves many times on blocks of time drawn with replacement, and keeps what most members keep.
+---@class lunid.ensemble_of.fields
+---@field solver? lunid.solver # of each member; stlsq by default
+---@field members? integer # how many
+---@field features? number # share of the features that a member sees
+---@field inclusion? number # least share of members that keep a feature
+---@param fields lunid.ensemble_of.fields
+---@return lunid.solver
+function lunid.ensemble_of(fields) end
+
+---Counts the noise of the features as that of the target: errors in variables, from the noise of the channels.
+---@class lunid.total_least_squares.fields
+---@field noise? lunid.table # standard deviations, such as { y = 1e-5, F = 2 }; else as estimated
+---@param fields lunid.total_least_squares.fields
+---@return lunid.solver
+function lunid.total_least_squares(fields) end
+
+---Robust regression: residuals beyond a threshold count linearly; outliers are reported. Several passes over the data.
+---@class lunid.huber.fields
+---@field threshold? number # in deviations of the residual
+---@field outlier? number # residuals beyond so many deviations are reported
+---@param fields lunid.huber.fields
+---@return lunid.solver
+function lunid.huber(fields) end
 
 ---Runs a model freely under a force, from a first state. A run that explodes is a result that says when and why.
 ---@class lunid.simulate.fields
@@ -197,6 +255,25 @@ function lunid.simulate(fields) end
 ---@param fields lunid.fit_trajectory.fields
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
+
+---A function in Lua as a last resort, where the language has no words for it: damper(y, v) then stands in models and regressions like any expression. It is slow, runs on one thread, and is taken for smooth.
+---@class lunid.lua_function.fields
+---@field name string # how it is written in equations
+---@field call function # function of 1 to 4 numbers that returns a number
+---@field gradient? function # function of the same numbers that returns the derivative by each; else by central differences
+---@field scale? table # size of each argument below which differences take it for 0; else 1e-3
+---@param fields lunid.lua_function.fields
+---@return lunid.function
+function lunid.lua_function(fields) end
+
+---A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
+---@class lunid.lookup.fields
+---@field name string # how it is written in equations
+---@field axes table # one list of increasing values, or two
+---@field values table # one number for each point; with two axes a list over the second axis for each point of the first
+---@param fields lunid.lookup.fields
+---@return lunid.function
+function lunid.lookup(fields) end
 
 ---Central differences of any even order of accuracy, one-sided at the ends.
 ---@class lunid.derivative.finite_differences.fields
@@ -494,6 +571,57 @@ function lunid.fixed(feature, value) end
 ---@param upper number # largest value
 ---@return lunid.constraint
 function lunid.between(feature, lower, upper) end
+
+---At most one of these features, or `at_most` of them, has a coefficient; every choice is tried and the one of least BIC is taken.
+---@param features table # features of the regression
+---@param at_most? integer # how many of them
+---@return lunid.constraint
+function lunid.one_of(features, at_most) end
+
+---The force creates no energy: v*(f(y, v) - f(y, 0)) >= 0 at the points of a grid over the range of the data.
+---@class lunid.passive.fields
+---@field points? table # along displacement and velocity
+---@field impose? boolean # false: it is looked at and reported only
+---@param fields lunid.passive.fields
+---@return lunid.constraint
+function lunid.passive(fields) end
+
+---Integrates the equation against bumps of short support, so that no derivative of the data is needed.
+---@class lunid.weak_form.fields
+---@field half_width? number # of the bumps; 0: from the dominant frequency
+---@field order? integer # of the bumps (1 - (t/half_width)^2)^order
+---@field spacing? number # from bump to bump, in half widths
+---@param fields lunid.weak_form.fields
+---@return lunid.form
+function lunid.weak_form(fields) end
+
+---How parameters inside features are searched for between their bounds. Whatever the method, it ends with a local descent along the exact gradient.
+---@class lunid.search.fields
+---@field method? "slsqp"|"lbfgs"|"mlsl"|"direct"|"esch"|"crs"|"isres"|"stogo"|"annealing"|"particle_swarm"|"puddle_jumping"|"monte_carlo"|"stochastic_gradient" # local from several starts: slsqp, lbfgs; of NLopt: mlsl, direct, esch, crs, isres, stogo; Lunid's own: annealing, particle_swarm, puddle_jumping, monte_carlo, stochastic_gradient
+---@field starts? integer # of the local methods, the first guess among them
+---@field evaluations? integer # passes over the data of the other methods
+---@field seed? integer # of the methods that draw random numbers; else that of the run
+---@param fields lunid.search.fields
+---@return lunid.search
+function lunid.search(fields) end
+
+---Fits the coefficients of features to the restoring force F - m*a along the measured motion.
+---@class lunid.regress.fields
+---@field record any # one record or several
+---@field mass? number|lunid.expression # without it the target is F itself
+---@field features table # functions of displacement, velocity, time; sets of them are laid flat
+---@field known? number|lunid.expression # part of the restoring force that is known
+---@field constraints? table # what is known about the coefficients
+---@field window? lunid.window # part of the records
+---@field solver? lunid.solver # least squares by default
+---@field objective? lunid.table # { mean_force = 0.25 }: so much of what is minimised is the square of the mean residual in each block of time, which keeps the force from shifting; the rest is the mean square
+---@field search? lunid.search # for parameters inside features; local from 4 starts by default
+---@field form? lunid.form # integrals in place of the rows themselves
+---@field blocks? integer # blocks of time in each record, for cross-validation and standard errors; 8, or 32 for the bootstrap
+---@field bootstrap? integer # intervals from so many resamplings of the blocks
+---@param fields lunid.regress.fields
+---@return lunid.regression
+function lunid.regress(fields) end
 
 ---A channel of a record, or a column of a table, by its name: what lunid.displacement is for y.
 ---@param name string # as the record has it
