@@ -101,7 +101,8 @@ int stored(lua_State* L) {
   return 1;
 }
 
-/// model:predict_rows(record, steps) -> {values=, first=, rmse=, fit=, ended=}, rows counted from 1; steps 0: a free run
+/// model:predict_rows(record, steps) -> {values=, first=, rmse=, fit=, ended=}, rows counted from 1; steps 0: a free
+/// run
 int predict_rows(lua_State* L) {
   const HistoryModel& model = check<HistoryModel>(L, 1);
   const Record& record = check<Record>(L, 2);
@@ -244,9 +245,8 @@ void open_histories(lua_State* L) {
                                       {"poles", guarded<poles>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<HistoryModel>(L, methods, meta);
-  static constexpr Entry functions[] = {{"fit_history", guarded<fit>},
-                                        {"history_orders", guarded<orders>},
-                                        {"stored_history", guarded<stored>}};
+  static constexpr Entry functions[] = {
+      {"fit_history", guarded<fit>}, {"history_orders", guarded<orders>}, {"stored_history", guarded<stored>}};
   set_functions(L, functions);
 }
 

@@ -117,7 +117,12 @@ int run(lua_State* L) {
 /// imposed_force(model, record) -> column: the force that the model predicts along the measured motion.
 int force_along(lua_State* L) {
   const System system(check<Model>(L, 1));
-  push_column(L, imposed_force(system, system.model().values(), check<Record>(L, 2)));
+  const Eigen::VectorXd force = imposed_force(system, system.model().values(), check<Record>(L, 2));
+  if (!force.allFinite())
+    throw InputError(
+        "force: the model has no finite force along this motion: its internal states diverge, or are too fast for the "
+        "record's rate; resample the record to a finer step, or check the parameters");
+  push_column(L, force);
   return 1;
 }
 

@@ -143,7 +143,7 @@ schema.definitions = {}
 function schema.fail(where, message) core.raise(where .. ": " .. message, "study") end
 
 --- What messages call it: "filter" of record:filter.
-local function called(definition) return (definition.name:gsub("^%l+:", "")) end
+local function called(definition) return (definition.name:gsub("^%l+:(%S)", "%1")) end
 
 --- How it is written: "lunid.read", "record:filter".
 function schema.spelled(definition) return (definition.name:find ":" and "" or "lunid.") .. definition.name end

@@ -7,6 +7,7 @@ local candidates = require "lunid.candidates"
 local core = require "lunid.core"
 local regression = require("lunid.regression")
 local schema = require "lunid.schema"
+local solvers = require "lunid.solvers"
 local types = schema.types
 
 local selection = {}
@@ -182,7 +183,8 @@ local function contributions(candidate, given, records)
     end
     if not inner then
       features[#features + 1], places[#places + 1] = feature, i
-      held[#held + 1] = { kind = "fixed", feature = feature, value = candidate.model.parameters[i].value, place = "" }
+      local value = candidate.model.parameters[i].value
+      held[#held + 1] = { terms = { { feature = feature, weight = 1 } }, lower = value, upper = value, place = "" }
     end
   end
   if #features == 0 then return out end

@@ -30,8 +30,8 @@ void keep(Minimum& best, const Point& x, double value) {
 }  // namespace
 
 /// Metropolis steps from the best of a few probes, at a temperature that falls from the spread of the probes' values to
-/// 1e-4 of it. Steps have Cauchy's distribution, whose long ones leave a minimum (Szu & Hartley 1987); their length follows
-/// the temperature, so that about a third of them are taken.
+/// 1e-4 of it. Steps have Cauchy's distribution, whose long ones leave a minimum (Szu & Hartley 1987); their length
+/// follows the temperature, so that about a third of them are taken.
 Minimum anneal(const Objective& objective, const Point& start, const SearchOptions& options) {
   Philox random(options.seed, stream_of("annealing"));
   Point x = start;

@@ -77,7 +77,8 @@ struct Sums {
 Sums weigh_all(const Pass& pass, const VectorXd& b, double scale, const HuberOptions& options,
                std::vector<Statistic>& weighted, Outliers& outliers) {
   std::vector<Part> parts(pass.blocks.size());
-  in_parallel(parts.size(), pass.columns.thread_safe() ? pass.threads : 1, [&](std::size_t i) { parts[i] = weigh(pass, i, b, scale, options); });
+  in_parallel(parts.size(), pass.columns.thread_safe() ? pass.threads : 1,
+              [&](std::size_t i) { parts[i] = weigh(pass, i, b, scale, options); });
   Sums sums;
   weighted.clear();
   outliers = {};

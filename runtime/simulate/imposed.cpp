@@ -13,6 +13,9 @@ using Eigen::VectorXd;
 /// Change of the force on halving the step, over its standard deviation, with which a run is content.
 constexpr double tolerance = 1e-6;
 constexpr int max_substeps = 64;
+/// Stiff states take more: until the change is no more than this.
+constexpr double stiff_tolerance = 1e-3;
+constexpr int max_stiff_substeps = 1024;
 
 /// Evaluates the force on each row of the states.
 class ForceSink : public RowSink {
@@ -94,7 +97,12 @@ void run_states(const System& system, std::span<const double> theta, const Recor
   run_fixed(problem, initial_states(system), sink);
 }
 
-double spread(const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().mean()); }
+/// Largest change over the standard deviation; NaN where the force overflows.
+double change(const VectorXd& fine, const VectorXd& coarse) {
+  const double spread = std::sqrt((fine.array() - fine.mean()).square().mean());
+  const double largest = (fine - coarse).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+  return largest == 0 ? 0 : largest / (std::isfinite(spread) ? spread : std::numeric_limits<double>::quiet_NaN());
+}
 
 VectorXd force_along(const System& system, std::span<const double> theta, const Record& record, Eigen::MatrixXd* dforce,
                      int substeps) {
@@ -119,10 +127,12 @@ VectorXd force_along(const System& system, std::span<const double> theta, const 
   }
   substeps = 1;
   run_states(system, theta, record, between, substeps, false, plain);
-  for (VectorXd coarse = force; substeps < max_substeps; coarse = force) {
+  double last = std::numeric_limits<double>::quiet_NaN();
+  for (VectorXd coarse = force; !(last <= (substeps < max_substeps ? tolerance : stiff_tolerance)); coarse = force) {
+    if (substeps == max_stiff_substeps) return VectorXd::Constant(rows, std::numeric_limits<double>::quiet_NaN());
     substeps *= 2;
     run_states(system, theta, record, between, substeps, false, plain);
-    if ((force - coarse).cwiseAbs().maxCoeff() <= tolerance * spread(force)) break;
+    last = change(force, coarse);
   }
   if (dforce) run_states(system, theta, record, between, substeps, true, full);
   return force;

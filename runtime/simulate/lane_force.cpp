@@ -85,7 +85,8 @@ void LaneForce::begin(const double* t0, const double* dt) noexcept {
   tape_.angles().run_lanes(angle_place_.data(), width_);
   const int pair = 2 * width_;
   for (int w = 0; w < tape_.waves(); ++w) {
-    const double* const rate = angle_place_[static_cast<std::size_t>(tape_.angles().output_place() + tape_.waves() + w)];
+    const double* const rate =
+        angle_place_[static_cast<std::size_t>(tape_.angles().output_place() + tape_.waves() + w)];
     for (Index r = 0; r < TimeTape::turned_rows; ++r)
       set_turn(width_, rate, dt_, static_cast<double>(r), work_, turns_ + pair * (w * TimeTape::turned_rows + r));
     for (int p = 0; p < nodes_; ++p)

@@ -36,7 +36,7 @@ struct GaussianProcessOptions {
 
 /// Epsilon-insensitive regression with a Gaussian kernel on cell means. (Drucker et al. 1997; Smola & Schoelkopf 2004.)
 struct SupportVectorOptions {
-  double cost = 10;                           ///< > 0, for a target of unit variance
+  double cost = 10;                            ///< > 0, for a target of unit variance
   double epsilon = 0.05;                       ///< >= 0: half width of the tube, the same
   std::optional<double> width = std::nullopt;  ///< of the kernel, normalised, > 0; empty: by cross-validation
   int centres = 600;                           ///< 20..3000: at most so many cell means

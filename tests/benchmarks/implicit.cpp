@@ -1,5 +1,5 @@
-// lunid_implicit: the searches for parameters inside features on four problems, from 50 first guesses each. A search has
-// succeeded when it reaches the least value that any of them found, to 1e-6 of it.
+// lunid_implicit: the searches for parameters inside features on four problems, from 50 first guesses each. A search
+// has succeeded when it reaches the least value that any of them found, to 1e-6 of it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -76,7 +76,8 @@ struct Run {
   long passes;
 };
 
-Run solve(lunid::Pool& pool, const lunid::Record& record, const Problem& problem, lunid::SearchMethod method, int start) {
+Run solve(lunid::Pool& pool, const lunid::Record& record, const Problem& problem, lunid::SearchMethod method,
+          int start) {
   lunid::RegressOptions options;
   for (const char* feature : problem.features) options.features.push_back(parse(pool, feature));
   options.implicit = problem.implicit;
@@ -116,8 +117,8 @@ void compare(const Problem& problem) {
       seconds += run.seconds / starts;
       passes += static_cast<double>(run.passes) / starts;
     }
-    std::printf("  %-20s found %2d of %d   evaluations %6.1f   %7.2f ms\n", lunid::search_methods()[method].c_str(), found,
-                starts, passes, 1e3 * seconds);
+    std::printf("  %-20s found %2d of %d   evaluations %6.1f   %7.2f ms\n", lunid::search_methods()[method].c_str(),
+                found, starts, passes, 1e3 * seconds);
   }
 }
 

@@ -107,6 +107,19 @@ TEST(ImposedForce, OfAPlayIsThePlayOperator) {
   }
 }
 
+// z' = L (v - z) with L dt = 250: z follows v, but for a lag of 1/L.
+TEST(ImposedForce, OfAStateMuchFasterThanTheSamples) {
+  const System system(model_of("0", "z", {{"z", "L*(v - z)", "", ""}}, true));
+  const Record record = motion(400, 0.005);
+  const Eigen::VectorXd force = imposed_force(system, theta_of(system, {{"L", 5e4}}), record);
+  for (Eigen::Index i = 1; i < 400; ++i) EXPECT_NEAR(force[i], record["v"][i] - record["a"][i] / 5e4, 1e-4) << i;
+}
+
+TEST(ImposedForce, OfStatesThatDivergeIsNoNumber) {
+  const System system(model_of("0", "z", {{"z", "1 + z^2*L", "", ""}}, true));
+  EXPECT_TRUE(imposed_force(system, theta_of(system, {{"L", 50}}), motion(200, 0.005)).array().isNaN().all());
+}
+
 TEST(ImposedForce, FaultsNameTheArgument) {
   const System system(model_of("0", "k*y", {}, true));
   EXPECT_EQ(fault_of([&] { imposed_force(system, {}, motion(50, 0.01)); }),
