@@ -7,11 +7,12 @@ local pictures = {}
 
 local time = { name = "time", unit = "s" }
 local force = { name = "restoring force", unit = "N" }
-local roles = { "baseline", "effect", "final", "fourth", "fifth", "sixth", "residual" }
+local roles = { "baseline", "effect", "fourth", "fifth", "residual", "sixth" }
 local styles = { "dashed", "dotted", "dash_dot", "line" }
 local shown_rows = 160  -- of a training record: some periods, so that curves can be told apart
 
-local function role_of(i) return roles[(i - 1) % #roles + 1] end
+--- The last model is the answer; the others come in their order.
+local function role_of(i, count) return i == count and "final" or roles[(i - 1) % #roles + 1] end
 local function style_of(i) return styles[(i - 1) % #styles + 1] end
 
 --- The first rows of a column.
@@ -52,7 +53,7 @@ local function term_bars(lists, records, unit, axis)
     for _, term in ipairs(list.terms) do
       if term.feature then values[places[term.name]] = peak(term, records) / unit end
     end
-    sets[i] = { label = list.name, value = values, role = list.role or role_of(i) }
+    sets[i] = { label = list.name, value = values, role = list.role }
   end
   if #names == 0 then return nil end
   return figures.make { panels = { { x = axis, bars = { names = names, sets = sets } } },
@@ -76,7 +77,7 @@ local function add_terms(list, board)
         peak_force(board.record) / 100, { name = "peak force over the peak excitation", unit = "%" }) }
   end
   local lists = board.truth and { { name = "truth", terms = board.truth, role = "measured" } } or {}
-  for i, row in ipairs(board.rows) do lists[#lists + 1] = { name = row.name, terms = row.terms, role = role_of(i) } end
+  for i, row in ipairs(board.rows) do lists[#lists + 1] = { name = row.name, terms = row.terms, role = role_of(i, #board.rows) } end
   list[#list + 1] = { name = "terms", caption = "Force features compared: peak of each term along the training records",
     figure = term_bars(lists, board.record, 1, { name = "peak force", unit = "N" }) }
 end
@@ -89,7 +90,7 @@ local function force_panel(board, record, along, title)
   local t = head(record:column "t", rows)
   local series = { { x = t, y = head(along(board.rows[1]).measured, rows), label = "measured", role = "measured" } }
   for i, row in ipairs(board.rows) do
-    series[i + 1] = { x = t, y = head(along(row).predicted, rows), label = row.name, role = role_of(i), style = style_of(i) }
+    series[i + 1] = { x = t, y = head(along(row).predicted, rows), label = row.name, role = role_of(i, #board.rows), style = style_of(i) }
   end
   return { title = title, x = time, y = force, series = series }
 end
@@ -103,7 +104,7 @@ local function residual_panels(board, record, of)
   local t = head(record:column "t", shown_rows)
   for i, row in ipairs(board.rows) do
     panels[#panels + 1] = { title = row.name, x = time, y = { name = "residual", unit = "N" },
-      series = { { x = t, y = head(row[of].residual[1], shown_rows), role = role_of(i) } } }
+      series = { { x = t, y = head(row[of].residual[1], shown_rows), role = role_of(i, #board.rows) } } }
     local joined = row[of].joined
     if joined:std() > 0 then
       local points = statistics.qq(joined)
@@ -112,7 +113,7 @@ local function residual_panels(board, record, of)
       panels[#panels + 1] = { title = ("QQCC %.4f"):format(points.qqcc), x = { name = "normal quantiles", unit = "N" },
         y = { name = "residual", unit = "N" }, series = {
           { x = core.column { low, high }, y = core.column { low, high }, role = "measured", style = "dashed" },
-          { x = points.expected:every(step), y = points.found:every(step), role = role_of(i), style = "points" } } }
+          { x = points.expected:every(step), y = points.found:every(step), role = role_of(i, #board.rows), style = "points" } } }
     end
   end
   return row_of(panels, 2)
@@ -143,24 +144,30 @@ local function lively(test)
   return test.start + (from - 1) * test.dt, test.start + (from + width - 1) * test.dt
 end
 
+--- An axis with room for twice the motion: a run that leaves it is seen to do so, and does not flatten the rest.
+local function roomy(axis, column)
+  local most = 2 * math.max(column:max(), -column:min(), 1e-12)
+  return { name = axis.name, unit = axis.unit, min = -most, max = most }
+end
+
 local function motion_panel(board, channel, axis, from, to)
   local part = board.test:window(from, to)
   local series = { { x = part:column "t", y = part:column(channel), label = "measured", role = "measured" } }
   for i, row in ipairs(board.rows) do
     if row.run and row.run.rows > 10 then
       local run = row.run:window(math.max(from, row.run.start), math.min(to, row.run.start + row.run.duration))
-      series[#series + 1] = { x = run:column "t", y = run:column(channel), label = row.name .. ", free run", role = role_of(i),
+      series[#series + 1] = { x = run:column "t", y = run:column(channel), label = row.name .. ", free run", role = role_of(i, #board.rows),
         style = style_of(i) }
     end
   end
-  return { x = time, y = axis, series = series }
+  return { x = time, y = roomy(axis, part:column(channel)), series = series }
 end
 
 local function phase_panel(board, i, channel, rate)
   local row, test = board.rows[i], board.test
   local series = { { x = test:column(channel), y = test:column(rate), label = "measured", role = "measured" } }
   if row.run then
-    series[2] = { x = row.run:column(channel), y = row.run:column(rate), label = "free run", role = role_of(i), style = "dashed" }
+    series[2] = { x = row.run:column(channel), y = row.run:column(rate), label = "free run", role = role_of(i, #board.rows), style = "dashed" }
   end
   return { title = row.name, note = row.free.stopped_at and ("stops at %.3g s"):format(row.free.stopped_at)
       or ("DTW %.3g"):format(row.free.dtw or 0/0), x = { name = "displacement", unit = "m" }, y = { name = "velocity", unit = "m/s" }, series = series }
@@ -180,9 +187,14 @@ local function add_runs(list, board)
   list[#list + 1] = { name = "test_phase", caption = "Validation: phase portraits of the free runs", figure = row_of(panels, 2) }
 end
 
---- All figures of a board.
-function pictures.of(board)
-  local list = {}
+--- All figures of a board; the truth itself is drawn as "measured".
+function pictures.of(whole)
+  local board, list = {}, {}
+  for key, value in pairs(whole) do board[key] = value end
+  board.rows = {}
+  for _, row in ipairs(whole.rows) do
+    if row.name ~= "truth" then board.rows[#board.rows + 1] = row end
+  end
   add_terms(list, board)
   add_forces(list, board)
   add_runs(list, board)

@@ -157,10 +157,21 @@ local function grown(candidate, fitted, given, train, known)
   return best
 end
 
---- The candidate with one of its features exchanged for another, where that lowers the criterion; else nil.
+--- Places of a candidate's terms, those first that its trajectory needs least.
+local function weakest(candidate)
+  local places, sizes = {}, {}
+  for i = 1, candidate.terms do
+    local parameter = candidate.model.parameters[i]
+    places[i], sizes[i] = i, parameter.std and parameter.std > 0 and math.abs(parameter.value) / parameter.std or 0
+  end
+  table.sort(places, function(a, b) return sizes[a] < sizes[b] or sizes[a] == sizes[b] and a < b end)
+  return places
+end
+
+--- The candidate with one of its three weakest features exchanged for another, where that lowers the criterion; else nil.
 local function exchanged(candidate, fitted, given, train, known)
   local best = candidate
-  for i = 1, candidate.terms do
+  for _, i in ipairs { table.unpack(weakest(candidate), 1, 3) } do
     local values = {}
     for k = 1, candidate.terms do values[k] = candidate.model.parameters[k].value end
     local features = without(candidate.features, i)

@@ -67,7 +67,7 @@ function published.polynomial(terms, scale)
 end
 
 --- T(x, n), by its recurrence.
-local function chebyshev(x, n)
+function published.T(x, n)
   local before, now = 1, x
   for _ = 2, n do before, now = now, 2*x*now - before end
   return n == 0 and 1 or now
@@ -78,7 +78,7 @@ function published.chebyshev(terms, scale)
   local sum = 0
   for _, term in ipairs(terms) do
     sum = sum + lunid.parameter { ("T%s%d"):format(term[1], term[2]), term[3] * (scale or 1) }
-      * chebyshev(term[1] == "y" and y or v, term[2])
+      * published.T(term[1] == "y" and y or v, term[2])
   end
   return sum
 end
