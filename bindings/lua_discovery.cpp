@@ -1,5 +1,4 @@
 // Discovery: the catalogue's entries cross from Lua as data plus a guess function; the result goes back whole.
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -7,6 +6,7 @@
 
 #include "discover/discover.hpp"
 #include "expr/external.hpp"
+#include "progress.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -184,20 +184,9 @@ DiscoverOptions read_options(lua_State* L, int index) {
   for (const FunctionPtr& function : runtime(L).pool()->functions())
     if (!function->thread_safe()) options.threads = 1;
   options.cancelled = &runtime(L).cancelled();
-  if (isatty(STDERR_FILENO)) {
-    options.progress = [](const std::string& stage, double fraction) {
-      std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * fraction, stage.c_str());
-    };
-  }
+  if (on_terminal()) options.progress = show_progress;
   return options;
 }
-
-/// Wipes the progress line, also when the discovery throws.
-struct ProgressLine {
-  ~ProgressLine() {
-    if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
-  }
-};
 
 /// discover(model, {effects}, {train records}, {test records}, options)
 int run_discovery(lua_State* L) {
