@@ -119,9 +119,10 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1))
-      throw InputError("a stream has no '" + key +
-                       "' (fields: name rows dt start duration channels warnings; methods: window); what needs all rows "
-                       "at once takes a record from lunid.read");
+      throw InputError(
+          "a stream has no '" + key +
+          "' (fields: name rows dt start duration channels warnings; methods: window); what needs all rows "
+          "at once takes a record from lunid.read");
   }
   return 1;
 }

@@ -8,9 +8,10 @@ namespace lunid::test {
 namespace {
 
 TEST(Fuzz, expressions_are_read_or_refused) {
-  Mutator texts({"k*y + c*v", "k3*y^3 + Fc*sign(v)", "where(y >= g, k*max(y - g, 0), 0)", "tanh(p*(y - y0))/2e-3",
-                 "-(a + 1.5e3*t)^-2*abs(v)^0.5", "sin(2*pi*f*t + phi) - exp(-(v/vs)^2)"},
-                {"(", ")", "^", "1e", "e308", "-", "..", "where(", "sign", "\xc3\xa4", "y1", "nan", "inf", "0x1p", "/0"}, 7);
+  Mutator texts(
+      {"k*y + c*v", "k3*y^3 + Fc*sign(v)", "where(y >= g, k*max(y - g, 0), 0)", "tanh(p*(y - y0))/2e-3",
+       "-(a + 1.5e3*t)^-2*abs(v)^0.5", "sin(2*pi*f*t + phi) - exp(-(v/vs)^2)"},
+      {"(", ")", "^", "1e", "e308", "-", "..", "where(", "sign", "\xc3\xa4", "y1", "nan", "inf", "0x1p", "/0"}, 7);
   int read = 0, refused = 0;
   for (int i = 0; i < 20000; ++i) {
     const std::string text = texts.next();
