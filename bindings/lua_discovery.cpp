@@ -175,7 +175,7 @@ std::vector<Record> read_records(lua_State* L, int index) {
   return records;
 }
 
-DiscoverOptions read_options(lua_State* L, int index) {
+DiscoverOptions read_discover_options(lua_State* L, int index) {
   DiscoverOptions options;
   options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
   options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
@@ -224,7 +224,7 @@ int run_discovery(lua_State* L) {
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> train = read_records(L, 3), test = read_records(L, 4);
   check_table(L, 5);
-  const DiscoverOptions options = read_options(L, 5);
+  const DiscoverOptions options = read_discover_options(L, 5);
   const ProgressLine line;
   push<Discovery>(L, discover(model, catalogue, train, test, options));
   return 1;

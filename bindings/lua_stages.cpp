@@ -122,7 +122,7 @@ int run_locate(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> records = read_records(L, 2);
   const ProgressLine line;
-  const Located found = locate(model, records, read_options(L, 3));
+  const Located found = locate(model, records, read_discover_options(L, 3));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -161,7 +161,7 @@ int run_propose(lua_State* L) {
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> records = read_records(L, 3);
   const ProgressLine line;
-  const Proposed found = propose(model, catalogue, records, read_options(L, 4));
+  const Proposed found = propose(model, catalogue, records, read_discover_options(L, 4));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -193,7 +193,7 @@ int run_rank(lua_State* L) {
   });
   const std::vector<Record> records = read_records(L, 4);
   const ProgressLine line;
-  const std::vector<Ranked> found = rank_sets(model, catalogue, sets, records, read_options(L, 5));
+  const std::vector<Ranked> found = rank_sets(model, catalogue, sets, records, read_discover_options(L, 5));
   push_list(L, found.size(), [&](std::size_t i) {
     const Ranked& r = found[i];
     set_text(L, "name", r.name);
