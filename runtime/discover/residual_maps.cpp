@@ -268,18 +268,20 @@ SlowTime slow_time(const ResidualRows& rows) {
   return out;
 }
 
-/// Does the residual at equal y differ between v > 0 and v < 0?
-bool has_loop(const ResidualRows& rows) {
+/// Does the residual at equal y differ between v > 0 and v < 0? Fills loop and loop_share.
+void look_for_loop(const ResidualRows& rows, ResidualMaps& out) {
   const double limit = std::max(rows.y.cwiseAbs().maxCoeff(), 1e-300);
   std::vector<int> where;
   for (Index i = 0; i < rows.y.size(); ++i)
     where.push_back(bin_of(rows.y[i], -limit, limit, cells / 2) + (rows.v[i] > 0 ? cells / 2 : 0));
   const BinnedMap map = mean_map(rows, "side", where, VectorXd::Zero(cells));
+  double squares = 0;
   for (int k = 0; k < cells / 2; ++k) {
     const double apart = map.value[k + cells / 2] - map.value[k];
-    if (std::abs(apart) > std::hypot(map.level[k], map.level[k + cells / 2])) return true;
+    out.loop = out.loop || std::abs(apart) > std::hypot(map.level[k], map.level[k + cells / 2]);
+    if (std::isfinite(apart)) squares += (map.rows[k] + map.rows[k + cells / 2]) * std::pow(apart / 2, 2);
   }
-  return false;
+  out.loop_share = squares / std::max(rows.force.squaredNorm(), 1e-300);
 }
 
 }  // namespace
@@ -314,7 +316,7 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   out.maps.push_back(harmonic_map(rows));
   out.maps.push_back(frequency_map(rows, noise));
   out.slow = slow_time(rows);
-  out.loop = has_loop(rows);
+  look_for_loop(rows, out);
   out.above_noise = out.loop || out.slow.changes[0] || out.slow.changes[1] || out.slow.changes[2];
   for (const char* over : {"y", "v", "harmonic"}) out.above_noise = out.above_noise || out.map(over).any_above();
   out.sentence = sentence_of(out, rows);
