@@ -74,7 +74,8 @@ void add_simulate(CLI::App& app, Values& values) {
 }
 
 void add_thesis(CLI::App& app, Values& values) {
-  CLI::App* thesis = app.add_subcommand("thesis", "the thesis made again, with Lunid's answer beside the published one");
+  CLI::App* thesis =
+      app.add_subcommand("thesis", "the thesis made again, with Lunid's answer beside the published one");
   thesis->add_option("case", values.cases, "list | case1 | case2 ... | all (list)")->expected(0, -1);
   thesis->add_flag("--quick", values.quick, "fewer seeds, frequencies and draws");
   add_shared(thesis, values);

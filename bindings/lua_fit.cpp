@@ -24,8 +24,9 @@ std::vector<FitData> data_of(lua_State* L, int index, const System& system,
 /// Records of more noise count less: each by the noise of its first fitted channel beside that of the first record,
 /// within a factor of ten, beyond which it is the model's error that counts.
 void weigh(std::vector<FitData>& data, const FitOptions& options, const Model& model) {
-  const std::string channel = model.imposed_motion ? "F"
-                              : options.channels.empty() ? model.channel('y', 0) : options.channels.front();
+  const std::string channel = model.imposed_motion       ? "F"
+                              : options.channels.empty() ? model.channel('y', 0)
+                                                         : options.channels.front();
   const auto noise = [&](const FitData& d) { return d.record.has(channel) ? d.record.channel(channel).noise : 0; };
   for (FitData& d : data)
     if (noise(d) > 0 && noise(data.front()) > 0) d.weight = std::clamp(noise(data.front()) / noise(d), 0.1, 10.0);

@@ -30,6 +30,24 @@ function lunid.option(fields) end
 ---@return lunid.record
 function lunid.read(fields) end
 
+---A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger than memory. lunid.regress takes it as it takes a record, with the same result; what needs all rows at once does not. The file is looked through twice when it is opened, and read again for each pass of a regression.
+---@class lunid.stream.fields
+---@field path string # file, beside the study or from the current directory
+---@field time? string # header of the time column, with its unit: "t [ms]"
+---@field force? string # header of the force column: "load [kN]"
+---@field displacement? string # header of the displacement column: "y [mm]"
+---@field velocity? string # header of the velocity column
+---@field acceleration? string # header of the acceleration column
+---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
+---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
+---@field interval? number # the same as the time between rows
+---@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences with accuracy and step; others need the whole record
+---@field smooth? boolean # smooth measured y, v and a too (savitzky_golay)
+---@field window? lunid.window # part of the record to keep
+---@param fields lunid.stream.fields
+---@return lunid.stream
+function lunid.stream(fields) end
+
 ---A part of a record's time, from <= t <= to.
 ---@class lunid.window.fields
 ---@field from number # first time kept
@@ -1373,6 +1391,52 @@ function lunid.thesis_validation(fields) end
 ---@return lunid.discovery
 function lunid.discover(fields) end
 
+---Where a model fails: the force that it leaves unexplained along the smoothed measured motion, over time, displacement, velocity, the phase plane, amplitude, harmonic order, frequency and slow time, each with the level that noise of any colour stays below (95 %, over all bins at once).
+---@class lunid.locate.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field window? lunid.window # part of the records
+---@param fields lunid.locate.fields
+---@return lunid.location
+function lunid.locate(fields) end
+
+---Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the model's own parameters and first states can do. To first order: lunid.rank fits them.
+---@class lunid.propose.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field window? lunid.window # part of the records
+---@field catalogue? table # names of entries, any of `lunid list effects`; else those marked * there
+---@field effects? table # entries of your own, beside the catalogue
+---@param fields lunid.propose.fields
+---@return lunid.proposals
+function lunid.propose(fields) end
+
+---How given sets of effects compare: each is fitted with the baseline on the trajectory and judged by free runs over left-out blocks and by a likelihood with the noise's colour. The baseline takes part. Best left-out gap first.
+---@class lunid.rank.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field sets table # names, and lists of names for several effects at once
+---@field window? lunid.window # part of the records
+---@field effects? table # entries of your own, beside the catalogue
+---@field blocks? integer # left-out blocks of the records
+---@field criterion? function # function(row) of your own: false rejects a set, a number orders them, least first
+---@param fields lunid.rank.fields
+---@return lunid.ranking
+function lunid.rank(fields) end
+
+---The experiment that would tell rival models apart: of a small family of excitations (multisine, swept sine up and down, steps of amplitude, a low and a high level, offsets, steps, pull and release), each simulated with every rival, the one whose answers stay farthest apart, in standard deviations of the noise, when each rival may refit its parameters to the other's answer. Give models that have values, or a discovery.
+---@class lunid.design_experiment.fields
+---@field models? table # the rivals, each with values for all parameters
+---@field names? table # of the models; else model 1, model 2 ...
+---@field from? lunid.discovery # takes the model that it found and what its records cannot tell from it, else the best rival; limits, rate and noise of its records where they are not given
+---@field limits? lunid.table # what the machine can do: { force = largest [N], displacement = largest [m], frequency = { lowest, highest } [Hz] }
+---@field duration? number # else 16 periods of the lowest frequency
+---@field rate? number # else 20 rows in a period of the highest frequency
+---@field noise? number # standard deviation of the measured displacement's noise; of the force's where the motion is imposed
+---@param fields lunid.design_experiment.fields
+---@return lunid.experiment_design
+function lunid.design_experiment(fields) end
+
 ---Root of the mean squared error, in the unit of the columns.
 ---@param measured any # what was measured
 ---@param model any # what the model says, row by row
@@ -1555,5 +1619,23 @@ function lunid.compare(fields) end
 ---@param fields lunid.rank_features.fields
 ---@return lunid.feature_ranking
 function lunid.rank_features(fields) end
+
+---Several models of one system side by side: terms, the force along the measured motion, free runs over a test record. board:terms(), board:measures() are tables for lunid.report, board:figures() its figures, board:result(name) what results.json says of one model.
+---@class lunid.scoreboard.fields
+---@field models table # entries { name, model }
+---@field record any # training records
+---@field test lunid.record # for the free runs, which start from its first state
+---@field truth? lunid.model # where it is known: false terms are told
+---@field channel? string # the displacement that is compared
+---@param fields lunid.scoreboard.fields
+---@return lunid.scoreboard
+function lunid.scoreboard(fields) end
+
+---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
+---@class lunid.report.fields
+---@field title string # above the page
+---@param fields lunid.report.fields
+---@return lunid.report
+function lunid.report(fields) end
 
 return lunid
