@@ -34,18 +34,12 @@ end
 function driving.force_record(test, part, mass, from, to)
   local shaft, tip = driving.forces(test, mass)
   local whole = test.whole
+  if part == "combined" then
+    for i = 1, #shaft do shaft[i] = shaft[i] + tip[i] end
+  end
   return lunid.record { name = ("%s force of %s"):format(part, test.name), dt = whole.dt, channels = {
-    { "F", part == "shaft" and shaft or tip }, { "y", vibration(whole, "y") }, { "v", vibration(whole, "v") },
+    { "F", part == "tip" and tip or shaft }, { "y", vibration(whole, "y") }, { "v", vibration(whole, "v") },
     { "a", whole:column "a" } } }:window(from, to)
-end
-
---- A part of a test: the force that drives or is fitted, and the motion from its first row on.
-local function part_of(test, force, from, to)
-  local depth = test.whole:window(from, to):column("y")[1]
-  local moved = {}
-  for i, value in ipairs(test.gauges.y) do moved[i] = value - depth end
-  return lunid.record { name = test.name, dt = test.gauges.dt, channels = { { "F", force }, { "y", moved }, { "v", test.gauges.v },
-    { "a", test.gauges.a } } }:window(from, to)
 end
 
 --- Work per cycle of a force over rows of a test, by the trapezoidal rule.
