@@ -48,12 +48,14 @@ local function tip_model()
       + lunid.parameter { "cp", 100, min = 0, unit = "N s/m" }*v + lunid.parameter { "offset_t", -80, unit = "N" } }
 end
 
---- Fits both parts on windows of two tests together.
-local function fit_parts(tests, delay, from, to)
+--- Fits both parts on windows of two tests together, { from, to } each: an early and a late one, since the soil changes.
+local function fit_parts(tests, delay, windows)
   local shaft, tip = {}, {}
-  for i, test in ipairs { tests[1], tests[3] } do
-    shaft[i] = part_of(test, minus(test.gauges.head, test.gauges.tip), from, to, delay)
-    tip[i] = part_of(test, test.gauges.tip, from, to, delay)
+  for _, test in ipairs { tests[1], tests[3] } do
+    for _, window in ipairs(windows) do
+      shaft[#shaft + 1] = part_of(test, minus(test.gauges.head, test.gauges.tip), window[1], window[2], delay)
+      tip[#tip + 1] = part_of(test, test.gauges.tip, window[1], window[2], delay)
+    end
   end
   return lunid.fit_trajectory { model = shaft_model(), record = shaft }, lunid.fit_trajectory { model = tip_model(), record = tip }
 end
@@ -67,26 +69,26 @@ function soil.shaft_records(tests, best, from, to)
       local at = math.min(#gauges.t, k + best.delay)
       force[k] = gauges.head[at] - gauges.tip[at] - mass*(gauges.a[k] - g)
     end
-    records[i] = part_of(test, force, from, to)
+    local vibration = lunid.record { channels = { { "y", gauges.y } }, dt = gauges.dt }:filter { from = 5 }
+    records[i] = lunid.record { name = test.name, dt = gauges.dt, channels = { { "F", force }, { "y", vibration:column "y" }, { "v", gauges.v },
+      { "a", gauges.a } } }:window(from, to)
   end
   return records
 end
 
---- mb, mt, delay and Smith's elements; the models that compete.
-function soil.identify(report, tests, quick)
-  local from, to = 3, quick and 4 or 6
-  local best, rows
-  rows = {}
+--- mb, mt, delay and Smith's elements, by the delay of least error; with a report, a table of all delays.
+function soil.identify(report, tests, windows)
+  local best, rows = nil, {}
   for delay = 0, 3 do
-    local shaft, tip = fit_parts(tests, delay, from, to)
+    local shaft, tip = fit_parts(tests, delay, windows)
     local cost = shaft.summary.cost + tip.summary.cost
     if not best or cost < best.cost then best = { shaft = shaft, tip = tip, cost = cost, delay = delay } end
     local p = shaft.model.parameters
     rows[delay + 1] = { delay, shaft.summary.rmse, tip.summary.rmse, ("%.4g +- %.2g"):format(p.mb.value, p.mb.std or 0/0),
       ("%.3g"):format(p.Rs.value), ("%.3g"):format(1e3*p.qs.value), ("%.3g"):format(p.Js.value) }
   end
-  report:table { head = { "delay of the gauges [samples]", "shaft RMSE [N]", "tip RMSE [N]", "mb [kg]", "Rs [N]", "quake [mm]", "J [s/m]" }, rows = rows,
-    caption = "mb*a + Smith's shaft element + offset = Fh - Gt on tests 1 and 3 together: the least error gives delay and mass between the gauges" }
+  if report then report:table { head = { "delay of the gauges [samples]", "shaft RMSE [N]", "tip RMSE [N]", "mb [kg]", "Rs [N]", "quake [mm]", "J [s/m]" }, rows = rows,
+    caption = "mb*a + Smith's shaft element + offset = Fh - Gt on tests 1 and 3 together: the least error gives delay and mass between the gauges" } end
   return best
 end
 
@@ -185,6 +187,39 @@ function soil.loops(report, free, test)
     series { record:column "t", record:column "y", label = "free run", role = "final", style = "dashed" } } }, "Penetration in the sealed test")
 end
 
+--- A row for one soil: identified from its tests 1 and 3, run freely on its last one.
+function soil.of_soil(number, tests, cells)
+  local best = soil.identify(nil, tests, { { 3, 3.5 }, { 9, 9.5 } })
+  local free = soil.run_freely(best, soil.assembled(best), tests[4], 2, 10)
+  local name = ("%d (delay %d, mb %.1f kg)"):format(number, best.delay, best.shaft.model.parameters.mb.value)
+  if not free.completed then return { name .. (", stops at %.3g s"):format(free.stopped_at) } end
+  return cells(name, free.shaft, free.tip, free.rate/free.true_rate)
+end
+
+--- The model under three pure harmonics of the head's force (figures 3.24 to 3.26): amplitudes of both forces.
+function soil.frequencies(best, model, test)
+  local amplitude = test.whole:window(4, 8):column("F"):std()*math.sqrt(2)
+  local mean = -(best.shaft.model.parameters.offset_s.value + best.tip.model.parameters.offset_t.value)
+  local rows = {}
+  for i, frequency in ipairs { 20, 40, 80 } do
+    local run = lunid.simulate { model = model, duration = 4, dt = 0.00125,
+      excitation = amplitude*lunid.sin(2*math.pi*frequency*lunid.time) - mean + 300 }
+    local record = run:record()
+    local late = record:window(3, record.start + record.duration)
+    rows[i] = { frequency, run.summary.completed and "runs" or "stops", 500*(late:column("y"):max() - late:column("y"):min()) }
+    for _, part in ipairs { "shaft", "tip" } do
+      local force, inertia = best[part].model:force(late):list(), best[part].model.parameters[part == "shaft" and "mb" or "mt"].value
+      for k = 1, #force do force[k] = force[k] - inertia*late:column("a")[k] end
+      local low, high = math.huge, -math.huge
+      for _, value in ipairs(force) do low, high = math.min(low, value), math.max(high, value) end
+      rows[i][#rows[i] + 1] = (high - low)/2
+    end
+  end
+  return { head = { "frequency [Hz]", "", "amplitude [mm]", "shaft force [N]", "tip force [N]" }, rows = rows,
+    caption = ("Three harmonics of %.0f N: a vibration of more than the quake slips, so that the shaft's amplitude hardly depends on frequency, "
+      .. "and what depends on it is the motion"):format(amplitude) }
+end
+
 --- What a rival gives along the measured motion of a test: a list of forces, scored as a free run is.
 function soil.score_along(test, force, part, from, to)
   local first, last = math.floor(from/test.gauges.dt + 0.5) + 1, math.floor(to/test.gauges.dt + 0.5)
@@ -202,7 +237,8 @@ function soil.rivals(tests, test, best, fits, from, to)
     local gauges, out = which.gauges, {}
     for k = 1, #gauges.t do
       local at = math.min(#gauges.t, k + best.delay)
-      out[k] = part == "tip" and gauges.tip[at] or gauges.head[at] - gauges.tip[at] - best.shaft.model.parameters.mb.value*gauges.a[k]
+      out[k] = part == "tip" and gauges.tip[at] - best.tip.model.parameters.mt.value*gauges.a[k]
+        or gauges.head[at] - gauges.tip[at] - best.shaft.model.parameters.mb.value*gauges.a[k]
     end
     return out
   end
