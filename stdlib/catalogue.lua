@@ -19,12 +19,15 @@ catalogue.names = {
   "depth_resistance", "crane_lowering",
   "added_mass", "velocity_dependent_mass", "displacement_dependent_mass", "stiffness_drift", "damping_drift",
   "parametric_stiffness", "hidden_mode",
-  "missing_harmonic", "base_motion",
+  "missing_harmonic", "base_motion", "rotating_unbalance", "force_gain",
+  "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping",
 }
 
 -- Those that discovery tries where a study names none.
 catalogue.searched = { "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "clearance", "one_sided_stop",
-  "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen" }
+  "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen",
+  "missing_harmonic", "base_motion", "rotating_unbalance", "force_gain",
+  "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping" }
 
 local loaded = {}
 

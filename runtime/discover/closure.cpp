@@ -79,7 +79,7 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
       const auto run =
           simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation, x0, options);
       if (!run.run.summary.completed) return false;
-      jacobian = run.dy().leftCols(all + fitted.size());
+      jacobian = shown_slopes(system, {theta.data(), static_cast<std::size_t>(all)}, run).leftCols(all + fitted.size());
     }
     if (!jacobian.allFinite()) return false;
     Eigen::VectorXd column;

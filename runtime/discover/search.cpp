@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -85,16 +87,24 @@ class Search {
     return a == b;
   }
 
-  std::vector<Guess> guesses_of(const Choice& choice, double residual_std) {
+  /// What the study and a model's misfit tell an entry that guesses.
+  RecordScales scales_beside(const Candidate& parent) const {
+    RecordScales s = scales(study_, residual_force(parent));
+    s.lines = residual_lines(study_, parent);
+    return s;
+  }
+
+  static std::vector<Guess> guesses_of(const Choice& choice, const RecordScales& scales) {
     if (!choice.effect->guess) return {};
-    return choice.effect->guess(scales(study_, residual_std), choice.variant);
+    return choice.effect->guess(scales, choice.variant);
   }
 
   std::vector<Candidate> grow(const std::vector<Candidate>& parents, int size) {
     std::vector<Candidate> level;
     std::vector<const Candidate*> parent_of;
     std::vector<std::vector<Guess>> guesses;
-    for (const auto& parent : parents)
+    for (const auto& parent : parents) {
+      const RecordScales known = scales_beside(parent);
       for (const auto& effect : catalogue_)
         for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
           if (holds(parent.choices, &effect)) continue;
@@ -104,9 +114,10 @@ class Search {
             continue;
           level.push_back(compile(study_, model_, set));
           parent_of.push_back(&parent);
-          guesses.push_back(guesses_of({&effect, variant}, residual_force(parent)));
+          guesses.push_back(guesses_of({&effect, variant}, known));
           result_.tried += std::max<int>(1, static_cast<int>(guesses.back().size()));
         }
+    }
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
       find_starts(study_, level[k], parent_of[k]->fit.theta, {guesses[k]});
@@ -147,6 +158,7 @@ class Search {
 
   /// False when the new parameters' force is a combination of the others' on this record (rank).
   bool shows(const Candidate& candidate, const Candidate& parent) const {
+    if (!candidate.seen_by_force) return true;  // a sensor's fault that only the trajectory shows
     const Eigen::Index before = parent.parameters(), p = candidate.parameters();
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
     const Eigen::VectorXd& theta = candidate.starts.front();
@@ -223,9 +235,17 @@ class Search {
     choose(field);
   }
 
+  /// The error on the trajectory with Schwarz' price of a parameter: to choose whom to hear.
+  static double priced(const Candidate& c) {
+    const auto n = static_cast<double>(c.fit.rows);
+    return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
+  }
+
   /// The best sets of each size, few enough to be judged.
-  std::vector<Candidate> contenders() const {
+  std::vector<Candidate> contenders() {
     std::vector<Candidate> field;
+    std::stable_sort(all_.begin(), all_.end(),
+                     [](const Candidate& a, const Candidate& b) { return priced(a) < priced(b); });
     for (int size = 1; size <= study_.options->max_effects; ++size) {
       int taken = 0;
       for (const auto& c : all_)
@@ -233,6 +253,13 @@ class Search {
           field.push_back(c);
           ++taken;
         }
+      // Faults of sensors and of the input are heard whatever physics does better.
+      const auto fault = std::find_if(all_.begin(), all_.end(), [&](const Candidate& c) {
+        return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
+      });
+      if (fault != all_.end() &&
+          std::none_of(field.begin(), field.end(), [&](const Candidate& c) { return same(c.choices, fault->choices); }))
+        field.push_back(*fault);
     }
     return field;
   }
@@ -253,11 +280,12 @@ class Search {
     std::vector<std::size_t> alike;
     for (std::size_t i = 0; i < field.size(); ++i)
       if (i == 0 || not_rejected(field[i], best)) alike.push_back(i);
-    // The simplest member that is not rejected; among equals the likelier.
-    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) {
-      return std::make_pair(field[a].parameters(), field[a].choices.size()) <
-             std::make_pair(field[b].parameters(), field[b].choices.size());
-    });
+    // The simplest member that is not rejected; among equals a faulty sensor or input before physics, then the
+    // likelier.
+    const auto order = [&](std::size_t i) {
+      return std::make_tuple(field[i].parameters(), field[i].choices.size(), physics_in(field[i].choices));
+    };
+    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
     std::size_t pick = alike.front();
     prune(field, pick);
     Candidate chosen = field[pick];
@@ -331,7 +359,7 @@ class Search {
       if (same(c.choices, set)) return c;
     Candidate c = compile(study_, model_, set);
     std::vector<std::vector<Guess>> guesses;
-    for (const auto& choice : set) guesses.push_back(guesses_of(choice, residual_force(result_.baseline)));
+    for (const auto& choice : set) guesses.push_back(guesses_of(choice, scales_beside(result_.baseline)));
     find_starts(study_, c, result_.baseline.fit.theta, guesses);
     if (!c.starts.empty()) fit_candidate(c, result_.baseline);
     judge(study_, c, result_.whitening);
