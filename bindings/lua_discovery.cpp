@@ -1,22 +1,15 @@
 // Discovery: the catalogue's entries cross from Lua as data plus a guess function; the result goes back whole.
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "discover/discover.hpp"
+#include "discovery.hpp"
 #include "expr/external.hpp"
+#include "progress.hpp"
 #include "runtime.hpp"
-#include "types.hpp"
 
 namespace lunid::lua {
-
-template <>
-struct Bound<Discovery> {
-  static constexpr const char* key = "lunid.discovery";
-  static constexpr const char* words = "a discovery";
-};
 
 namespace {
 
@@ -190,13 +183,23 @@ Effect read_effect(lua_State* L) {
   return effect;
 }
 
-template <class Body>
-void each_record(lua_State* L, int index, Body body) {
+}  // namespace
+
+std::vector<Effect> read_catalogue(lua_State* L, int index) {
+  std::vector<Effect> catalogue;
   check_table(L, index);
-  for_each(L, index, [&](lua_Integer) { body(check<Record>(L, -1)); });
+  for_each(L, index, [&](lua_Integer) { catalogue.push_back(read_effect(L)); });
+  return catalogue;
 }
 
-DiscoverOptions read_options(lua_State* L, int index) {
+std::vector<Record> read_records(lua_State* L, int index) {
+  std::vector<Record> records;
+  check_table(L, index);
+  for_each(L, index, [&](lua_Integer) { records.push_back(check<Record>(L, -1)); });
+  return records;
+}
+
+DiscoverOptions read_discover_options(lua_State* L, int index) {
   DiscoverOptions options;
   options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
   options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
@@ -208,40 +211,47 @@ DiscoverOptions read_options(lua_State* L, int index) {
   for (const FunctionPtr& function : runtime(L).pool()->functions())
     if (!function->thread_safe()) options.threads = 1;
   options.cancelled = &runtime(L).cancelled();
-  if (isatty(STDERR_FILENO)) {
-    options.progress = [](const std::string& stage, double fraction) {
-      std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * fraction, stage.c_str());
-    };
-  }
+  if (on_terminal()) options.progress = show_progress;
   return options;
-}
-
-/// Wipes the progress line, also when the discovery throws.
-struct ProgressLine {
-  ~ProgressLine() {
-    if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
-  }
-};
-
-/// discover(model, {effects}, {train records}, {test records}, options)
-int run_discovery(lua_State* L) {
-  const Model& model = check<Model>(L, 1);
-  std::vector<Effect> catalogue;
-  check_table(L, 2);
-  for_each(L, 2, [&](lua_Integer) { catalogue.push_back(read_effect(L)); });
-  std::vector<Record> train, test;
-  each_record(L, 3, [&](const Record& record) { train.push_back(record); });
-  each_record(L, 4, [&](const Record& record) { test.push_back(record); });
-  check_table(L, 5);
-  const DiscoverOptions options = read_options(L, 5);
-  const ProgressLine line;
-  push<Discovery>(L, discover(model, catalogue, train, test, options));
-  return 1;
 }
 
 void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values) {
   push_column(L, values);
   lua_setfield(L, -2, field);
+}
+
+void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
+  lua_newtable(L);
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    push_column(L, values.col(j));
+    lua_rawseti(L, -2, j + 1);
+  }
+  lua_setfield(L, -2, field);
+}
+
+void set_text(lua_State* L, const char* field, const std::string& text) {
+  push_text(L, text);
+  lua_setfield(L, -2, field);
+}
+
+void set_number(lua_State* L, const char* field, double value) {
+  if (!std::isfinite(value)) return;
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, field);
+}
+
+namespace {
+
+/// discover(model, {effects}, {train records}, {test records}, options)
+int run_discovery(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  const std::vector<Effect> catalogue = read_catalogue(L, 2);
+  const std::vector<Record> train = read_records(L, 3), test = read_records(L, 4);
+  check_table(L, 5);
+  const DiscoverOptions options = read_discover_options(L, 5);
+  const ProgressLine line;
+  push<Discovery>(L, discover(model, catalogue, train, test, options));
+  return 1;
 }
 
 void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) {
@@ -266,16 +276,6 @@ void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) 
   }
 }
 
-/// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.
-void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
-  lua_newtable(L);
-  for (Eigen::Index j = 0; j < values.cols(); ++j) {
-    push_column(L, values.col(j));
-    lua_rawseti(L, -2, j + 1);
-  }
-  lua_setfield(L, -2, field);
-}
-
 void push_map(lua_State* L, const ResidualMap& map) {
   lua_newtable(L);
   set_column(L, "y", map.y);
@@ -283,6 +283,33 @@ void push_map(lua_State* L, const ResidualMap& map) {
   set_rows(L, "before", map.before);
   set_rows(L, "after", map.after);
   set_rows(L, "count", map.count);
+}
+
+/// { { name =, gap =, remark =, model = } }: sets of effects that were not named, as they were fitted.
+void push_rivals(lua_State* L, const Discovery& found) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Rival& rival : found.rivals) {
+    lua_newtable(L);
+    set_text(L, "name", rival.name);
+    set_number(L, "gap", rival.gap);
+    set_text(L, "remark", rival.remark);
+    push<Model>(L, rival.model);
+    lua_setfield(L, -2, "model");
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+/// What lunid.design_experiment takes where a study says nothing else.
+void push_options(lua_State* L, const ExperimentOptions& o) {
+  lua_newtable(L);
+  set_number(L, "force", o.limits.force);
+  set_number(L, "displacement", o.limits.displacement);
+  set_number(L, "from", o.limits.from);
+  set_number(L, "to", o.limits.to);
+  set_number(L, "duration", o.duration);
+  set_number(L, "rate", o.rate);
+  set_number(L, "noise", o.noise);
 }
 
 /// discovery.json, without the time that it took: the same run gives the same bits.
@@ -314,6 +341,15 @@ int get(lua_State* L) {
     push_comparisons(L, found.comparisons);
   else if (key == "map")
     push_map(L, found.map);
+  else if (key == "rivals")
+    push_rivals(L, found);
+  else if (key == "designed") {
+    if (found.experiment.empty())
+      lua_pushnil(L);
+    else
+      push_design(L, found.experiment);
+  } else if (key == "same_experiment")
+    push_options(L, found.same_experiment);
   else if (key == "effects" || key == "warnings") {
     const auto data = to_json(found);
     push_json(L, data.value(key, nlohmann::json::array()));
@@ -322,8 +358,8 @@ int get(lua_State* L) {
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
       throw InputError("a discovery has no '" + key +
-                       "' (fields: verdict sentence model baseline effects warnings data json seconds comparisons map; "
-                       "methods: save)");
+                       "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json "
+                       "seconds comparisons map; methods: save next_experiment)");
     }
   }
   return 1;

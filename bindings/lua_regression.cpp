@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <optional>
 
+#include "progress.hpp"
 #include "runtime.hpp"
+#include "stream.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -281,9 +283,7 @@ std::string lag_in(const Regression& result) {
 /// regress({records}, {features=, places=, mass=, known=, constraints=, groups=, passive=, form=, solver=, blocks=,
 /// bootstrap=})
 int run(lua_State* L) {
-  std::vector<Record> records;
-  check_table(L, 1);
-  for_each(L, 1, [&](lua_Integer) { records.push_back(check<Record>(L, -1)); });
+  const std::vector<Stream> records = check_streams(L, 1);
   check_table(L, 2);
   RegressOptions options;
   options.threads = runtime(L).threads;
@@ -315,6 +315,7 @@ int run(lua_State* L) {
   with_field(L, 2, "solver", [&] { options.solver = read_solver(L, options.seed); });
   with_field(L, 2, "objective", [&] { options.objective.mean_force = number_field(L, -1, "mean_force").value_or(0); });
   with_field(L, 2, "search", [&] { options.search = read_search(L, options.seed); });
+  const ProgressLine line;
   SolvedRegression solved{regress(records, options), declared, {}, {}};
   with_field(L, 2, "notes",
              [&] { for_each(L, -1, [&](lua_Integer) { solved.result.warnings.push_back(check_string(L, -1)); }); });
@@ -419,6 +420,22 @@ void push_steps(lua_State* L, const Fit& fit) {
   }
 }
 
+/// List of {lambda=, coefficients = column, rmse=, cv_rmse=, cv_std=}: the path of a lasso.
+void push_path(lua_State* L, const std::vector<PathPoint>& path) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const PathPoint& point : path) {
+    lua_newtable(L);
+    set_number(L, "lambda", point.lambda);
+    push_column(L, point.coefficients);
+    lua_setfield(L, -2, "coefficients");
+    set_number(L, "rmse", point.rmse);
+    set_number(L, "cv_rmse", point.cv_rmse);
+    set_number(L, "cv_std", point.cv_std);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
 void push_covariance(lua_State* L, const Fit& fit) {
   lua_newtable(L);
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
@@ -484,6 +501,8 @@ int get(lua_State* L) {
     push_covariance(L, result.fit);
   else if (key == "steps")
     push_steps(L, result.fit);
+  else if (key == "path")
+    push_path(L, result.path);
   else if (key == "outliers")
     push_outliers(L, result.outliers);
   else if (key == "passivity")
@@ -511,9 +530,10 @@ int get(lua_State* L) {
   else if (key == "windows")
     push_texts(L, result.windows, itself);
   else {
-    throw InputError("a regression has no '" + key +
-                     "' (fields: model restoring terms implicit r2 rmse mode form condition covariance interval solver "
-                     "stopped converged iterations kkt steps active unexcited outliers passivity warnings windows)");
+    throw InputError(
+        "a regression has no '" + key +
+        "' (fields: model restoring terms implicit r2 rmse mode form condition covariance interval solver "
+        "stopped converged iterations kkt steps path active unexcited outliers passivity warnings windows)");
   }
   return 1;
 }

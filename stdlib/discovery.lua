@@ -106,5 +106,11 @@ core.add_method("lunid.discovery", "save", function(found, folder)
   return discovery.save(found, folder)
 end)
 
+--- What would decide an ambiguous verdict, as lunid.design_experiment gives it; nil of any other.
+core.add_method("lunid.discovery", "next_experiment", function(found)
+  local design = found.designed
+  return design and require("lunid.experiment").wrap(design) or nil
+end)
+
 discovery.public = { discover = discover }
 return discovery

@@ -250,6 +250,16 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
 }
 
+Model fitted(const Candidate& c) {
+  Model model = c.system->model();
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    model.parameters[i].value = c.fit.theta[k];
+    model.parameters[i].std = c.fit.covariance.rows() > k ? std::sqrt(std::max(0.0, c.fit.covariance(k, k))) : NAN;
+  }
+  return model;
+}
+
 void fit(const Study& study, Candidate& candidate, const FitOptions& options) {
   candidate.fit = fit_progressively(*candidate.system, candidate.starts.front(), study.train, options);
 }

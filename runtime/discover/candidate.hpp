@@ -53,6 +53,9 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
 void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
                  const std::vector<std::vector<Guess>>& guesses);
 
+/// The model with the values of its fit and their standard deviations.
+Model fitted(const Candidate& candidate);
+
 /// Fits on the trajectory from the best start, short free runs first.
 void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 

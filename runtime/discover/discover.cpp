@@ -7,6 +7,8 @@
 #include "discover/closure.hpp"
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
+#include "discover/naming.hpp"
+#include "discover/removable.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
 #include "statistics/statistics.hpp"
@@ -347,16 +349,6 @@ class Spine {
     return out;
   }
 
-  static Model fitted(const Candidate& c) {
-    Model model = c.system->model();
-    for (std::size_t i = 0; i < model.parameters.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      model.parameters[i].value = c.fit.theta[k];
-      model.parameters[i].std = c.fit.covariance.rows() > k ? std::sqrt(std::max(0.0, c.fit.covariance(k, k))) : NAN;
-    }
-    return model;
-  }
-
   // ---- show ----
   void show(SearchResult& found) {
     out_.baseline = fitted(found.baseline);
@@ -365,7 +357,7 @@ class Spine {
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             improvement_p_value(found.baseline, c), found.remarks[i]});
+                             improvement_p_value(found.baseline, c), found.remarks[i], fitted(c)});
     }
     if (!found.left_aside.empty()) {
       std::string list;
@@ -374,6 +366,12 @@ class Spine {
     }
     if (!untested_.empty()) out_.warnings.push_back(untested_);
     check_bounds(found.chosen);
+    out_.removable = removable_terms(out_.baseline, found.chosen);
+    if (!found.chosen.choices.empty()) {
+      progress("name again on resampled blocks", 0.96);
+      out_.naming = bootstrap_naming(study_, found);
+    }
+    design_next(found);
     check_by_sundials(found.chosen);
     for (const auto& r : study_.full)
       out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
@@ -388,6 +386,25 @@ class Spine {
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
     out_.sentence = sentence(found);
+  }
+
+  /// What would tell an ambiguous class apart, within the force, displacement and band that these records had.
+  void design_next(const SearchResult& found) {
+    const ExperimentOptions options = same_experiment(study_);
+    out_.same_experiment = options;
+    out_.same_experiment.cancelled = nullptr;  // it outlives the run
+    const bool driven = study_.imposed || options.limits.force > 0;
+    if (out_.verdict != "ambiguous" || !driven) return;
+    progress("design the experiment that would decide", 0.97);
+    std::vector<Model> models{out_.final};
+    std::vector<std::string> names{found.chosen.name()};
+    for (const Rival& rival : out_.rivals) {
+      if (std::find(found.ties.begin(), found.ties.end(), rival.name) == found.ties.end()) continue;
+      models.push_back(rival.model);
+      names.push_back(rival.name);
+    }
+    if (models.size() > 1) out_.experiment = design_experiment(models, names, options);
+    out_.experiment.options.cancelled = nullptr;
   }
 
   void check_bounds(const Candidate& c) {
@@ -450,7 +467,11 @@ class Spine {
                             : names;
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
-      return out + text + (left_.material ? "; a small repeatable force is left (" + left_.closure.shape + ")" : "");
+      if (left_.material)
+        out += std::string(text) + "; a small repeatable force is left (" + left_.closure.shape + ")";
+      else
+        out += text;
+      return out_.experiment.empty() ? out : out + ". To tell: " + sentence_of(out_.experiment);
     }
     if (out_.verdict == "nothing-missing") {
       std::snprintf(text, sizeof text,
@@ -496,9 +517,6 @@ void validate(const DiscoverOptions& o) {
   if (o.threads < 0) refuse("threads", ">= 0", o.threads);
 }
 
-namespace {
-
-/// What discovery can look at: one coordinate, driven by F alone and at once.
 void check_baseline(const Model& given) {
   const Model baseline = complete(given);
   if (baseline.degrees() > 1)
@@ -509,8 +527,6 @@ void check_baseline(const Model& given) {
       throw InputError("discover: a baseline driven by " + input +
                        " is not looked at: use relative displacements and F = -m*ab");
 }
-
-}  // namespace
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options) {

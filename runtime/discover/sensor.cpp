@@ -206,7 +206,9 @@ double flat_share(const Eigen::VectorXd& y) {
 double partial_share(const Eigen::MatrixXd& known, const Eigen::MatrixXd& wanted, const Eigen::VectorXd& residual) {
   Eigen::MatrixXd all(known.rows(), known.cols() + wanted.cols());
   all << known, wanted;
-  const auto left = [&](const Eigen::MatrixXd& a) { return (residual - a * a.colPivHouseholderQr().solve(residual)).squaredNorm(); };
+  const auto left = [&](const Eigen::MatrixXd& a) {
+    return (residual - a * a.colPivHouseholderQr().solve(residual)).squaredNorm();
+  };
   const double before = left(known);
   return before > 0 ? 1 - left(all) / before : 0;
 }
@@ -233,8 +235,7 @@ double lag_share(const Study& study, const Candidate& baseline, std::size_t inde
       column(smooth, "F") -
       imposed_force(*baseline.force_system,
                     {baseline.fit.theta.data(), static_cast<std::size_t>(baseline.fit.theta.size())}, smooth);
-  const Eigen::VectorXd jerk =
-      savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study.train[index].record));
+  const Eigen::VectorXd jerk = savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study.train[index].record));
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (study.force[index].use[static_cast<std::size_t>(i)] && std::isfinite(force[i])) rows.push_back(i);

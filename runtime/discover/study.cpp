@@ -264,4 +264,29 @@ RecordScales scales(const Study& study, double residual_std) {
   return s;
 }
 
+ExperimentOptions same_experiment(const Study& study) {
+  ExperimentOptions out;
+  out.limits.displacement = 0;
+  double time = 0, dt = INFINITY;
+  for (const auto& data : study.train) {
+    const auto y = as_vector(data.record["y"]), f = as_vector(data.record["F"]);
+    out.limits.displacement = std::max(out.limits.displacement, y.cwiseAbs().maxCoeff());
+    out.limits.force = std::max(out.limits.force, f.cwiseAbs().maxCoeff());
+    time = std::max(time, data.record.duration());
+    dt = std::min(dt, data.record.dt());
+  }
+  const double middle = std::max(study.omega / (2 * M_PI), 5 / time);
+  out.rate = 1 / dt;
+  out.limits.to = std::min(std::max(2.5 * middle, 2 * upper_frequency(study) / (2 * M_PI)), out.rate / 8);
+  out.limits.from = std::min(0.25 * middle, 0.5 * out.limits.to);
+  // as long as the record, but with no more rows than a design needs
+  constexpr double most_rows = 6000;
+  out.duration = std::max(std::min(time, most_rows * dt), 5 / out.limits.from);
+  out.noise = std::max(study.sensor_noise(), 1e-6 * study.measured_std());
+  out.seed = study.options->seed;
+  out.threads = study.options->threads;
+  out.cancelled = study.options->cancelled;
+  return out;
+}
+
 }  // namespace lunid

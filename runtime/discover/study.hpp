@@ -50,4 +50,7 @@ double upper_frequency(const Study& study);
 
 RecordScales scales(const Study& study, double residual_std);
 
+/// An experiment like the study's: its largest force and displacement, its band, rate, time and noise.
+ExperimentOptions same_experiment(const Study& study);
+
 }  // namespace lunid

@@ -22,7 +22,10 @@ Line line_in(Pool& pool, Expr f, Expr x) {
 
 Expr sum(Expr a, Expr b) { return a.is_constant(0) ? b : b.is_constant(0) ? a : a + b; }
 Expr product(Expr a, Expr b) {
-  return a.is_constant(0) || b.is_constant(0) ? a.pool().constant(0) : a.is_constant(1) ? b : b.is_constant(1) ? a : a * b;
+  return a.is_constant(0) || b.is_constant(0) ? a.pool().constant(0)
+         : a.is_constant(1)                   ? b
+         : b.is_constant(1)                   ? a
+                                              : a * b;
 }
 
 Line undone_displacement(const Model& model) {

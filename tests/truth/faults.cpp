@@ -34,7 +34,8 @@ std::vector<double> every(const std::vector<double>& x, int step) {
 double deviation(const std::vector<double>& x) {
   double sum = 0, squares = 0;
   for (const double v : x) sum += v;
-  for (const double v : x) squares += (v - sum / static_cast<double>(x.size())) * (v - sum / static_cast<double>(x.size()));
+  for (const double v : x)
+    squares += (v - sum / static_cast<double>(x.size())) * (v - sum / static_cast<double>(x.size()));
   return std::sqrt(squares / static_cast<double>(x.size()));
 }
 
@@ -54,7 +55,9 @@ struct Signals {
 };
 
 /// The recorded force, what acts beside it, and what a further channel shows.
-Signals signals_of(const Fault& fault, const Signal& drive, std::uint64_t seed) {
+Signals signals_of(const Fault& given, const Signal& drive, std::uint64_t seed, double share) {
+  Fault fault = given;
+  for (double* size : {&fault.harmonic, &fault.unbalance, &fault.base}) *size *= share;
   const Signal still = none();
   if (fault.harmonic > 0)
     return {drive, [h = fault.harmonic](double tau) { return h * std::cos(0.83 * tau + 0.4); }, still};
@@ -93,18 +96,20 @@ void spoil_displacement(const Fault& fault, const Scale& scale, std::vector<doub
   }
 }
 
+/// `share`: of the hidden force that belongs to the level 1; `level` gets that of the excitation.
 FaultyColumns make_one(const Fault& fault, const Scale& scale, const Signal& drive, double wanted,
-                       const RecordOptions& options) {
+                       const RecordOptions& options, double share, double& level) {
   Scale fine = scale;
   fine.samples *= finer;
   RecordOptions clean = options;
   clean.rows = options.rows * finer;
   clean.substeps = std::max(1, options.substeps / finer);
-  const Signals signals = signals_of(fault, drive, options.seed);
+  const Signals signals = signals_of(fault, drive, options.seed, share);
   const Signal total = [signals](double tau) { return signals.recorded(tau) + signals.hidden(tau); };
   Columns columns = make_record(fault.physics, fine, total, wanted, clean);
-  const double spacing = fine.omega() * fine.dt(), first = spacing * static_cast<double>(std::lround(warm_up / spacing));
-  const double level = level_of(columns, total, first, spacing, scale.force());
+  const double spacing = fine.omega() * fine.dt(),
+               first = spacing * static_cast<double>(std::lround(warm_up / spacing));
+  level = level_of(columns, total, first, spacing, scale.force());
   FaultyColumns out;
   for (std::size_t i = 0; i < columns.clean_F.size(); ++i) {
     const double tau = first + spacing * static_cast<double>(i);
@@ -174,8 +179,15 @@ FaultyRecords make_faulty(const Fault& fault, const Scale& scale, const RecordOp
   RecordOptions second = options;
   second.seed = options.seed + 1000003;
   FaultyRecords out;
-  out.train = make_one(fault, scale, multisine(0.15, 2.2, 40, options.seed), 1.0, options);
-  out.test = make_one(fault, scale, chirp(0.3, 2.0, duration), 0.8, second);
+  double first = 1, level = 1;
+  out.train = make_one(fault, scale, multisine(0.15, 2.2, 40, options.seed), 1.0, options, 1, first);
+  // What shakes the mass beside the force is as strong in the test, whatever the level of the excitation there.
+  const bool beside = fault.harmonic > 0 || fault.unbalance > 0 || fault.base > 0;
+  double share = 1;
+  for (int pass = 0; pass < (beside ? 6 : 1); ++pass) {
+    out.test = make_one(fault, scale, chirp(0.3, 2.0, duration), 0.8, second, share, level);
+    share = first / level;
+  }
   out.baseline = fault.baseline;
   if (fault.stiffness_known) {
     char known[40];
