@@ -80,6 +80,9 @@ spec.case("special cases are the general entries at those values", function()
     assert(error < (tolerance or fine), ("%s and %s: %.1e of the motion apart"):format(one, other, error))
     tested[one .. " " .. other] = true
   end
+  local offset, drift = effects.displacement_offset { b = 0.004 }, effects.sensor_drift { b = 0.004, d = 0, q = 0 }
+  spec.equal(offset.y:at { y = 0.3 }, drift.y:at { y = 0.3, t = 7 })  -- what a sensor shows of any motion
+  tested["displacement_offset sensor_drift"] = true
   for _, name in ipairs(names) do
     for _, other in ipairs(effects[name].special_case_of) do
       assert(tested[name .. " " .. other], ("%s in %s is not tested"):format(name, other))
