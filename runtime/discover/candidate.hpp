@@ -37,6 +37,8 @@ struct Candidate {
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
+  /// Parameters and first values of internal states: all that a fit may use to explain noise.
+  int unknowns() const { return parameters() + system->states() - 2 * system->degrees(); }
   bool ran() const { return std::isfinite(fit.cost); }
   /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit.
   bool degenerate() const;

@@ -247,6 +247,7 @@ class Spine {
     found.chosen = found.baseline;
     found.steps.clear();
     found.ties.clear();
+    found.aliases.clear();
   }
 
   std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records) const {
@@ -332,7 +333,10 @@ class Spine {
       named.gap_train = pool_gap(runs(model, train), share).value;
       named.gap_test = pool_gap(runs(model, study_.test), share).value;
       named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
-      if (i + 1 == found.steps.size()) named.indistinguishable = found.ties;
+      if (i + 1 == found.steps.size()) {
+        named.indistinguishable = found.ties;
+        named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
+      }
       out_.effects.push_back(std::move(named));
     }
   }
@@ -362,7 +366,7 @@ class Spine {
     if (!found.left_aside.empty()) {
       std::string list;
       for (const auto& name : found.left_aside) list += (list.empty() ? "" : ", ") + name;
-      out_.warnings.push_back("not tried, since beside the baseline's own terms this record cannot show them: " + list);
+      out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
     }
     if (!untested_.empty()) out_.warnings.push_back(untested_);
     check_bounds(found.chosen);

@@ -57,6 +57,21 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
   out.input_squares = input_noise_squares(study, system, theta, data, state.x0, run, out.lead, options);
 }
 
+/// How far internal states are from where they start, over the whole record: what a lead-in may find them to be.
+Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                                 const SimulateOptions& options) {
+  const Eigen::Index own = 2 * system.degrees();
+  if (system.states() == own) return {};
+  const Eigen::VectorXd start = measured_state(system, data.record, 0);
+  const Run run =
+      simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, start, options);
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(system.states());
+  if (!run.summary.completed) return spread;
+  for (Eigen::Index i = own; i < spread.size(); ++i)
+    spread[i] = std::sqrt((run.x.col(i).array() - start[i]).square().mean());
+  return spread;
+}
+
 void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
   out.model = imposed_force(system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
   const double noise = record.channel("F").noise;
@@ -81,12 +96,13 @@ FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd
     force_run(system, theta, record, out);
   } else {
     const FitData data = fit_data(study, record);
-    const StateEstimate state = estimate_state(system, theta, data, 0, out.lead, substeps);
     SimulateOptions options;
     options.solver = Solver::fixed;
     options.substeps = substeps;
     options.cancelled = study.options->cancelled;
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+    const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
+    const StateEstimate state = estimate_state(system, theta, data, 0, out.lead, substeps, spread);
     const Run run = simulate(system, values, data.excitation, state.x0, options);
     out.model = shown(system, values, run);
     if (!run.summary.completed) {

@@ -124,6 +124,30 @@ void order_by_motion(const Study& study, Candidate& candidate, const Eigen::Vect
   for (auto& [cost, start] : starts) candidate.starts.push_back(std::move(start));
 }
 
+bool shows_beside(const Study& study, const Candidate& candidate, const Candidate& parent) {
+  if (!candidate.seen_by_force) return true;
+  constexpr double least = 1e-6;  // of a column's square: rounding of what the parent holds already
+  const Eigen::Index before = parent.parameters(), p = candidate.parameters();
+  const Eigen::VectorXd& theta = candidate.starts.front();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian,
+                  start_substeps);
+    gram += jacobian.transpose() * jacobian;
+  }
+  if (!gram.allFinite()) return true;  // the trajectory will tell
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
+  const Eigen::MatrixXd own = scaled.topLeftCorner(before, before);
+  for (Eigen::Index j = before; j < p; ++j) {
+    if (!(gram(j, j) > 0)) continue;
+    const Eigen::VectorXd with = scaled.col(j).head(before);
+    if (before == 0 || 1 - with.dot(own.completeOrthogonalDecomposition().solve(with)) > least) return true;
+  }
+  return false;
+}
+
 std::vector<double> residual_lines(const Study& study, const Candidate& candidate) {
   constexpr std::size_t most = 8;
   constexpr Eigen::Index padding = 4;  // bins per line of the window

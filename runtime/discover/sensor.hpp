@@ -29,6 +29,11 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
 /// short fits on the trajectory. `theta`: the parameters of the model without it.
 void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta);
 
+/// False when what a fault of a channel adds to the force (as the record shows it) is a combination of what the
+/// parent's parameters do: a gain where the mass and all coefficients are free. True where the force does not show the
+/// fault.
+bool shows_beside(const Study& study, const Candidate& candidate, const Candidate& parent);
+
 /// A record with a channel `phase` [rad] or `speed` [rad/s or Hz] of a shaft gets shaft_angle, shaft_speed and
 /// shaft_rate; another is returned as it is.
 Record with_shaft(const Record& record);

@@ -277,7 +277,7 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
 }
 
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                             Eigen::Index first, Eigen::Index count, int substeps) {
+                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread) {
   StateEstimate out;
   FitOptions options;
   options.substeps = substeps;
@@ -285,14 +285,28 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   Problem alone(system, one, options, substeps);
   std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first)}};
   alone.prepare(segments);
-  Normal normal = alone.evaluate(theta, segments, true);
+  const Eigen::VectorXd start = segments[0].x0;
+  const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;
+  Eigen::VectorXd known = Eigen::VectorXd::Zero(start.size());
+  for (Eigen::Index i = 0; i < spread.size(); ++i)
+    if (spread[i] > 0) known[i] = noise * noise / (spread[i] * spread[i]);
+  const auto evaluate = [&](const std::vector<FitSegment>& at) {
+    Normal normal = alone.evaluate(theta, at, true);
+    if (!std::isfinite(normal.cost)) return normal;
+    const Eigen::VectorXd off = start - at[0].x0;
+    normal.cost += off.dot(known.asDiagonal() * off);
+    normal.axx[0].diagonal() += known;
+    normal.bx[0] += known.asDiagonal() * off;
+    return normal;
+  };
+  Normal normal = evaluate(segments);
   std::vector<std::uint8_t> hold(static_cast<std::size_t>(theta.size()), 1);
   double lambda = 1e-6;
   for (int iteration = 0; iteration < 30 && std::isfinite(normal.cost); ++iteration) {
     const Step step = damped_step(normal, lambda, hold);
     auto trial = segments;
     trial[0].x0 += step.x0[0];
-    Normal next = alone.evaluate(theta, trial, true);
+    Normal next = evaluate(trial);
     if (!(next.cost < normal.cost)) {
       lambda = lambda * 10 + 1e-9;
       if (lambda > 1e6) break;

@@ -43,8 +43,8 @@ TEST(Shaft, AnglesFromSpeedsAndFromCountersThatWrap) {
   };
   Eigen::VectorXd wrapped = angle;
   for (auto& x : wrapped) x = std::fmod(x, 2 * M_PI);
-  for (const Record& r : {with("phase", "rad", wrapped), with("speed", "rad/s", speed),
-                          with("speed", "Hz", speed / (2 * M_PI))})
+  for (const Record& r :
+       {with("phase", "rad", wrapped), with("speed", "rad/s", speed), with("speed", "Hz", speed / (2 * M_PI))})
     for (Eigen::Index i = 0; i < rows; i += 57) {
       EXPECT_NEAR(r["shaft_angle"][static_cast<std::size_t>(i)], angle[i], 1e-6);
       EXPECT_NEAR(r["shaft_speed"][static_cast<std::size_t>(i)], speed[i], 1e-6);
@@ -83,9 +83,11 @@ TEST(Sensor, AnOffsetIsNoPhysics) {
   const auto records = truth::make_faulty(truth::fault_named("offset_duffing"), scale, options);
   const Model model = baseline(records.baseline, scale.mass);
   auto catalogue = testing::small_catalogue(*model.pool);
-  catalogue.push_back(sensor(*model.pool, "displacement_offset", "y + displacement_offset_b",
-                             {testing::row("displacement_offset_b")}));
-  catalogue.back().guess = [](const RecordScales&, int) { return std::vector<Guess>{{{"displacement_offset_b", 0.0}}}; };
+  catalogue.push_back(
+      sensor(*model.pool, "displacement_offset", "y + displacement_offset_b", {testing::row("displacement_offset_b")}));
+  catalogue.back().guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{{{"displacement_offset_b", 0.0}}};
+  };
   Effect base = testing::entry(*model.pool, "base_motion", "base_motion_mb*ab", {testing::row("base_motion_mb")});
   base.channels = {"ab"};
   catalogue.push_back(base);

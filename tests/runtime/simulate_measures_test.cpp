@@ -19,7 +19,8 @@ Model measuring(Model model, const Maps& measures, const Maps& acts = {}) {
 }
 
 Excitation drive(double dt = 0.02, int rows = 400) {
-  return Excitation(0, dt, rows, std::function<double(double)>([](double t) { return 3 * std::cos(1.7 * t) + std::sin(0.6 * t); }));
+  return Excitation(0, dt, rows,
+                    std::function<double(double)>([](double t) { return 3 * std::cos(1.7 * t) + std::sin(0.6 * t); }));
 }
 
 Channel channel(const char* name, Eigen::VectorXd values) {
@@ -88,14 +89,15 @@ TEST(Measures, AFitFindsThePhysicsBehindAFaultyChannel) {
   const System truth(model_of("1", "k*y + c*v + q*y^3"));
   const std::vector<double> physics = theta_of(truth, {{"k", 4}, {"c", 0.3}, {"q", 0.5}});
   const Run run = simulate(truth, physics, force, state({0.1, 0}), {});
-  const Record faulty = derive_motion(Record("faulty", 0, dt,
-                                             {channel("F", force.samples() / 1.25),
-                                              channel("y", (run.x.col(0).array() + 0.3).cwiseMin(0.9).matrix())}));
+  const Record faulty = derive_motion(Record(
+      "faulty", 0, dt,
+      {channel("F", force.samples() / 1.25), channel("y", (run.x.col(0).array() + 0.3).cwiseMin(0.9).matrix())}));
   const System system(measuring(model_of("1", "k*y + c*v + q*y^3"), {{"y", "min(y + b, level)"}}, {{"F", "g*F"}}));
-  const std::vector<double> start = theta_of(system, {{"k", 3.5}, {"c", 0.4}, {"q", 0.4}, {"b", 0}, {"level", 0.8}, {"g", 1}});
+  const std::vector<double> start =
+      theta_of(system, {{"k", 3.5}, {"c", 0.4}, {"q", 0.4}, {"b", 0}, {"level", 0.8}, {"g", 1}});
   FitData data{faulty, Excitation(0, dt, faulty["F"], Interpolation::cubic), {}};
-  const FitResult fit =
-      fit_progressively(system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), {data});
+  const FitResult fit = fit_progressively(
+      system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), {data});
   const std::vector<double> expected =
       theta_of(system, {{"k", 4}, {"c", 0.3}, {"q", 0.5}, {"b", 0.3}, {"level", 0.9}, {"g", 1.25}});
   for (std::size_t i = 0; i < expected.size(); ++i)
@@ -110,8 +112,9 @@ TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
       theta_of(system, {{"k", 5}, {"c", 0.7}, {"g", 1.3}, {"b", 0.2}, {"d", 0.1}, {"h", 0.8}, {"f", 0.4}});
   const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(50, 0, 4.9);
   const Eigen::VectorXd y = t.array().sin(), v = t.array().cos(), a = -t.array().sin();
-  const Record record("r", 0, 0.1, {channel("y", 1.3 * y + Eigen::VectorXd::Constant(50, 0.2) + 0.1 * t),
-                                    channel("v", 1.3 * v + Eigen::VectorXd::Constant(50, 0.1)), channel("a", 1.3 * a)});
+  const Record record("r", 0, 0.1,
+                      {channel("y", 1.3 * y + Eigen::VectorXd::Constant(50, 0.2) + 0.1 * t),
+                       channel("v", 1.3 * v + Eigen::VectorXd::Constant(50, 0.1)), channel("a", 1.3 * a)});
   const Eigen::VectorXd force = imposed_force(system, theta, record);
   for (Eigen::Index i = 0; i < 50; ++i)
     EXPECT_NEAR(force[i], (2 * a[i] + 5 * std::pow(y[i], 3) + 0.7 * v[i] - 0.4) / 0.8, 1e-12);
@@ -128,7 +131,8 @@ TEST(Measures, SaysWhatCanBeUndone) {
 TEST(Measures, ABaseDrivesAnImposedMotion) {
   const System system(model_of("2", "k*y + 2*ab", {}, true));
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(10);
-  const Record record("r", 0, 0.1, {channel("y", one), channel("v", 0 * one), channel("a", 3 * one), channel("ab", 4 * one)});
+  const Record record("r", 0, 0.1,
+                      {channel("y", one), channel("v", 0 * one), channel("a", 3 * one), channel("ab", 4 * one)});
   Eigen::MatrixXd slope;
   EXPECT_EQ(imposed_force(system, std::vector<double>{7}, record, &slope)[5], 2 * 3 + 7 + 2 * 4);
   EXPECT_EQ(slope(5, 0), 1);

@@ -1,6 +1,6 @@
 // lunid_truth: writes records with a hidden effect.
 //   lunid_truth list
-//   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR        train.csv and test.csv in SI
+//   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR [ROWS] train.csv and test.csv in SI
 //   lunid_truth fault NAME SCALE NOISE_DB SEED OUT_DIR  the same of a faulty sensor or input
 //   lunid_truth demo OUT_DIR                            the record that the repository ships
 //   (tests/data/README.md)
@@ -23,9 +23,10 @@ void list() {
 }
 
 void write_case(const std::string& name, const std::string& scale_name, double noise_db, long seed,
-                const std::string& out) {
+                const std::string& out, int rows) {
   const truth::Scale& scale = truth::scale_named(scale_name);
   truth::RecordOptions options;
+  options.rows = rows;
   options.noise_db = noise_db;
   options.seed = static_cast<std::uint64_t>(seed);
   const truth::Case& which = truth::case_named(name);
@@ -86,10 +87,12 @@ int main(int argc, char** argv) {
       write_demo(argv[2]);
     } else if (first == "fault" && argc == 7) {
       write_fault(argv[2], argv[3], std::atof(argv[4]), std::atol(argv[5]), argv[6]);
-    } else if (argc == 6) {
-      write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5]);
+    } else if (argc == 6 || argc == 7) {
+      write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5],
+                 argc == 7 ? std::atoi(argv[6]) : 6400);
     } else {
-      std::fprintf(stderr, "usage: lunid_truth list | demo OUT_DIR | [fault] CASE SCALE NOISE_DB SEED OUT_DIR\n");
+      std::fprintf(stderr,
+                   "usage: lunid_truth list | demo OUT_DIR | [fault] CASE SCALE NOISE_DB SEED OUT_DIR [ROWS]\n");
       return 2;
     }
   } catch (const std::exception& error) {
