@@ -19,7 +19,8 @@ catalogue.names = {
   "depth_resistance", "crane_lowering",
   "added_mass", "velocity_dependent_mass", "displacement_dependent_mass", "stiffness_drift", "damping_drift",
   "parametric_stiffness", "hidden_mode",
-  "missing_harmonic", "base_motion",
+  "missing_harmonic", "base_motion", "rotating_unbalance", "force_gain",
+  "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping",
 }
 
 local loaded = {}

@@ -5,7 +5,7 @@ local effects_table = {}
 
 local titles = { stiffness = "Stiffness", damping = "Damping and friction", friction = "Damping and friction",
   hysteresis = "Memory", soil = "Soil and piles", inertia = "Inertia and time", extra_dof = "Inertia and time",
-  time_variation = "Inertia and time", input = "Inputs" }
+  time_variation = "Inertia and time", input = "Inputs", sensor = "Sensors" }
 
 --- "`k` [N/m] >= 0"
 local function parameter(row)

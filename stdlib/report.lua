@@ -141,8 +141,10 @@ end
 
 local function effect_section(effect)
   local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.name), escape(effect.sentence)) }
-  lines[#lines + 1] = ("<p>Adds <code>%s</code> to the restoring force (%s). The chance of as large a gain where it is "
-    .. "not there (p) is %s.</p>"):format(escape(effect.formula), escape(effect.family), p_value(effect.p_value))
+  local what = effect.is == "physics" and "Adds <code>%s</code> to the restoring force (%s)."
+    or "This is " .. effect.is .. ": <code>%s</code> (%s)."
+  lines[#lines + 1] = ("<p>" .. what .. " The chance of as large a gain where it is not there (p) is %s.</p>"):format(
+    escape(effect.formula), escape(effect.family), p_value(effect.p_value))
   lines[#lines + 1] = parameter_table(effect.parameters, sorted_keys(effect.parameters), {})
   lines[#lines + 1] = ("<p>With it the gap is %s on the training record and %s on the test record.</p>"):format(
     number(effect.gap_train, effect.cause), number(effect.gap_test, effect.cause))

@@ -26,6 +26,7 @@ struct Candidate {
       shown;                            ///< parameter, and where the record can show it
   std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
+  bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
   FitResult fit;
   // Filled by the judge:
   FitResult whitened;           ///< the likeliest parameters under the noise's colour

@@ -117,7 +117,9 @@ class Designer {
     if (!out.completed) return out;
     std::vector<Channel> channels = driven.channels();
     for (int i = 0; i < model.degrees(); ++i) {
-      channels.push_back(channel(model.channel('y', i), run.x.col(2 * i), options_.noise, Interpolation::cubic));
+      channels.push_back(channel(model.channel('y', i),
+                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)), options_.noise,
+                                 Interpolation::cubic));
       channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), 0, Interpolation::cubic));
     }
     out.record = Record(driven.name(), 0, base_.dt, std::move(channels));
@@ -206,15 +208,17 @@ class Designer {
     } else {
       const int degrees = rival.system->degrees();
       std::vector<int> wanted;
-      for (int i = 0; i < degrees; ++i) wanted.push_back(2 * i);
+      for (const std::string& name : outputs(rival))
+        for (const int state : shown_states(*rival.system, name)) wanted.push_back(state);
       SimulateOptions options;
       options.cancelled = options_.cancelled;
       VectorXd x0 = VectorXd::Zero(rival.system->states());
       const SensitivityRun run =
           simulate_sensitivities(*rival.system, view(rival.theta), excitation_of(driven), x0, options, wanted);
-      all.resize(base_.rows * degrees, run.dx[0].cols());
+      all.resize(base_.rows * degrees, rival.system->parameters() + rival.system->states());
       for (int i = 0; i < degrees; ++i)
-        all.middleRows(i * base_.rows, base_.rows) = run.dx[static_cast<std::size_t>(2 * i)];
+        all.middleRows(i * base_.rows, base_.rows) =
+            shown_slopes(*rival.system, view(rival.theta), run, rival.system->model().channel('y', i));
     }
     for (std::size_t j = 0; j < table.size(); ++j)
       if (table[j].fixed) all.col(static_cast<Index>(j)).setZero();

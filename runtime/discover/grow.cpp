@@ -6,28 +6,33 @@
 
 #include "discover/judge.hpp"
 #include "discover/propose.hpp"
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
 
 namespace {
 
-constexpr int beam = 2;          // sets that grow by one more effect for their free run
-constexpr int force_beam = 3;    // and for what they explain of the force
-constexpr int refined = 24;      // proposals whose shape parameters are refined on the force
+constexpr int beam = 2;        // sets that grow by one more effect for their free run
+constexpr int force_beam = 3;  // and for what they explain of the force
+constexpr int refined = 24;    // proposals whose shape parameters are refined on the force
 constexpr int later_refined = 12;
-constexpr int per_size = 3;      // proposals of one number of parameters that are run
-constexpr int first_runs = 4;    // the best proposals that are run in any case
-constexpr int later_runs = 6;    // the same of sets of two and more
-constexpr int long_fits = 5;     // sets that are fitted to the end
-constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
+constexpr int per_size = 3;     // proposals of one number of parameters that are run
+constexpr int first_runs = 4;   // the best proposals that are run in any case
+constexpr int later_runs = 6;   // the same of sets of two and more
+constexpr int long_fits = 5;    // sets that are fitted to the end
+constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
 
 class Grower {
  public:
   Grower(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
          const std::function<void(const std::string&, double)>& progress)
-      : study_(study), model_(model), baseline_(baseline), catalogue_(catalogue), progress_(progress), proposer_(study) {
-  }
+      : study_(study),
+        model_(model),
+        baseline_(baseline),
+        catalogue_(catalogue),
+        progress_(progress),
+        proposer_(study) {}
 
   Grown run() {
     progress_("run the catalogue along the motion", 0.12);
@@ -68,15 +73,16 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    const RecordScales scale = scales(study_, residual_force());
-    for (const auto& effect : catalogue_) {
-      if (!effect.channels.empty()) {
-        out_.left_aside.push_back(effect.name + " (needs the channel " + effect.channels.front() + ")");
-        continue;
+    RecordScales scale = scales(study_, residual_force());
+    scale.lines = residual_lines(study_, baseline_);
+    for (const auto& effect : catalogue_)
+      for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+        const Choice choice{&effect, variant};
+        if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
+          shapes_.push_back(proposer_.shape(model_, choice, scale));
+        else
+          faults_.push_back({choice, effect.guess ? effect.guess(scale, variant) : std::vector<Guess>{}});
       }
-      for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant)
-        shapes_.push_back(proposer_.shape(model_, {&effect, variant}, scale));
-    }
     parallel_for(static_cast<int>(shapes_.size()), study_.options->threads,
                  [&](int i) { proposer_.run(shapes_[static_cast<std::size_t>(i)]); });
   }
@@ -125,10 +131,11 @@ class Grower {
     std::iota(order.begin(), order.end(), std::size_t{0});
     each(order, [&](Offer& o) { o.proposal = proposer_.score(*o.proposal.shape, *o.space); });
     if (size == 1) leave_aside(offers);
-    std::erase_if(order, [&](std::size_t i) {
-      return !offers[i].proposal.shown || !std::isfinite(offers[i].proposal.cost);
-    });
-    const auto by_cost = [&](std::size_t a, std::size_t b) { return offers[a].proposal.cost < offers[b].proposal.cost; };
+    std::erase_if(order,
+                  [&](std::size_t i) { return !offers[i].proposal.shown || !std::isfinite(offers[i].proposal.cost); });
+    const auto by_cost = [&](std::size_t a, std::size_t b) {
+      return offers[a].proposal.cost < offers[b].proposal.cost;
+    };
     std::stable_sort(order.begin(), order.end(), by_cost);
     std::vector<std::size_t> leaders;
     for (const auto i : order)
@@ -136,7 +143,7 @@ class Grower {
         leaders.push_back(i);
     each(leaders, [&](Offer& o) { proposer_.refine(o.proposal, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
-    return fit_list(offers, shortlist(offers, order, size));
+    return fit_list(offers, shortlist(offers, order, size), parents, size);
   }
 
   /// Solved for at once: nothing to refine.
@@ -179,8 +186,40 @@ class Grower {
     return list;
   }
 
+  // ---- faults of channels: no force to be proposed, but few, and fitted in any case ----
+  void add_faults(const std::vector<Candidate>& parents, int size, std::vector<Candidate>& level,
+                  std::vector<const Candidate*>& parent_of) {
+    const Candidate& parent = parents.front();
+    std::vector<Candidate> found;
+    std::vector<std::vector<Guess>> guesses;
+    for (const auto& fault : faults_) {
+      if (holds(parent.choices, fault.choice.effect)) continue;
+      Choices set = parent.choices;
+      set.push_back(fault.choice);
+      found.push_back(compile(study_, model_, set));
+      guesses.push_back(fault.guesses);
+      out_.tried += std::max<int>(1, static_cast<int>(fault.guesses.size()));
+    }
+    std::vector<std::uint8_t> there(found.size(), 0);
+    parallel_for(static_cast<int>(found.size()), study_.options->threads, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      find_starts(study_, found[k], theta_of(parent), {guesses[k]});
+      there[k] = !found[k].starts.empty() && shows_beside(study_, found[k], parent);
+    });
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const std::string& name = found[k].choices.back().effect->name;
+      if (!there[k] && size == 1 && (out_.left_aside.empty() || out_.left_aside.back() != name))
+        out_.left_aside.push_back(name);
+      if (!there[k]) continue;
+      found[k].force_cost = INFINITY;  // not what a proposal's is
+      level.push_back(std::move(found[k]));
+      parent_of.push_back(&parent);
+    }
+  }
+
   // ---- free runs ----
-  std::vector<Candidate> fit_list(const std::vector<Offer>& offers, const std::vector<std::size_t>& list) {
+  std::vector<Candidate> fit_list(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
+                                  const std::vector<Candidate>& parents, int size) {
     std::vector<Candidate> level;
     std::vector<const Candidate*> parent_of;
     for (const auto i : list) {
@@ -195,6 +234,7 @@ class Grower {
       level.push_back(std::move(c));
       parent_of.push_back(o.parent);
     }
+    add_faults(parents, size, level, parent_of);
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
       begin_fit(level[k], *parent_of[k]);
@@ -204,8 +244,7 @@ class Grower {
     int count = 0;
     for (const auto& c : level) count += c.fit.cost <= hopeless * level.front().fit.cost || !c.ran();
     count = std::min(count, long_fits);
-    parallel_for(count, study_.options->threads,
-                 [&](int i) { end_fit(level[static_cast<std::size_t>(i)]); });
+    parallel_for(count, study_.options->threads, [&](int i) { end_fit(level[static_cast<std::size_t>(i)]); });
     std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
     sort_by_cost(level);
     return level;
@@ -262,7 +301,12 @@ class Grower {
   const std::vector<Effect>& catalogue_;
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_;
+  struct ChannelFault {
+    Choice choice;
+    std::vector<Guess> guesses;
+  };
   std::vector<Shape> shapes_;
+  std::vector<ChannelFault> faults_;
   Grown out_;
 };
 

@@ -185,7 +185,7 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   Model alone;
   alone.pool = model.pool;
   alone.mass = model.pool->constant(0);
-  alone.restoring = effect.variants[static_cast<std::size_t>(choice.variant)];
+  alone.restoring = effect.variants[static_cast<std::size_t>(choice.variant)].force;
   alone.states = effect.states;
   alone.imposed_motion = true;
   const Ranges ranges = effect.range ? effect.range(scales, choice.variant) : Ranges{};

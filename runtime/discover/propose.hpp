@@ -65,7 +65,7 @@ class Proposer {
 
   std::vector<FitData> data_;
   Eigen::Index rows_ = 0;
-  Eigen::VectorXd measured_;      ///< the force, all records in a row, not weighted
+  Eigen::VectorXd measured_;              ///< the force, all records in a row, not weighted
   double b_[2] = {1, 0}, a_[2] = {0, 0};  ///< the receptance as a filter: b0 + b1/z over 1 + a0/z + a1/z^2
 };
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include "discover/grow.hpp"
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -70,8 +72,17 @@ class Search {
     choose(field);
   }
 
-  /// The best sets of each size, and those that come near to them: few enough to be judged.
-  std::vector<Candidate> contenders() const {
+  /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
+  static double priced(const Candidate& c) {
+    const auto n = static_cast<double>(c.fit.rows);
+    return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
+  }
+
+  /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
+  /// the input are heard whatever physics does better.
+  std::vector<Candidate> contenders() {
+    std::stable_sort(all_.begin(), all_.end(),
+                     [](const Candidate& a, const Candidate& b) { return priced(a) < priced(b); });
     std::vector<Candidate> field;
     for (int size = 1; size <= study_.options->max_effects; ++size) {
       int taken = 0;
@@ -84,6 +95,11 @@ class Search {
         field.push_back(c);
         ++taken;
       }
+      const auto fault = std::find_if(all_.begin(), all_.end(), [&](const Candidate& c) {
+        return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
+      });
+      const auto heard = [&](const Candidate& c) { return same(c.choices, fault->choices); };
+      if (fault != all_.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
     }
     return field;
   }
@@ -104,11 +120,12 @@ class Search {
     std::vector<std::size_t> alike;
     for (std::size_t i = 0; i < field.size(); ++i)
       if (i == 0 || not_rejected(field[i], best)) alike.push_back(i);
-    // The simplest member that is not rejected; among equals the likelier.
-    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) {
-      return std::make_pair(field[a].parameters(), field[a].choices.size()) <
-             std::make_pair(field[b].parameters(), field[b].choices.size());
-    });
+    // The simplest member that is not rejected; among equals a faulty sensor or input before physics, then the
+    // likelier.
+    const auto order = [&](std::size_t i) {
+      return std::make_tuple(field[i].parameters(), field[i].choices.size(), physics_in(field[i].choices));
+    };
+    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
     std::size_t pick = alike.front();
     prune(field, pick);
     Candidate chosen = field[pick];
@@ -246,7 +263,8 @@ class Search {
       if (i == pick || c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
           related(c.choices, chosen.choices) || c.name() == chosen.name())
         continue;
-      if (same_runs(c, chosen))
+      // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
+      if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
         result_.aliases.push_back(c.name());
       else if (std::abs(vuong_z(chosen, c)) < 2.33 && improvement_p_value(result_.baseline, c) < study_.options->alpha)
         result_.ties.push_back(c.name());

@@ -36,27 +36,23 @@ std::vector<Case> of_the_motion() {
       effect("preload", of_motion([](double x, double) { return 0.25 * sign(x); })),
       effect("sinusoidal_stiffness", of_motion([](double x, double) { return 0.25 * std::sin(3.5 * x); })),
       effect("odd_quadratic_stiffness", of_motion([](double x, double) { return 0.15 * std::abs(x) * x; })),
-      effect("impact_hunt_crossley", of_motion([](double x, double v) {
-               return std::pow(above(x - 0.7), 1.5) * above(1 + 0.5 * v);
-             })),
+      effect("impact_hunt_crossley",
+             of_motion([](double x, double v) { return std::pow(above(x - 0.7), 1.5) * above(1 + 0.5 * v); })),
       effect("cubic_damping", of_motion([](double, double v) { return 0.05 * v * v * v; })),
       effect("power_law_damping", of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); })),
       effect("van_der_pol_damping", of_motion([](double x, double v) { return 0.12 * x * x * v; })),
       effect("asymmetric_damping", of_motion([](double, double v) { return 0.25 * above(v); })),
       effect("position_dependent_friction",
              of_motion([](double x, double v) { return (0.05 + 0.15 * std::abs(x)) * sign(v); })),
-      effect("stribeck_friction", of_motion([](double, double v) {
-               return (0.15 + 0.25 * std::exp(-v * v / 0.06)) * sign(v);
-             })),
+      effect("stribeck_friction",
+             of_motion([](double, double v) { return (0.15 + 0.25 * std::exp(-v * v / 0.06)) * sign(v); })),
       effect("hyperbolic_soil", of_motion([](double x, double) { return x / (1 + std::abs(x) / 0.6); }), 0.5),
   };
 }
 
 std::vector<Case> with_memory() {
   using namespace laws;
-  const auto softening = [](double z, double, double path) {
-    return (0.15 + 0.35 * std::exp(-path / 150)) * z;
-  };
+  const auto softening = [](double z, double, double path) { return (0.15 + 0.35 * std::exp(-path / 150)) * z; };
   return {
       effect("fractional_damping", fractional(0.25, 0.5)),
       effect("elastic_slip", slip(1, [](double, double, double) { return 0.35; }), 0.8),
@@ -68,10 +64,9 @@ std::vector<Case> with_memory() {
       effect("masing_soil", masing([](double x) { return x / (1 + std::abs(x) / 0.5); }, 60), 0.8),
       effect("smith_shaft", quake(0.3, [](double z, double v, double) { return 0.25 * (z + 0.5 * std::abs(z) * v); })),
       effect("smith_toe", toe(1.2, 1.0, 0.3)),
-      effect("rate_power_law", quake(0.3,
-                                     [](double z, double v, double) {
-                                       return 0.2 * (z + 0.8 * std::abs(z) * std::pow(std::abs(v), 0.3) * sign(v));
-                                     })),
+      effect("rate_power_law",
+             quake(0.3, [](double z, double v,
+                           double) { return 0.2 * (z + 0.8 * std::abs(z) * std::pow(std::abs(v), 0.3) * sign(v)); })),
       effect("shaft_softening", quake(0.25, softening)),
       effect("soil_plug", plug(0.4, 2, 0.25)),
       effect("degrading_resistance",
@@ -87,15 +82,14 @@ std::vector<Case> of_inertia_and_time() {
       effect("added_mass", inertia([](double, double) { return 0.25; }, [](double, double) { return 0.0; })),
       effect("velocity_dependent_mass",
              inertia([](double, double v) { return 0.12 * v; }, [](double, double) { return 0.0; })),
-      effect("displacement_dependent_mass", inertia([](double x, double) { return 0.1 * x * x; },
-                                                    [](double x, double v) { return 0.1 * x * v * v; })),
+      effect("displacement_dependent_mass",
+             inertia([](double x, double) { return 0.1 * x * x; }, [](double x, double v) { return 0.1 * x * v * v; })),
       effect("stiffness_drift", of_time([](double tau, double x, double) { return 4e-4 * tau * x; }), 0.8),
       effect("damping_drift", of_time([](double tau, double, double v) { return 3e-4 * tau * v; })),
       effect("parametric_stiffness",
              of_time([](double tau, double x, double) { return 0.25 * std::cos(0.37 * tau) * x; })),
       effect("missing_harmonic", of_time([](double tau, double, double) { return 0.2 * std::cos(1.73 * tau + 0.4); })),
-      effect("crane_lowering",
-             of_time([](double tau, double x, double) { return 0.6 * above(x + 0.2 - 1e-3 * tau); })),
+      effect("crane_lowering", of_time([](double tau, double x, double) { return 0.6 * above(x + 0.2 - 1e-3 * tau); })),
   };
 }
 

@@ -186,9 +186,7 @@ Law recovery(double k, double first, double last, double tau) {
   law.states = 2;  // force, what is still to recover
   law.start = {0, 1};
   const auto limit = [=](double left) { return last + (first - last) * left; };
-  law.force = [=](double, double, double, const double* z) {
-    return std::clamp(z[0], -limit(z[1]), limit(z[1]));
-  };
+  law.force = [=](double, double, double, const double* z) { return std::clamp(z[0], -limit(z[1]), limit(z[1])); };
   law.rate = [=](double, double, double v, const double* z, double* rate) {
     rate[0] = k * v;
     rate[1] = -z[1] / tau;
