@@ -32,8 +32,7 @@ std::span<const Opener> openers() {
       open_files,      open_expressions, open_lua_functions, open_columns,   open_records,    open_derivatives,
       open_spectra,    open_signals,     open_models,        open_runs,      open_fits,       open_responses,
       open_ensembles,  open_regressions, open_curves,        open_histories, open_selections, open_surfaces,
-      open_statistics, open_comparisons, open_discoveries, open_stages,
-      open_figures,    open_doctor};
+      open_statistics, open_comparisons, open_discoveries,   open_stages,    open_figures,    open_doctor};
   return all;
 }
 

@@ -398,7 +398,17 @@ class Spine {
       models.push_back(rival.model);
       names.push_back(rival.name);
     }
-    if (models.size() > 1) out_.experiment = design_experiment(models, names, options);
+    if (models.size() < 2) return;
+    out_.experiment = design_experiment(models, names, options);
+    if (!out_.experiment.best().decides()) {
+      ExperimentOptions more = options;
+      more.limits.force *= 2;
+      more.limits.displacement *= 2;
+      ExperimentDesign beyond = design_experiment(models, names, more);
+      beyond.beyond = 2;
+      if (beyond.best().decides() || beyond.best().expected_z > 2 * out_.experiment.best().expected_z)
+        out_.experiment = std::move(beyond);
+    }
     out_.experiment.options.cancelled = nullptr;
   }
 
@@ -446,8 +456,10 @@ class Spine {
                             : names;
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
-      if (left_.material) out += std::string(text) + "; a small repeatable force is left (" + left_.closure.shape + ")";
-      else out += text;
+      if (left_.material)
+        out += std::string(text) + "; a small repeatable force is left (" + left_.closure.shape + ")";
+      else
+        out += text;
       return out_.experiment.empty() ? out : out + ". To tell: " + sentence_of(out_.experiment);
     }
     if (out_.verdict == "nothing-missing") {

@@ -15,7 +15,7 @@ namespace lunid {
 struct ExperimentLimits {
   double force = 0;  ///< largest |F| [N], > 0; not asked of an imposed motion
   double displacement = std::numeric_limits<double>::infinity();  ///< largest |y| of any rival [m], > 0
-  double from = 0, to = 0;  ///< band of the excitation [Hz], 0 < from < to
+  double from = 0, to = 0;                                        ///< band of the excitation [Hz], 0 < from < to
 };
 
 struct ExperimentOptions {
@@ -52,6 +52,7 @@ struct ExperimentDesign {
   std::vector<std::string> rivals;
   std::vector<ExperimentCandidate> candidates;  ///< best first
   ExperimentOptions options;
+  double beyond = 1;  ///< the limits over those of the records that the rivals were fitted to, where that is said
   bool empty() const { return candidates.empty(); }
   const ExperimentCandidate& best() const { return candidates.front(); }
 };

@@ -51,8 +51,7 @@ VectorXd multisine(const ShapeBase& base, double time, std::uint64_t stream) {
     VectorXd x = VectorXd::Zero(base.rows);
     for (const double f : frequencies) {
       const double phase = 2 * M_PI * random.uniform();
-      for (Index i = 0; i < base.rows; ++i)
-        x[i] += std::cos(2 * M_PI * f * base.dt * static_cast<double>(i) + phase);
+      for (Index i = 0; i < base.rows; ++i) x[i] += std::cos(2 * M_PI * f * base.dt * static_cast<double>(i) + phase);
     }
     const double crest = x.cwiseAbs().maxCoeff() / std::max(1e-300, x.norm());
     if (crest < lowest) {
@@ -145,7 +144,8 @@ std::vector<ExcitationShape> excitation_family(const ShapeBase& base, bool smoot
   if (smooth) return out;
   const int times = std::clamp(static_cast<int>(duration(base) * f / 25), 1, 8);
   out.push_back({"steps", "steps to either side", staircase(base), Interpolation::hold});
-  out.push_back({"free_decay", "slow pull and sudden release, " + std::to_string(times) + (times > 1 ? " times" : " time"),
+  out.push_back({"free_decay",
+                 "slow pull and sudden release, " + std::to_string(times) + (times > 1 ? " times" : " time"),
                  pull_and_release(base, times), Interpolation::hold});
   return out;
 }

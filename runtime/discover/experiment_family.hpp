@@ -17,10 +17,10 @@ struct ExcitationShape {
 /// Time base and band of the family.
 struct ShapeBase {
   Eigen::Index rows = 0;
-  double dt = 0;             ///< [s]
-  double from = 0, to = 0;   ///< band [Hz]
-  double frequency = 0;      ///< where the structure answers most, within the band [Hz]
-  std::uint64_t seed = 1;    ///< of the multisines' phases
+  double dt = 0;            ///< [s]
+  double from = 0, to = 0;  ///< band [Hz]
+  double frequency = 0;     ///< where the structure answers most, within the band [Hz]
+  std::uint64_t seed = 1;   ///< of the multisines' phases
 };
 
 /// A multisine of the band with a low peak: what the frequency of the largest answer is read off first.

@@ -5,8 +5,8 @@
 namespace lunid {
 
 struct Linearised {
-  Eigen::VectorXd residual;      ///< whitened, all records
-  Eigen::MatrixXd columns;       ///< d model / d (theta, then the first state of each record), whitened
+  Eigen::VectorXd residual;                 ///< whitened, all records
+  Eigen::MatrixXd columns;                  ///< d model / d (theta, then the first state of each record), whitened
   std::vector<Eigen::Index> row_of_record;  ///< first row of each record, and behind them the number of rows
 };
 

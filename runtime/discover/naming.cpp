@@ -145,8 +145,7 @@ class Resampler {
     std::size_t pick = best;
     const double alpha = study_.options->alpha;
     for (std::size_t i = 1; i < all.size(); ++i) {
-      const bool stays =
-          within(i, best) ? p_value(all, i, best, rows) > alpha : vuong(all, best, i, rows) < rejected;
+      const bool stays = within(i, best) ? p_value(all, i, best, rows) > alpha : vuong(all, best, i, rows) < rejected;
       if (stays && parameters(i) < parameters(pick)) pick = i;
     }
     return p_value(all, 0, pick, rows) > alpha ? 0 : pick;

@@ -18,7 +18,7 @@ std::string quantity(double value, const std::string& unit) {
   } prefixes[] = {{1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
   const auto* chosen = &prefixes[2];
   for (const auto& p : prefixes)
-    if (value != 0 && std::abs(value) >= p.factor) {
+    if (value != 0 && std::abs(value) >= 0.9995 * p.factor) {
       chosen = &p;
       break;
     }
@@ -29,10 +29,10 @@ std::string quantity(double value, const std::string& unit) {
 
 /// A map over y or v seen from its middle outward.
 struct Shape {
-  double odd = 0, even = 0;   ///< sums of squares of the two parts
-  double from = 0, limit = 0; ///< |x| beyond which it is above its noise everywhere; the largest |x|
-  bool grows = false;         ///< more than in proportion, or from a threshold on
-  bool jumps = false;         ///< nearly the same size on each side from the middle on
+  double odd = 0, even = 0;    ///< sums of squares of the two parts
+  double from = 0, limit = 0;  ///< |x| beyond which it is above its noise everywhere; the largest |x|
+  bool grows = false;          ///< more than in proportion, or from a threshold on
+  bool jumps = false;          ///< nearly the same size on each side from the middle on
 };
 
 Shape shape_of(const BinnedMap& m) {
@@ -69,7 +69,7 @@ Shape shape_of(const BinnedMap& m) {
 std::string follows(const BinnedMap& m) {
   const Shape s = shape_of(m);
   const std::string name = m.over;
-  std::string text = s.jumps ? "jumps with the sign of " + name
+  std::string text = s.jumps   ? "jumps with the sign of " + name
                      : s.grows ? "grows with |" + name + "|"
                                : "follows " + std::string(name == "y" ? "the displacement" : "the velocity");
   if (!s.jumps && s.from > 0.08 * s.limit && s.from < s.limit) text += " above " + quantity(s.from, m.unit);
@@ -108,7 +108,9 @@ std::string changes(const SlowTime& slow) {
   std::string text;
   for (int j = 0; j < 3; ++j)
     if (slow.changes[j]) text += std::string(text.empty() ? ", and " : ", ") + words[j];
-  return text.empty() ? text : text + (text.find(", its", 7) == std::string::npos ? " changes" : " change") + " over the record";
+  return text.empty()
+             ? text
+             : text + (text.find(", its", 7) == std::string::npos ? " changes" : " change") + " over the record";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/closure.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
@@ -28,8 +29,7 @@ FitOptions fit_options(const DiscoverOptions& options, int iterations) {
 }
 
 void progress(const DiscoverOptions& options, const std::string& stage, double fraction) {
-  if (options.cancelled && *options.cancelled)
-    throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
+  if (options.cancelled && *options.cancelled) throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
   if (options.progress) options.progress(stage, fraction);
 }
 
@@ -93,8 +93,8 @@ double misfit(const MatrixXd& columns, const VectorXd& residual, Index& rank) {
   return rest.tail(rest.size() - rank).squaredNorm();
 }
 
-/// The gain of a candidate's own columns beside those of the baseline, at its first guess with linear coefficients zero:
-/// there the trajectory is the baseline's.
+/// The gain of a candidate's own columns beside those of the baseline, at its first guess with linear coefficients
+/// zero: there the trajectory is the baseline's.
 void project(const Stage& stage, const Whitening& whitening, const Candidate& candidate, Proposal& out) {
   const Index before = stage.baseline.parameters(), p = candidate.parameters();
   VectorXd theta = candidate.starts.front();
@@ -110,7 +110,8 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
   MatrixXd own(linear.columns.rows(), linear.columns.cols() - (p - before));
   own << linear.columns.leftCols(before), linear.columns.rightCols(linear.columns.cols() - p);
   Index rank_own = 0, rank_all = 0;
-  const double without = misfit(own, linear.residual, rank_own), with = misfit(linear.columns, linear.residual, rank_all);
+  const double without = misfit(own, linear.residual, rank_own),
+               with = misfit(linear.columns, linear.residual, rank_all);
   const auto added = static_cast<double>(rank_all - rank_own);
   const double freedom = static_cast<double>(linear.residual.size() - rank_all);
   if (added <= 0) {
@@ -141,13 +142,39 @@ void fit_set(const Stage& stage, const DiscoverOptions& options, Candidate& cand
 
 }  // namespace
 
+namespace {
+
+/// The baseline with generic forces fitted: its free run follows the record, so that what smoothing makes of it can be
+/// taken away (locate.hpp). The baseline itself where they do not help.
+Candidate follower(const Stage& stage) {
+  Candidate judged = stage.baseline;
+  if (!judged.ran()) return judged;
+  const Whitening whitening = residual_colour(stage.study, judged);
+  judge(stage.study, judged, whitening);
+  Closure closure = test_closure(stage.study, judged, whitening);
+  if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
+  fit_closure(stage.study, judged, closure);
+  if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
+  Candidate out;
+  out.system = out.force_system = closure.system;
+  if (!stage.study.imposed) {
+    Model model = closure.system->model();
+    model.imposed_motion = true;
+    out.force_system = std::make_shared<const System>(model);
+  }
+  out.fit = std::move(closure.fit);
+  return out;
+}
+
+}  // namespace
+
 Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   progress(options, "map the residual", 0.7);
   Located out;
   out.baseline = fitted(stage.baseline);
   out.gap = stage.gap(stage.baseline);
-  out.rows = residual_rows(stage.study, stage.baseline, stage.baseline);
+  out.rows = residual_rows(stage.study, stage.baseline, follower(stage));
   if (!out.rows.force.allFinite())
     throw InputError("locate: the model's force is not finite along the measured motion");
   out.maps = map_residual(out.rows);

@@ -13,8 +13,8 @@ struct Located {
   ResidualMaps maps;
   std::vector<std::string> warnings;
 };
-/// Fits the baseline and maps the force that it leaves. `options.holdout` is not used: all rows are. Throws InputError as
-/// discover() does.
+/// Fits the baseline and maps the force that it leaves. `options.holdout` is not used: all rows are. Throws InputError
+/// as discover() does.
 Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options = {});
 
 /// An entry held against the baseline's residual to first order.

@@ -1373,6 +1373,52 @@ function lunid.thesis_validation(fields) end
 ---@return lunid.discovery
 function lunid.discover(fields) end
 
+---Where a model fails: the force that it leaves unexplained along the smoothed measured motion, over time, displacement, velocity, the phase plane, amplitude, harmonic order, frequency and slow time, each with the level that noise of any colour stays below (95 %, over all bins at once).
+---@class lunid.locate.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field window? lunid.window # part of the records
+---@param fields lunid.locate.fields
+---@return lunid.location
+function lunid.locate(fields) end
+
+---Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the model's own parameters and first states can do. To first order: lunid.rank fits them.
+---@class lunid.propose.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field window? lunid.window # part of the records
+---@field catalogue? table # names of entries, any of `lunid list effects`; else those marked * there
+---@field effects? table # entries of your own, beside the catalogue
+---@param fields lunid.propose.fields
+---@return lunid.proposals
+function lunid.propose(fields) end
+
+---How given sets of effects compare: each is fitted with the baseline on the trajectory and judged by free runs over left-out blocks and by a likelihood with the noise's colour. The baseline takes part. Best left-out gap first.
+---@class lunid.rank.fields
+---@field model lunid.model # the baseline, fitted first
+---@field record any # one record or several; all rows are used
+---@field sets table # names, and lists of names for several effects at once
+---@field window? lunid.window # part of the records
+---@field effects? table # entries of your own, beside the catalogue
+---@field blocks? integer # left-out blocks of the records
+---@field criterion? function # function(row) of your own: false rejects a set, a number orders them, least first
+---@param fields lunid.rank.fields
+---@return lunid.ranking
+function lunid.rank(fields) end
+
+---The experiment that would tell rival models apart: of a small family of excitations (multisine, swept sine up and down, steps of amplitude, a low and a high level, offsets, steps, pull and release), each simulated with every rival, the one whose answers stay farthest apart, in standard deviations of the noise, when each rival may refit its parameters to the other's answer. Give models that have values, or a discovery.
+---@class lunid.design_experiment.fields
+---@field models? table # the rivals, each with values for all parameters
+---@field names? table # of the models; else model 1, model 2 ...
+---@field from? lunid.discovery # takes the model that it found and what its records cannot tell from it, else the best rival; limits, rate and noise of its records where they are not given
+---@field limits? lunid.table # what the machine can do: { force = largest [N], displacement = largest [m], frequency = { lowest, highest } [Hz] }
+---@field duration? number # else 16 periods of the lowest frequency
+---@field rate? number # else 20 rows in a period of the highest frequency
+---@field noise? number # standard deviation of the measured displacement's noise; of the force's where the motion is imposed
+---@param fields lunid.design_experiment.fields
+---@return lunid.experiment_design
+function lunid.design_experiment(fields) end
+
 ---Root of the mean squared error, in the unit of the columns.
 ---@param measured any # what was measured
 ---@param model any # what the model says, row by row
