@@ -1,6 +1,7 @@
 #pragma once
 // What the bindings of discovery and of its stages share.
 #include "discover/discover.hpp"
+#include "progress.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -16,12 +17,7 @@ std::vector<Effect> read_catalogue(lua_State* L, int index);
 /// The list of records at `index`.
 std::vector<Record> read_records(lua_State* L, int index);
 /// Options by name; seed, threads and Ctrl-C are those of the run, progress is shown on a terminal.
-DiscoverOptions read_options(lua_State* L, int index);
-
-/// Wipes the progress line, also when the work throws.
-struct ProgressLine {
-  ~ProgressLine();
-};
+DiscoverOptions read_discover_options(lua_State* L, int index);
 
 void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values);
 /// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.

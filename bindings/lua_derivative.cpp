@@ -1,6 +1,7 @@
 // What is done to records: derivatives, filters, trends, rates, delays, integrals.
 #include "record/derive.hpp"
 #include "record/treat.hpp"
+#include "stream.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -11,8 +12,9 @@ int whole_field(lua_State* L, int index, const char* field, int otherwise) {
   return static_cast<int>(number_field(L, index, field).value_or(otherwise));
 }
 
-/// {kind =, ...} as lunid.derivative.<kind> gives it.
-DerivativeMethod method_from(lua_State* L, int index) {
+}  // namespace
+
+DerivativeMethod derivative_method(lua_State* L, int index) {
   const std::string kind = string_field(L, index, "kind").value_or("");
   const auto number = [&](const char* field) { return number_field(L, index, field).value_or(0); };
   const auto whole = [&](const char* field, int otherwise) { return whole_field(L, index, field, otherwise); };
@@ -32,12 +34,14 @@ DerivativeMethod method_from(lua_State* L, int index) {
   throw InputError("derive: no method '" + kind + "'");
 }
 
+namespace {
+
 /// derive(record, {method = {kind=, ...}, channels = {...}, from =, smooth =}) -> record
 int derive_record(lua_State* L) {
   const Record& record = check<Record>(L, 1);
   check_table(L, 2);
   DeriveOptions options;
-  with_field(L, 2, "method", [&] { options.method = method_from(L, lua_gettop(L)); });
+  with_field(L, 2, "method", [&] { options.method = derivative_method(L, lua_gettop(L)); });
   options.channels = strings_field(L, 2, "channels");
   options.from = string_field(L, 2, "from").value_or("");
   options.smooth = boolean_field(L, 2, "smooth", false);

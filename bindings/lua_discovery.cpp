@@ -1,5 +1,4 @@
 // Discovery: the catalogue's entries cross from Lua as data plus a guess function; the result goes back whole.
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -7,6 +6,7 @@
 
 #include "discovery.hpp"
 #include "expr/external.hpp"
+#include "progress.hpp"
 #include "runtime.hpp"
 
 namespace lunid::lua {
@@ -175,7 +175,7 @@ std::vector<Record> read_records(lua_State* L, int index) {
   return records;
 }
 
-DiscoverOptions read_options(lua_State* L, int index) {
+DiscoverOptions read_discover_options(lua_State* L, int index) {
   DiscoverOptions options;
   options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
   options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
@@ -187,16 +187,8 @@ DiscoverOptions read_options(lua_State* L, int index) {
   for (const FunctionPtr& function : runtime(L).pool()->functions())
     if (!function->thread_safe()) options.threads = 1;
   options.cancelled = &runtime(L).cancelled();
-  if (isatty(STDERR_FILENO)) {
-    options.progress = [](const std::string& stage, double fraction) {
-      std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * fraction, stage.c_str());
-    };
-  }
+  if (on_terminal()) options.progress = show_progress;
   return options;
-}
-
-ProgressLine::~ProgressLine() {
-  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
 }
 
 void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values) {
@@ -232,7 +224,7 @@ int run_discovery(lua_State* L) {
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> train = read_records(L, 3), test = read_records(L, 4);
   check_table(L, 5);
-  const DiscoverOptions options = read_options(L, 5);
+  const DiscoverOptions options = read_discover_options(L, 5);
   const ProgressLine line;
   push<Discovery>(L, discover(model, catalogue, train, test, options));
   return 1;

@@ -5,6 +5,7 @@
 #include "record/container.hpp"
 #include "record/spectra.hpp"
 #include "runtime.hpp"
+#include "stream.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -12,8 +13,8 @@ namespace lunid::lua {
 namespace {
 
 /// The field as a number, or as the name of a variable; without it neither.
-void number_or_name(lua_State* L, const char* field, std::optional<double>& number, std::string& name) {
-  with_field(L, 2, field, [&] {
+void number_or_name(lua_State* L, int index, const char* field, std::optional<double>& number, std::string& name) {
+  with_field(L, index, field, [&] {
     if (lua_type(L, -1) == LUA_TNUMBER)
       number = lua_tonumber(L, -1);
     else
@@ -21,21 +22,29 @@ void number_or_name(lua_State* L, const char* field, std::optional<double>& numb
   });
 }
 
-/// read(path, {columns = {"y=disp [mm]", ...}, resample = bool, rate = , interval = })
-int read(lua_State* L) {
-  const std::string path = check_string(L, 1);
-  check_table(L, 2);
+}  // namespace
+
+ReadOptions read_options(lua_State* L, int index) {
   ReadOptions options;
-  options.resample = boolean_field(L, 2, "resample", false);
-  for (const std::string& column : strings_field(L, 2, "columns")) {
+  options.resample = boolean_field(L, index, "resample", false);
+  for (const std::string& column : strings_field(L, index, "columns")) {
     const auto map = parse_columns(column);
     options.columns.insert(options.columns.end(), map.begin(), map.end());
   }
   std::optional<double> rate, interval;
-  number_or_name(L, "rate", rate, options.rate_name);
-  number_or_name(L, "interval", interval, options.interval_name);
+  number_or_name(L, index, "rate", rate, options.rate_name);
+  number_or_name(L, index, "interval", interval, options.interval_name);
   options.interval = rate ? 1 / *rate : interval.value_or(0);
-  Record record = read_record(path, options);
+  return options;
+}
+
+namespace {
+
+/// read(path, {columns = {"y=disp [mm]", ...}, resample = bool, rate = , interval = })
+int read(lua_State* L) {
+  const std::string path = check_string(L, 1);
+  check_table(L, 2);
+  Record record = read_record(path, read_options(L, 2));
   runtime(L).note_input(path);
   push<Record>(L, std::move(record));
   return 1;
@@ -115,10 +124,12 @@ int read_columns(lua_State* L) {
   return 2;
 }
 
-void push_channels(lua_State* L, const Record& record) {
+}  // namespace
+
+void push_channels(lua_State* L, const std::vector<Channel>& channels) {
   lua_newtable(L);
   lua_Integer i = 0;
-  for (const Channel& channel : record.channels()) {
+  for (const Channel& channel : channels) {
     lua_newtable(L);
     push_text(L, channel.name);
     lua_setfield(L, -2, "name");
@@ -144,6 +155,8 @@ void push_channels(lua_State* L, const Record& record) {
   }
 }
 
+namespace {
+
 void push_texts(lua_State* L, const std::vector<std::string>& texts) {
   lua_newtable(L);
   lua_Integer i = 0;
@@ -168,7 +181,7 @@ int get(lua_State* L) {
   else if (key == "duration")
     lua_pushnumber(L, record.duration());
   else if (key == "channels")
-    push_channels(L, record);
+    push_channels(L, record.channels());
   else if (key == "warnings") {
     push_texts(L, record.warnings());
   } else if (key == "history") {

@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <optional>
 
+#include "progress.hpp"
 #include "runtime.hpp"
+#include "stream.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -281,9 +283,7 @@ std::string lag_in(const Regression& result) {
 /// regress({records}, {features=, places=, mass=, known=, constraints=, groups=, passive=, form=, solver=, blocks=,
 /// bootstrap=})
 int run(lua_State* L) {
-  std::vector<Record> records;
-  check_table(L, 1);
-  for_each(L, 1, [&](lua_Integer) { records.push_back(check<Record>(L, -1)); });
+  const std::vector<Stream> records = check_streams(L, 1);
   check_table(L, 2);
   RegressOptions options;
   options.threads = runtime(L).threads;
@@ -315,6 +315,7 @@ int run(lua_State* L) {
   with_field(L, 2, "solver", [&] { options.solver = read_solver(L, options.seed); });
   with_field(L, 2, "objective", [&] { options.objective.mean_force = number_field(L, -1, "mean_force").value_or(0); });
   with_field(L, 2, "search", [&] { options.search = read_search(L, options.seed); });
+  const ProgressLine line;
   SolvedRegression solved{regress(records, options), declared, {}, {}};
   with_field(L, 2, "notes",
              [&] { for_each(L, -1, [&](lua_Integer) { solved.result.warnings.push_back(check_string(L, -1)); }); });

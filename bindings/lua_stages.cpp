@@ -122,7 +122,7 @@ int run_locate(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> records = read_records(L, 2);
   const ProgressLine line;
-  const Located found = locate(model, records, read_options(L, 3));
+  const Located found = locate(model, records, read_discover_options(L, 3));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -132,6 +132,7 @@ int run_locate(lua_State* L) {
   set_number(L, "noise", found.maps.noise);
   set_boolean(L, "above_noise", found.maps.above_noise);
   set_boolean(L, "loop", found.maps.loop);
+  set_number(L, "loop_share", found.maps.loop_share);
   set_texts(L, "warnings", found.warnings);
   set_column(L, "t", found.rows.t);
   set_column(L, "y", found.rows.y);
@@ -161,7 +162,7 @@ int run_propose(lua_State* L) {
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> records = read_records(L, 3);
   const ProgressLine line;
-  const Proposed found = propose(model, catalogue, records, read_options(L, 4));
+  const Proposed found = propose(model, catalogue, records, read_discover_options(L, 4));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -193,7 +194,7 @@ int run_rank(lua_State* L) {
   });
   const std::vector<Record> records = read_records(L, 4);
   const ProgressLine line;
-  const std::vector<Ranked> found = rank_sets(model, catalogue, sets, records, read_options(L, 5));
+  const std::vector<Ranked> found = rank_sets(model, catalogue, sets, records, read_discover_options(L, 5));
   push_list(L, found.size(), [&](std::size_t i) {
     const Ranked& r = found[i];
     set_text(L, "name", r.name);

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 
 #include "expr/error.hpp"
 
@@ -48,33 +47,53 @@ void compress(State& state, const unsigned char* block) {
   for (int i = 0; i < 8; ++i) state[i] += round[i];
 }
 
+/// A hash of bytes that come in pieces.
+class Hash {
+ public:
+  /// All pieces but the last one hold whole blocks of 64 bytes.
+  void add(std::string_view piece) {
+    size_ += piece.size();
+    const std::size_t whole = piece.size() / 64 * 64;
+    for (std::size_t at = 0; at < whole; at += 64)
+      compress(state_, reinterpret_cast<const unsigned char*>(piece.data() + at));
+    tail_ = piece.substr(whole);
+  }
+  std::string digits() {
+    tail_ += '\x80';  // the rest, a 1 bit, zeros, the length in bits
+    tail_.append((120 - tail_.size() % 64) % 64, '\0');
+    for (int shift = 56; shift >= 0; shift -= 8) tail_ += static_cast<char>(size_ * 8 >> shift);
+    for (std::size_t at = 0; at < tail_.size(); at += 64)
+      compress(state_, reinterpret_cast<const unsigned char*>(tail_.data() + at));
+    std::string text;
+    for (const std::uint32_t word : state_)
+      for (int shift = 28; shift >= 0; shift -= 4) text += "0123456789abcdef"[word >> shift & 15];
+    return text;
+  }
+
+ private:
+  State state_ = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  std::string tail_;
+  std::uint64_t size_ = 0;
+};
+
 }  // namespace
 
 std::string sha256(std::string_view bytes) {
-  State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  const std::size_t whole = bytes.size() / 64 * 64;
-  for (std::size_t at = 0; at < whole; at += 64) {
-    compress(state, reinterpret_cast<const unsigned char*>(bytes.data() + at));
-  }
-  std::string tail(bytes.substr(whole));  // the rest, a 1 bit, zeros, the length in bits
-  tail += '\x80';
-  tail.append((120 - tail.size() % 64) % 64, '\0');
-  for (int shift = 56; shift >= 0; shift -= 8) tail += static_cast<char>(bytes.size() * 8 >> shift);
-  for (std::size_t at = 0; at < tail.size(); at += 64) {
-    compress(state, reinterpret_cast<const unsigned char*>(tail.data() + at));
-  }
-  std::string digits;
-  for (const std::uint32_t word : state) {
-    for (int shift = 28; shift >= 0; shift -= 4) digits += "0123456789abcdef"[word >> shift & 15];
-  }
-  return digits;
+  Hash hash;
+  hash.add(bytes);
+  return hash.digits();
 }
 
 std::string sha256_of_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError("cannot read '" + path + "'", {}, Fault::data);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  return sha256(bytes);
+  Hash hash;
+  std::string piece(1 << 20, '\0');
+  while (in) {
+    in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    hash.add({piece.data(), static_cast<std::size_t>(in.gcount())});
+  }
+  return hash.digits();
 }
 
 }  // namespace lunid::lua

@@ -7,6 +7,7 @@ void open_expressions(lua_State* L);
 void open_lua_functions(lua_State* L);
 void open_columns(lua_State* L);
 void open_records(lua_State* L);
+void open_streams(lua_State* L);
 void open_derivatives(lua_State* L);
 void open_spectra(lua_State* L);
 void open_signals(lua_State* L);
@@ -29,10 +30,11 @@ void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
   static constexpr Opener all[] = {
-      open_files,      open_expressions, open_lua_functions, open_columns,   open_records,    open_derivatives,
-      open_spectra,    open_signals,     open_models,        open_runs,      open_fits,       open_responses,
-      open_ensembles,  open_regressions, open_curves,        open_histories, open_selections, open_surfaces,
-      open_statistics, open_comparisons, open_discoveries,   open_stages,    open_figures,    open_doctor};
+      open_files,       open_expressions, open_lua_functions, open_columns,   open_records,
+      open_streams,     open_derivatives, open_spectra,       open_signals,   open_models,
+      open_runs,        open_fits,        open_responses,     open_ensembles, open_regressions,
+      open_curves,      open_histories,   open_selections,    open_surfaces,  open_statistics,
+      open_comparisons, open_discoveries, open_stages,        open_figures,   open_doctor};
   return all;
 }
 

@@ -12,6 +12,7 @@ local command_words = {
   { "run", "STUDY.lua [--out DIR] [--seed N] [--threads N] [key=value ...]", "run a study, or repeat a run from its run.json" },
   { "discover", "TRAIN.csv [MORE.csv ...] --mass M --restoring \"k*y + c*v\"", "name the effect that a model of a record lacks" },
   { "simulate", "model.lua --excitation RECORD.csv [--out DIR]", "run a model freely under a record's force" },
+  { "thesis", "[list|CASE ...|all] [--quick] [--seed N] [--out DIR]", "make the thesis again, with the published numbers beside" },
   { "check", "STUDY.lua", "look through a study without running it" },
   { "repl", "", "type expressions and see their values" },
   { "list", "[effects|features|solvers|excitations|systems]", "what there is" },

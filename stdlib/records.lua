@@ -20,29 +20,36 @@ end
 
 local channels = { time = "t", force = "F", displacement = "y", velocity = "v", acceleration = "a" }
 
-records.read = schema.define({
-  name = "read",
-  help = "Reads a record from a CSV, MAT or HDF5 file. Columns are t F y v a in SI by default; v and a are derived where "
-    .. "absent. A MAT file gives its variables, fields as \"run.y\", columns of arrays as \"data:2\".",
-  positional = { "path" },
-  fields = {
-    { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
-    { "time", types.string, help = "header of the time column, with its unit: \"t [ms]\"" },
-    { "force", types.string, help = "header of the force column: \"load [kN]\"" },
-    { "displacement", types.string, help = "header of the displacement column: \"y [mm]\"" },
-    { "velocity", types.string, help = "header of the velocity column" },
-    { "acceleration", types.string, help = "header of the acceleration column" },
-    { "columns", types.string, help = "all at once: \"t=time,y=disp [mm],F=load [kN]\"" },
-    { "rate", types.either(types.number { above = 0 }, types.string), unit = "Hz",
-      help = "rows per second, where there is no time: a number, or its name in a MAT or HDF5 file" },
-    { "interval", types.either(types.number { above = 0 }, types.string), unit = "s",
-      help = "the same as the time between rows" },
-    { "resample", types.boolean, default = false, help = "resample an uneven time base to its median step" },
-    { "window", types.is("window", "lunid.window"), help = "part of the record to keep" },
-  },
-  returns = "record",
-  example = [[local record = lunid.read("run3.csv", { time = "t", force = "F", displacement = "y [mm]" })]],
-}, function(given)
+--- The fields that say which columns of a file are what.
+local columns_fields = {
+  { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
+  { "time", types.string, help = "header of the time column, with its unit: \"t [ms]\"" },
+  { "force", types.string, help = "header of the force column: \"load [kN]\"" },
+  { "displacement", types.string, help = "header of the displacement column: \"y [mm]\"" },
+  { "velocity", types.string, help = "header of the velocity column" },
+  { "acceleration", types.string, help = "header of the acceleration column" },
+  { "columns", types.string, help = "all at once: \"t=time,y=disp [mm],F=load [kN]\"" },
+  { "rate", types.either(types.number { above = 0 }, types.string), unit = "Hz",
+    help = "rows per second, where there is no time: a number, or its name in a MAT or HDF5 file" },
+  { "interval", types.either(types.number { above = 0 }, types.string), unit = "s",
+    help = "the same as the time between rows" },
+}
+
+--- Those and others; copies, because each definition names its own.
+local function with_columns(others)
+  local all = {}
+  for _, list in ipairs { columns_fields, others } do
+    for _, field in ipairs(list) do
+      local copy = {}
+      for key, value in pairs(field) do copy[key] = value end
+      all[#all + 1] = copy
+    end
+  end
+  return all
+end
+
+--- The columns of the file as the runtime takes them.
+local function columns_of(given, name)
   local columns = {}
   for _, field in ipairs { "time", "force", "displacement", "velocity", "acceleration" } do
     if given[field] then columns[#columns + 1] = channels[field] .. "=" .. given[field] end
@@ -50,10 +57,48 @@ records.read = schema.define({
   if given.columns then
     for _, column in ipairs(core.split_columns(given.columns)) do columns[#columns + 1] = column end
   end
-  if given.rate and given.interval then schema.fail("read", "expected rate or interval, got both") end
+  if given.rate and given.interval then schema.fail(name, "expected rate or interval, got both") end
+  return columns
+end
+
+local window_field = { "window", types.is("window", "lunid.window"), help = "part of the record to keep" }
+
+records.read = schema.define({
+  name = "read",
+  help = "Reads a record from a CSV, MAT or HDF5 file. Columns are t F y v a in SI by default; v and a are derived where "
+    .. "absent. A MAT file gives its variables, fields as \"run.y\", columns of arrays as \"data:2\".",
+  positional = { "path" },
+  fields = with_columns {
+    { "resample", types.boolean, default = false, help = "resample an uneven time base to its median step" },
+    window_field,
+  },
+  returns = "record",
+  example = [[local record = lunid.read("run3.csv", { time = "t", force = "F", displacement = "y [mm]" })]],
+}, function(given)
   local record = core.read(records.find(given.path),
-    { columns = columns, resample = given.resample, rate = given.rate, interval = given.interval })
+    { columns = columns_of(given, "read"), resample = given.resample, rate = given.rate, interval = given.interval })
   return given.window and record:window(given.window.from, given.window.to) or record
+end)
+
+records.stream = schema.define({
+  name = "stream",
+  help = "A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger "
+    .. "than memory. lunid.regress takes it as it takes a record, with the same result; what needs all rows at once does "
+    .. "not. The file is looked through twice when it is opened, and read again for each pass of a regression.",
+  positional = { "path" },
+  fields = with_columns {
+    { "derivative", types.is("derivative", "lunid.derivative"),
+      help = "of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences "
+        .. "with accuracy and step; others need the whole record" },
+    { "smooth", types.boolean, default = false, help = "smooth measured y, v and a too (savitzky_golay)" },
+    window_field,
+  },
+  returns = "stream",
+  example = [[local big = lunid.stream("year.csv", { displacement = "y [mm]" })]],
+}, function(given)
+  local stream = core.stream(records.find(given.path), { columns = columns_of(given, "stream"), rate = given.rate,
+    interval = given.interval, derivative = given.derivative, smooth = given.smooth })
+  return given.window and stream:window(given.window.from, given.window.to) or stream
 end)
 
 records.window = schema.define({

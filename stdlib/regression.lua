@@ -32,8 +32,14 @@ local function range_over(records)
         schema.fail("regress", ("features: the range of '%s' is not known: give it (range = ...) to the set of features"):format(
           name))
       end
-      local column = each:column(name)
-      low, high = math.min(low, column:min()), math.max(high, column:max())
+      local least, most
+      if getmetatable(each) == "lunid.stream" then
+        least, most = core.stream_range(each, name)
+      else
+        local column = each:column(name)
+        least, most = column:min(), column:max()
+      end
+      low, high = math.min(low, least), math.max(high, most)
     end
     if not (low < high) then schema.fail("regress", ("features: '%s' is constant on these data: it has no range"):format(name)) end
     return low, high
@@ -84,7 +90,7 @@ end
 --- The features of a list of expressions and sets, laid flat; sets that need the range of the data take it from records.
 function regression.flat(list, records) return (features.flat(list, range_over(records or {}), core.place())) end
 
-local record = types.is("record", "lunid.read")
+local record = types.either(types.is("record", "lunid.read"), types.is("stream", "lunid.stream"))
 
 public.regress = schema.define({
   name = "regress",

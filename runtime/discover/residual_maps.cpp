@@ -23,7 +23,6 @@ constexpr int cells = 24, plane_cells = 16, amplitude_cells = 12, orders = 9, pa
 constexpr double few = 5;            ///< rows in a bin below which it says nothing
 constexpr double most_taken = 0.15;  ///< share of its noise that a bin's mean may take: about seven blocks
 constexpr double chance = 0.05;
-constexpr double least_loop = 0.04;  ///< of the residual's variance: below, loading and unloading are called the same
 
 int bin_of(double x, double low, double high, int count) {
   return std::clamp(static_cast<int>((x - low) / (high - low) * count), 0, count - 1);
@@ -320,22 +319,20 @@ SlowTime slow_time(const ResidualRows& rows) {
   return out;
 }
 
-/// Does the residual at equal y differ between v > 0 and v < 0, beyond chance and by a good part of it?
-bool has_loop(const ResidualRows& rows) {
+/// Does the residual at equal y differ between v > 0 and v < 0? Fills loop and loop_share.
+void look_for_loop(const ResidualRows& rows, ResidualMaps& out) {
   const double limit = std::max(rows.y.cwiseAbs().maxCoeff(), 1e-300);
   std::vector<int> where;
   for (Index i = 0; i < rows.y.size(); ++i)
     where.push_back(bin_of(rows.y[i], -limit, limit, cells / 2) + (rows.v[i] > 0 ? cells / 2 : 0));
   const BinnedMap map = mean_map(rows, "side", where, VectorXd::Zero(cells));
-  bool beyond = false;
   double squares = 0;
   for (int k = 0; k < cells / 2; ++k) {
     const double apart = map.value[k + cells / 2] - map.value[k];
-    if (!std::isfinite(apart)) continue;
-    beyond = beyond || std::abs(apart) > std::hypot(map.level[k], map.level[k + cells / 2]);
-    squares += 0.25 * apart * apart * (map.rows[k] + map.rows[k + cells / 2]);
+    out.loop = out.loop || std::abs(apart) > std::hypot(map.level[k], map.level[k + cells / 2]);
+    if (std::isfinite(apart)) squares += (map.rows[k] + map.rows[k + cells / 2]) * std::pow(apart / 2, 2);
   }
-  return beyond && squares > least_loop * rows.force.squaredNorm();
+  out.loop_share = squares / std::max(rows.force.squaredNorm(), 1e-300);
 }
 
 }  // namespace
@@ -374,7 +371,7 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   ResidualRows rest = rows;
   rest.force = noise;
   out.slow = slow_time(rest);
-  out.loop = has_loop(rows);
+  look_for_loop(rows, out);
   out.above_noise = out.loop || out.slow.changes[0] || out.slow.changes[1] || out.slow.changes[2];
   for (const char* over : {"y", "v", "harmonic"}) out.above_noise = out.above_noise || out.map(over).any_above();
   out.sentence = sentence_of(out, rows);

@@ -43,6 +43,7 @@ struct ResidualMaps {
   double rms = 0;            ///< of the residual
   double noise = 0;          ///< rms of what is no function of y and v
   bool loop = false;         ///< it differs between loading and unloading (v > 0 and v < 0 at equal y)
+  double loop_share = 0;     ///< of the residual's mean square in that difference
   bool above_noise = false;  ///< some map is
   std::string sentence;      ///< what an engineer would say
   std::string no_data;       ///< where the records say nothing

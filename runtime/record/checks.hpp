@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "record/record.hpp"
@@ -21,6 +22,10 @@ std::vector<std::string> names_or_all(const Record& record, const std::vector<st
                                       std::string_view where);
 /// This record's channels (within its window) over another time base: warnings and history go along.
 Record remade(const Record& record, double t0, double dt, std::vector<Channel> channels);
+/// First row and number of rows with from <= t <= to [s] of a record that starts there. Throws InputError as
+/// Record::window.
+std::pair<Eigen::Index, Eigen::Index> rows_of_window(const std::string& name, double start, double dt,
+                                                     Eigen::Index rows, double from, double to);
 /// A channel within the window, with other values.
 Channel with_values(const Record& record, std::string_view channel, Eigen::VectorXd values);
 

@@ -19,6 +19,7 @@ struct Variable {
   std::string kind;                ///< "" for real numbers, else what it is: "text", "complex numbers", "a cell array"
   std::vector<std::size_t> shape;  ///< as the file's own world writes it: rows first; {} for a single number
   bool single = false;             ///< stored with 24 bits of mantissa
+  bool whole = false;              ///< the file gives it all at once or not at all
   std::optional<double> start, step;  ///< attributes of a time that Lunid wrote: t = start + i*step to the last bit
 
   bool is_number() const { return kind.empty(); }
@@ -60,7 +61,7 @@ class ContainerModule {
   virtual std::string encode_hdf5(const std::vector<StoredColumn>& columns, std::string& error) = 0;
 };
 
-constexpr int container_version = 1;
+constexpr int container_version = 2;
 constexpr const char* container_factory_name = "lunid_container_module";
 using ContainerFactory = ContainerModule*(int version);
 

@@ -16,6 +16,8 @@ struct PrintedDigits {
   double resolution(double value) const;
 };
 
+/// Throws InputError (Fault::data) for text that no CSV file begins with: nothing, UTF-16, a binary file.
+void check_text(const std::string& path, std::string_view text);
 /// Reads a whole file. Throws InputError (Fault::data) for a missing or empty one, or one that is no text.
 std::string read_text(const std::string& path);
 
@@ -26,6 +28,54 @@ struct CsvTable {
   std::vector<int> lines;                    ///< line of each row in the file
   PrintedDigits time_digits;
   int header_line = 0;
+};
+
+/// Takes the lines of a CSV file apart: all at once, or in pieces of whole lines. Copies go on from where it is.
+class CsvParser {
+ public:
+  CsvParser(std::string path, const ReadOptions& options) : path_(std::move(path)), options_(options) {}
+
+  /// Reads the header off the text that the file begins with; gives what follows it.
+  std::string_view header(std::string_view text, std::vector<std::string>& warnings);
+  /// Adds the rows of a piece to the table.
+  void rows(std::string_view piece);
+  /// Throws on the earliest cell that is no number, of the columns that matter.
+  void refuse_bad_cells() const;
+  /// The same; drops other columns that have one.
+  void judge(std::vector<std::string>& warnings);
+
+  const CsvTable& table() const { return table_; }
+  CsvTable take() { return std::move(table_); }
+  /// Forgets the rows; the next piece begins after line `line`.
+  void restart(int line);
+  int line() const { return line_; }          ///< of the last one read
+  char ending() const { return ending_; }     ///< of lines, known after the header
+  std::size_t time() const { return time_; }  ///< number of the time column
+
+  struct BadCell {
+    int line;
+    std::string text;
+  };
+  struct BadCells {
+    std::vector<BadCell> first;
+    std::size_t count = 0;
+  };
+
+ private:
+  [[noreturn]] void fail(const std::string& message, int line) const;
+  bool next(std::string_view& rest, std::string_view& line);
+  void read_row(std::string_view line);
+  void read_plain(std::string_view line);
+  double slow(std::string_view cell, std::size_t column);
+  [[noreturn]] void wrong_length(std::string_view line) const;
+
+  std::string path_;
+  ReadOptions options_;
+  CsvTable table_;
+  std::vector<BadCells> bad_;
+  int line_ = 0;
+  char ending_ = '\n', separator_ = ',';
+  std::size_t time_ = 0;
 };
 
 /// Throws InputError (Fault::data) with file and line; see read_csv.

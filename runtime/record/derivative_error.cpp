@@ -44,10 +44,15 @@ double both(Eigen::Index k, Eigen::Index bins) { return k + 1 < bins ? 2 : 1; }
 
 }  // namespace
 
-DerivativeError::DerivativeError(std::span<const double> x, double noise, int derivative) {
-  constexpr Eigen::Index longest = 16384;  // of a segment: bounds the work and the window
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const Spectrum spectrum = welch(x, std::min(power_of_two_below(std::max<Eigen::Index>(n, 2)), longest));
+Eigen::Index DerivativeError::segment_length(Eigen::Index rows) {
+  constexpr Eigen::Index longest = 16384;  // bounds the work and the window
+  return std::min(power_of_two_below(std::max<Eigen::Index>(rows, 2)), longest);
+}
+
+DerivativeError::DerivativeError(std::span<const double> x, double noise, int derivative)
+    : DerivativeError(welch(x, segment_length(static_cast<Eigen::Index>(x.size()))), noise, derivative) {}
+
+DerivativeError::DerivativeError(const Spectrum& spectrum, double noise, int derivative) {
   density_ = signal_density(spectrum, noise * noise);
   noise_density_ = noise * noise;
   length_ = spectrum.length;

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <span>
 
+#include "record/spectrum.hpp"
+
 namespace lunid {
 
 /// Mean squared error of a filtered derivative (0: of the smoothed signal) in the middle of a record: the noise that it
@@ -11,6 +13,9 @@ class DerivativeError {
  public:
   /// `noise`: standard deviation of the white noise in x.
   DerivativeError(std::span<const double> x, double noise, int derivative);
+  /// From the signal's spectrum over segments of segment_length().
+  DerivativeError(const Spectrum& spectrum, double noise, int derivative);
+  static Eigen::Index segment_length(Eigen::Index rows);
   /// Of the weights of a symmetric or antisymmetric window, an odd number of them.
   double of(const Eigen::VectorXd& weights) const;
   /// Of a filter whose response at the bins is ideal() times the real `gain`.

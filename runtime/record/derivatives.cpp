@@ -115,8 +115,10 @@ Eigen::VectorXd savitzky_golay(std::span<const double> x, double dt, int derivat
 }
 
 SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int derivative) {
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const DerivativeError error(x, noise, derivative);
+  return choose_savitzky_golay(DerivativeError(x, noise, derivative), static_cast<Eigen::Index>(x.size()), derivative);
+}
+
+SavitzkyGolay choose_savitzky_golay(const DerivativeError& error, Eigen::Index n, int derivative) {
   const int widest = static_cast<int>(std::max<Eigen::Index>(std::min({n / 10, error.length() / 10, (n - 1) / 2}), 2));
   // The narrowest filter of order 3 is there for any record of 5 rows.
   SavitzkyGolay best{2, 3};

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "record/noise_sum.hpp"
 #include "record/record.hpp"
 #include "record/spectrum.hpp"
 
@@ -23,11 +24,9 @@ double median_over_mean(double dof) { return std::pow(1 - 2 / (9 * dof), 3); }
 
 /// The step of a quantised signal: the least distance of two different values, where nearly all distances are
 /// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no
-/// coarse measurement.
-double value_step(std::span<const double> x) {
-  constexpr std::size_t enough = 16384, few = 16;
-  std::vector<double> sorted;
-  for (std::size_t i = 0; i < x.size(); i += 1 + x.size() / enough) sorted.push_back(x[i]);
+/// coarse measurement. `sorted`: some of the values, in any order.
+double value_step(std::vector<double> sorted) {
+  constexpr std::size_t few = 16;
   std::sort(sorted.begin(), sorted.end());
   const double same = 1e-9 * (sorted.back() - sorted.front());  // the same value but for rounding
   std::vector<double> distances;
@@ -84,15 +83,33 @@ double floor_of(const Spectrum& spectrum, double samples) {
 
 }  // namespace
 
+NoiseSum::NoiseSum(Eigen::Index rows) : rows_(rows) {
+  constexpr Eigen::Index least = 64;  // of rows for a spectrum
+  if (rows >= least) spectrum_.emplace(rows, std::clamp<Eigen::Index>(power_of_two_below(rows / 6), 32, 1024));
+}
+
+void NoiseSum::add(std::span<const double> piece) {
+  constexpr Eigen::Index enough = 16384;
+  const Eigen::Index every = 1 + rows_ / enough;
+  for (const double value : piece) {
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+    if (seen_++ % every == 0) some_.push_back(value);
+  }
+  if (spectrum_) spectrum_->add(piece);
+}
+
+double NoiseSum::level() const {
+  if (rows_ < 2 || !(high_ > low_)) return 0;
+  const double least = 0.5 * value_step(some_) / std::sqrt(12.0);
+  if (!spectrum_) return std::max(least, noise_by_differences(some_));
+  return std::max(least, std::sqrt(floor_of(spectrum_->spectrum(), static_cast<double>(rows_))));
+}
+
 double noise_level(std::span<const double> x) {
-  if (x.size() < 2) return 0;
-  const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  if (!(*high > *low)) return 0;
-  const double least = 0.5 * value_step(x) / std::sqrt(12.0);
-  const auto n = static_cast<Eigen::Index>(x.size());
-  if (n < 64) return std::max(least, noise_by_differences(x));
-  const Eigen::Index length = std::clamp<Eigen::Index>(power_of_two_below(n / 6), 32, 1024);
-  return std::max(least, std::sqrt(floor_of(welch(x, length), static_cast<double>(n))));
+  NoiseSum sum(static_cast<Eigen::Index>(x.size()));
+  sum.add(x);
+  return sum.level();
 }
 
 double dominant_frequency(std::span<const double> x, double dt) {

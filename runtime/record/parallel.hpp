@@ -1,5 +1,5 @@
 #pragma once
-// Independent jobs on a few threads; the first exception is rethrown on the caller's thread.
+// Independent jobs on a few threads.
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -16,20 +16,22 @@ inline int thread_count(int threads) {
 }
 
 /// Runs job(0) ... job(count - 1), each once, on `threads` threads (0: all cores). Results must go to slots of their
-/// own, so that they do not depend on the number of threads.
+/// own, so that they do not depend on the number of threads. Of several exceptions that of the least job is rethrown,
+/// so that it is the same one each time; jobs after it may be left out.
 inline void parallel_for(int count, int threads, const std::function<void(int)>& job) {
   const int workers = std::min(count, thread_count(threads));
-  std::atomic<int> next{0};
+  std::atomic<int> next{0}, failed{count};  // failed: the least job that threw
   std::exception_ptr failure;
   std::mutex guard;
   auto work = [&] {
-    for (int i = next++; i < count; i = next++) {
+    for (int i = next++; i < failed; i = next++) {
       try {
         job(i);
       } catch (...) {
         const std::lock_guard lock(guard);
-        if (!failure) failure = std::current_exception();
-        next = count;
+        if (i > failed) continue;
+        failure = std::current_exception();
+        failed = i;
       }
     }
   };

@@ -1,5 +1,7 @@
 #include "record/record.hpp"
 
+#include "record/checks.hpp"
+
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -67,20 +69,25 @@ Record Record::slice(Eigen::Index first, Eigen::Index count) const {
   return part;
 }
 
-Record Record::window(double from, double to) const {
+std::pair<Eigen::Index, Eigen::Index> rows_of_window(const std::string& name, double start, double dt,
+                                                     Eigen::Index rows, double from, double to) {
   // A time that is meant as a row's must find it in spite of rounding: a part in a million of a step is
   // forgiven.
-  const double slack = 1e-6;
-  const double low = std::ceil((from - start()) / dt_ - slack), high = std::floor((to - start()) / dt_ + slack);
-  const double first = std::max(low, 0.0), last = std::min(high, static_cast<double>(count_ - 1));
+  const double slack = 1e-6, end = static_cast<double>(rows - 1);
+  const double low = std::ceil((from - start) / dt - slack), high = std::floor((to - start) / dt + slack);
+  const double first = std::max(low, 0.0), last = std::min(high, end);
   if (!(last - first + 1 >= static_cast<double>(least_rows))) {
     std::ostringstream text;
     text << "window " << from << " to " << to << " s: expected at least " << least_rows
-         << " rows, the record has t = " << start() << " to " << start() + duration() << " s in steps of " << dt_
-         << " s";
-    throw InputError(text.str(), {name_}, Fault::data);
+         << " rows, the record has t = " << start << " to " << start + dt * end << " s in steps of " << dt << " s";
+    throw InputError(text.str(), {name}, Fault::data);
   }
-  return slice(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first) + 1);
+  return {static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first) + 1};
+}
+
+Record Record::window(double from, double to) const {
+  const auto [first, count] = rows_of_window(name_, start(), dt_, count_, from, to);
+  return slice(first, count);
 }
 
 Record Record::with(Channel channel) const {

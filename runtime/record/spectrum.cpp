@@ -1,5 +1,6 @@
 #include "record/spectrum.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
@@ -54,24 +55,37 @@ Eigen::VectorXd detrend(std::span<const double> x, int degree) {
   return result;
 }
 
-Spectrum welch(std::span<const double> x, Eigen::Index length) {
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const Eigen::Index hop = std::max<Eigen::Index>(length / 2, 1);
-  const Eigen::VectorXd window = hann(length);
-  Spectrum result{Eigen::VectorXd::Zero(length / 2 + 1), length, 0};
-  for (Eigen::Index start = 0; start + length <= n;) {
-    const Eigen::VectorXd part =
-        detrend(x.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(length)), 1).cwiseProduct(window);
-    result.density += half_spectrum({part.data(), static_cast<std::size_t>(length)}, length).cwiseAbs2();
-    ++result.segments;
+WelchSum::WelchSum(Eigen::Index samples, Eigen::Index length)
+    : samples_(samples), window_(hann(length)), sum_{Eigen::VectorXd::Zero(length / 2 + 1), length, 0} {}
+
+void WelchSum::add(std::span<const double> piece) {
+  held_.insert(held_.end(), piece.begin(), piece.end());
+  const Eigen::Index length = sum_.length, hop = std::max<Eigen::Index>(length / 2, 1);
+  const Eigen::Index end = first_ + static_cast<Eigen::Index>(held_.size());
+  while (start_ + length <= end) {
+    const double* segment = held_.data() + (start_ - first_);
+    const Eigen::VectorXd part = detrend({segment, static_cast<std::size_t>(length)}, 1).cwiseProduct(window_);
+    sum_.density += half_spectrum({part.data(), static_cast<std::size_t>(length)}, length).cwiseAbs2();
+    ++sum_.segments;
     // The last segment ends with the record.
-    if (start + length < n && start + hop + length > n && n - length > start + hop / 2)
-      start = n - length;
-    else
-      start += hop;
+    const bool last = start_ + length < samples_ && start_ + hop + length > samples_;
+    start_ = last && samples_ - length > start_ + hop / 2 ? samples_ - length : start_ + hop;
   }
-  result.density /= window.squaredNorm() * static_cast<double>(std::max<Eigen::Index>(result.segments, 1));
+  const Eigen::Index done = std::min(start_, end) - first_;
+  held_.erase(held_.begin(), held_.begin() + done);
+  first_ += done;
+}
+
+Spectrum WelchSum::spectrum() const {
+  Spectrum result = sum_;
+  result.density /= window_.squaredNorm() * static_cast<double>(std::max<Eigen::Index>(result.segments, 1));
   return result;
+}
+
+Spectrum welch(std::span<const double> x, Eigen::Index length) {
+  WelchSum sum(static_cast<Eigen::Index>(x.size()), length);
+  sum.add(x);
+  return sum.spectrum();
 }
 
 Eigen::Index power_of_two_below(Eigen::Index n) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <span>
+#include <vector>
 
 namespace lunid {
 
@@ -21,6 +22,21 @@ struct Spectrum {
 };
 /// `length`: of the segments, a power of two <= the number of samples. (Welch 1967, IEEE Trans. AU-15, 70.)
 Spectrum welch(std::span<const double> x, Eigen::Index length);
+
+/// The same of a signal that comes in pieces, to the same bits; holds no more than one segment beside a piece.
+class WelchSum {
+ public:
+  /// `samples`: how many will come.
+  WelchSum(Eigen::Index samples, Eigen::Index length);
+  void add(std::span<const double> piece);
+  Spectrum spectrum() const;
+
+ private:
+  Eigen::Index samples_, start_ = 0, first_ = 0;  // of the next segment; of the first sample held
+  Eigen::VectorXd window_;
+  std::vector<double> held_;
+  Spectrum sum_;
+};
 
 /// The largest power of two <= n (n >= 1), and the smallest >= n.
 Eigen::Index power_of_two_below(Eigen::Index n);

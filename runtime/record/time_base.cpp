@@ -54,18 +54,21 @@ double rounded(double value, int digits) {
   return std::stod(text.str());
 }
 
+using Corner = Stamps::Corner;
+
+/// Half of what a stamp was rounded by; double precision has a part in it.
+double half_of(double t, double resolution) { return 0.5 * resolution + 4e-16 * std::abs(t); }
+
 /// The start for which every stamp is t0 + i*dt, rounded as printed; nullopt when there is none. Of the
-/// possible ones the first stamp itself, else the one of the fewest digits.
-std::optional<double> start_of(std::span<const double> t, std::span<const double> resolution, double dt) {
+/// possible ones the first stamp itself, else the one of the fewest digits. `low`, `high`: the stamps that bound it
+/// from below and from above.
+std::optional<double> start_of(double first, std::span<const Corner> lower, std::span<const Corner> upper, double dt) {
   double low = -std::numeric_limits<double>::infinity(), high = -low;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const double start = t[i] - dt * static_cast<double>(i);
-    const double half = 0.5 * resolution[i] + 1e-9 * dt + 4e-16 * std::abs(t[i]);  // the last two: double precision
-    low = std::max(low, start - half);
-    high = std::min(high, start + half);
-    if (low > high) return std::nullopt;
-  }
-  if (low <= t[0] && t[0] <= high) return t[0];
+  const double slack = 1e-9 * dt;  // double precision
+  for (const Corner& c : lower) low = std::max(low, c.t - dt * c.row - (c.half + slack));
+  for (const Corner& c : upper) high = std::min(high, c.t - dt * c.row + (c.half + slack));
+  if (low > high) return std::nullopt;
+  if (low <= first && first <= high) return first;
   for (int digits = 1; digits < 17; ++digits) {
     const double start = rounded((low + high) / 2, digits);
     if (low <= start && start <= high) return start;
@@ -75,13 +78,14 @@ std::optional<double> start_of(std::span<const double> t, std::span<const double
 
 /// The even base of the roundest step (in its own digits, or as a rate: 0.00125, 1/300) of which the stamps
 /// are roundings; nullopt when they are not. `line` is the least-squares line.
-std::optional<TimeBase> even_base(std::span<const double> t, std::span<const double> resolution, const TimeBase& line) {
+std::optional<TimeBase> even_base(double first, std::span<const Corner> lower, std::span<const Corner> upper,
+                                  double resolution, const TimeBase& line) {
   if (!(line.dt > 0)) return std::nullopt;
-  const double slack = std::max(resolution.back(), 1e-9 * line.dt) / static_cast<double>(t.size() - 1);
+  const double slack = std::max(resolution, 1e-9 * line.dt) / static_cast<double>(line.rows - 1);
   for (int digits = 1; digits <= 17; ++digits)
     for (double dt : {rounded(line.dt, digits), 1 / rounded(1 / line.dt, digits)})
       if (std::abs(dt - line.dt) <= slack)
-        if (const auto start = start_of(t, resolution, dt)) return TimeBase{*start, dt, line.rows, false};
+        if (const auto start = start_of(first, lower, upper, dt)) return TimeBase{*start, dt, line.rows, false};
   return std::nullopt;
 }
 
@@ -136,7 +140,10 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
   std::size_t unusual = 0;
   for (double d : steps) unusual += std::abs(d - step) > 0.5 * step;
   if (!coarse || unusual == 0 || unusual >= 4) {
-    if (const auto base = even_base(t, resolution, line)) {
+    std::vector<Corner> all;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      all.push_back({static_cast<double>(i), t[i], half_of(t[i], resolution[i])});
+    if (const auto base = even_base(t[0], all, all, resolution.back(), line)) {
       if (found.largest > 1e-3 * line.dt)
         warnings.push_back("time stamps are rounded by up to " + number(found.largest) + " s: taken as even");
       return *base;
@@ -179,6 +186,91 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
   }
   warnings.push_back(text + ": resampled to the median step");
   return even;
+}
+
+namespace {
+
+/// Adds a corner to the hull of the points (row, t + side*half); side -1 keeps the upper hull, +1 the lower one: those
+/// that can bound the start.
+void add_corner(std::vector<Corner>& hull, const Corner& corner, double side) {
+  const auto height = [&](const Corner& c) { return c.t + side * c.half; };
+  while (hull.size() >= 2) {
+    const Corner &a = hull[hull.size() - 2], &b = hull.back();
+    const double turn = (height(b) - height(a)) * (corner.row - b.row) - (height(corner) - height(b)) * (b.row - a.row);
+    if (side * turn < 0) break;
+    hull.pop_back();
+  }
+  hull.push_back(corner);
+  // A clock that drifts makes a corner of every stamp: then every second one says the same.
+  constexpr std::size_t most = 1 << 17;
+  if (hull.size() < most) return;
+  for (std::size_t i = 0; i < most / 2; ++i) hull[i] = hull[2 * i];
+  hull[most / 2] = hull.back();
+  hull.resize(most / 2 + 1);
+}
+
+}  // namespace
+
+void Stamps::add(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines) {
+  if (rows_ == 0 && t.size() > 1) {
+    first_ = t[0];
+    std::vector<double> steps(t.size() - 1);
+    for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
+    step_ = median(std::move(steps));
+  }
+  for (std::size_t i = 0; i < t.size(); ++i, ++rows_) {
+    const double row = static_cast<double>(rows_), d = t[i] - last_;
+    if (rows_ > 0) {
+      unusual_ += std::abs(d - step_) > 0.5 * step_;
+      if (d > most_) most_line_ = lines[i];
+      least_ = std::min(least_, d);
+      most_ = std::max(most_, d);
+      if (d <= 0 && backward_.empty()) {
+        backward_ = (d < 0 ? "time runs backwards: t = " : "time is repeated: t = ") + number(t[i]) +
+                    " s after t = " + number(last_) + " s";
+        backward_line_ = lines[i];
+      }
+    }
+    const long double off = t[i] - first_ - row * step_;
+    sum_ += off, moment_ += off * row, square_ += off * off;
+    last_ = t[i];
+    resolution_ = resolution[i];
+    const Corner corner{row, t[i], half_of(t[i], resolution[i])};
+    add_corner(low_, corner, -1);
+    add_corner(high_, corner, 1);
+  }
+}
+
+TimeBase Stamps::fit(const std::string& path, std::vector<std::string>& warnings) const {
+  if (rows_ < 6) throw InputError("expected at least 6 rows, got " + std::to_string(rows_), {path}, Fault::data);
+  const long double n = rows_, centre = (n - 1) / 2, spread = n * (n * n - 1) / 12;
+  const long double slope = (moment_ - centre * sum_) / spread, mean = sum_ / n;
+  const TimeBase line{first_ + static_cast<double>(mean - slope * centre), step_ + static_cast<double>(slope), rows_,
+                      false};
+  double largest = 0;
+  for (const std::vector<Corner>* hull : {&low_, &high_})
+    for (const Corner& c : *hull) largest = std::max(largest, std::abs(c.t - line.t0 - line.dt * c.row));
+  const bool coarse = resolution_ > 0.6 * step_;
+  if (!coarse || unusual_ == 0 || unusual_ >= 4) {
+    if (const auto base = even_base(first_, low_, high_, resolution_, line)) {
+      if (largest > 1e-3 * line.dt)
+        warnings.push_back("time stamps are rounded by up to " + number(largest) + " s: taken as even");
+      return *base;
+    }
+  }
+  if (!backward_.empty()) throw InputError(backward_, {path, backward_line_}, Fault::data);
+  const double rms =
+      static_cast<double>(std::sqrt(std::max(0.0L, (square_ - n * mean * mean - slope * slope * spread) / n)));
+  if (rms < 0.02 * line.dt && largest < 0.5 * line.dt) {
+    warnings.push_back("time stamps jitter by " + number(rms) + " s rms (" + number(100 * rms / line.dt) +
+                       " % of the step): taken as even");
+    return line;
+  }
+  throw InputError(
+      "time is uneven: steps from " + number(least_) + " to " + number(most_) + " s, median " + number(step_) +
+          " s; the largest ends here; a stream is not resampled: cut the file there, or read it whole with "
+          "lunid.read and resample = true",
+      {path, most_line_}, Fault::data);
 }
 
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base) {

@@ -1,5 +1,6 @@
 #pragma once
 // Inside record: from time stamps to t = t0 + i*dt.
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,30 @@ struct TimeBase {
 /// printed rounding step of t[i] [s].
 TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
                        const std::string& path, bool resample, std::vector<std::string>& warnings);
+
+/// Stamps that come in pieces, of which only those are kept that decide whether all are even: the corners of the band
+/// that rounding allows. For a record whose time is even, fit() gives what fit_time_base() gives of all of them.
+class Stamps {
+ public:
+  /// The next stamps [s], as fit_time_base() takes them. The first piece sets the step that others are held against.
+  void add(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines);
+  /// Throws InputError as fit_time_base(): a stream is not resampled.
+  TimeBase fit(const std::string& path, std::vector<std::string>& warnings) const;
+
+  struct Corner {
+    double row, t, half;  ///< number of the row, its stamp, and by how much that may be rounded
+  };
+
+ private:
+  Eigen::Index rows_ = 0;
+  double first_ = 0, last_ = 0, step_ = 0, resolution_ = 0;  // stamps, median step, resolution of the last one
+  long double sum_ = 0, moment_ = 0, square_ = 0;            // of t - first - row*step
+  std::vector<Corner> low_, high_;
+  Eigen::Index unusual_ = 0;
+  double least_ = std::numeric_limits<double>::infinity(), most_ = -least_;  // steps
+  int most_line_ = 0, backward_line_ = 0;
+  std::string backward_;
+};
 
 /// Values at t0 + i*dt from values at uneven, increasing times t, by cubics through the four nearest samples.
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base);

@@ -40,11 +40,11 @@ std::string places_of(const RegressOptions& options, const Fit& fit, const Unexc
 
 }  // namespace
 
-void check_units(std::span<const Record> records, const std::vector<Expr>& expressions) {
+void check_units(std::span<const Stream> records, const std::vector<Expr>& expressions) {
   for (const Expr& f : expressions)
     for (const Expr& s : symbols(f, SymbolKind::channel)) {
-      const Record* first = nullptr;
-      for (const Record& record : records) {
+      const Stream* first = nullptr;
+      for (const Stream& record : records) {
         if (!record.has(s.name()) || record.channel(s.name()).unit.empty()) continue;
         if (!first) first = &record;
         const std::string &one = first->channel(s.name()).unit, &other = record.channel(s.name()).unit;
@@ -113,7 +113,7 @@ void add_intervals(Regression& result, const RegressOptions& options, const Solv
 }
 
 /// Unit of F over that of the feature.
-std::string unit_of(Expr feature, const RegressOptions& options, const Record& record) {
+std::string unit_of(Expr feature, const RegressOptions& options, const Stream& record) {
   const auto of_symbol = [&](Expr s) -> std::optional<Unit> {
     if (s.kind() == SymbolKind::parameter) {
       const auto found = options.units.find(s.name());
@@ -132,7 +132,7 @@ std::string unit_of(Expr feature, const RegressOptions& options, const Record& r
 }  // namespace
 
 void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,
-               std::span<const Record> records) {
+               std::span<const Stream> records) {
   const Fit& fit = solved.fit;
   const VectorXd block_std = options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved);
   for (std::size_t j = 0; j < options.features.size(); ++j) {
@@ -152,7 +152,7 @@ void add_terms(Regression& result, const RegressOptions& options, const Solved& 
   add_intervals(result, options, solved);
 }
 
-std::string describe(const Record& record) {
+std::string describe(const Stream& record) {
   return record.name() + ", " + number(record.start(), 6) + " to " + number(record.start() + record.duration(), 6) +
          " s, " + std::to_string(record.rows()) + " rows";
 }
@@ -160,14 +160,14 @@ std::string describe(const Record& record) {
 namespace {
 
 /// A motion of one frequency, on which m a and k y are one.
-void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Record> records,
+void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Stream> records,
                            const RegressOptions& options) {
   Pool& pool = options.features.front().pool();
   const Expr y = pool.channel("y"), a = pool.channel("a");
   const bool spring = std::find(options.features.begin(), options.features.end(), y) != options.features.end();
   const bool inertia = options.mass.valid() && !options.mass.is_constant(0);
   if (!spring || !inertia) return;
-  for (const Record& record : records)
+  for (const Stream& record : records)
     if (!record.has("y") || !record.has("a")) return;
   const auto blocks = time_blocks(records, 1, 1);
   const Statistic data = merged(statistics(Columns({y}, a), records, blocks, {}, options.threads));
@@ -180,7 +180,7 @@ void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Record
 
 }  // namespace
 
-std::vector<std::string> warnings(const Regression& result, std::span<const Record> records,
+std::vector<std::string> warnings(const Regression& result, std::span<const Stream> records,
                                   const RegressOptions& options, int constant) {
   const Fit& fit = result.fit;
   std::vector<std::string> out;

@@ -1,11 +1,9 @@
 #include "regress/columns.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <thread>
 
+#include "record/parallel.hpp"
 #include "regress/lag.hpp"
 #include "regress/number.hpp"
 
@@ -19,6 +17,8 @@ namespace {
 /// Rows that are built and folded in together: the folding's fixed cost is small beside them, and the work space of
 /// 23 columns stays in the cache.
 constexpr Index kRows = 4096;
+/// Rows of a file that are read together.
+constexpr Index kLoaded = 4 * kRows;
 
 std::vector<Expr> inputs_of(const std::vector<Expr>& outputs, SymbolKind kind) {
   std::vector<Expr> found;
@@ -44,10 +44,16 @@ Columns::Columns(std::vector<Expr> features, Expr target, std::vector<std::strin
     inputs.push_back(s);
   }
   tape_ = Tape(features, inputs);
+  lag_ = largest_lag(features);
 }
 
-void Columns::fill(const Record& record, Index first, std::span<const double> values, MatrixXd& work) const {
-  const Index rows = work.rows();
+Columns::Loaded Columns::load(const Stream& stream, Index first, Index count) const {
+  return {stream, first - lag_, stream.read(first - lag_, count + lag_)};
+}
+
+void Columns::fill(const Loaded& data, Index first, std::span<const double> values, MatrixXd& work) const {
+  const Record& record = data.rows;
+  const Index rows = work.rows(), at = first - data.first;
   std::vector<double> time;
   std::vector<const double*> in;
   std::vector<int> stride;
@@ -55,12 +61,12 @@ void Columns::fill(const Record& record, Index first, std::span<const double> va
     stride.push_back(1);
     if (name == "t" && !record.has("t")) {
       time.resize(static_cast<std::size_t>(rows));
-      for (Index i = 0; i < rows; ++i) time[static_cast<std::size_t>(i)] = record.time(first + i);
+      for (Index i = 0; i < rows; ++i) time[static_cast<std::size_t>(i)] = data.stream.time(first + i);
       in.push_back(time.data());
     } else if (const auto past = record.has(name) ? std::nullopt : lag_of(name)) {
-      in.push_back(record[past->channel].data() + first - past->samples);
+      in.push_back(record[past->channel].data() + at - past->samples);
     } else {
-      in.push_back(record[name].data() + first);
+      in.push_back(record[name].data() + at);
     }
   }
   for (const double& value : values) {
@@ -71,10 +77,10 @@ void Columns::fill(const Record& record, Index first, std::span<const double> va
   for (Index j = 1; j < work.cols(); ++j) out.push_back(work.col(j).data());
   tape_.run_columns(in, stride, static_cast<std::size_t>(rows), out);
   for (Index j = 1; j < work.cols(); ++j)
-    if (!std::isfinite(work.col(j).sum())) refuse(record, first, work);
+    if (!std::isfinite(work.col(j).sum())) refuse(data.stream, first, work);
 }
 
-void Columns::refuse(const Record& record, Index first, const MatrixXd& work) const {
+void Columns::refuse(const Stream& record, Index first, const MatrixXd& work) const {
   tape_.rethrow();
   for (Index i = 0; i < work.rows(); ++i)
     for (Index j = 1; j < work.cols(); ++j) {
@@ -90,20 +96,24 @@ void Columns::refuse(const Record& record, Index first, const MatrixXd& work) co
   throw InputError("the columns overflow when added up: scale the features", {}, Fault::data);
 }
 
-Statistic Columns::statistic(const Record& record, Index first, Index count, std::span<const double> values,
+Statistic Columns::statistic(const Stream& stream, Index first, Index count, std::span<const double> values,
                              const Visit& visit) const {
   Statistic sum(names_);
   MatrixXd work;
-  for (Index at = 0; at < count; at += kRows) {
-    work.resize(std::min(kRows, count - at), static_cast<Index>(names_.size()) + 2);
-    fill(record, first + at, values, work);
-    if (visit) visit(first + at, work);
-    sum.add_in_place(work);
+  for (Index from = first; from < first + count; from += kLoaded) {
+    const Index to = std::min(from + kLoaded, first + count);
+    const Loaded data = load(stream, from, to - from);
+    for (Index at = from; at < to; at += kRows) {
+      work.resize(std::min(kRows, to - at), static_cast<Index>(names_.size()) + 2);
+      fill(data, at, values, work);
+      if (visit) visit(at, work);
+      sum.add_in_place(work);
+    }
   }
   return sum;
 }
 
-std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Index least, Index skip) {
+std::vector<TimeBlock> time_blocks(std::span<const Stream> records, int blocks, Index least, Index skip) {
   std::vector<TimeBlock> out;
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Index rows = records[r].rows() - skip;
@@ -120,29 +130,11 @@ std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, 
   return out;
 }
 
-void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
-  std::vector<std::exception_ptr> faults(count);
-  std::atomic<std::size_t> next{0};
-  const auto worker = [&] {
-    for (std::size_t i; (i = next++) < count;) try {
-        work(i);
-      } catch (...) {
-        faults[i] = std::current_exception();
-      }
-  };
-  const std::size_t wanted = threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
-  std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < std::min(std::max<std::size_t>(wanted, 1), count); ++i) others.emplace_back(worker);
-  worker();
-  others.clear();
-  for (const std::exception_ptr& fault : faults)
-    if (fault) std::rethrow_exception(fault);
-}
-
-std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
+std::vector<Statistic> statistics(const Columns& columns, std::span<const Stream> records,
                                   std::span<const TimeBlock> blocks, std::span<const double> values, int threads) {
   std::vector<Statistic> out(blocks.size());
-  in_parallel(blocks.size(), columns.thread_safe() ? threads : 1, [&](std::size_t i) {
+  parallel_for(static_cast<int>(blocks.size()), columns.thread_safe() ? threads : 1, [&](int block) {
+    const auto i = static_cast<std::size_t>(block);
     out[i] = columns.statistic(records[blocks[i].record], blocks[i].first, blocks[i].count, values);
   });
   return out;

@@ -8,7 +8,7 @@
 
 #include "expr/expr.hpp"
 #include "expr/tape.hpp"
-#include "record/record.hpp"
+#include "record/stream.hpp"
 #include "regress/statistic.hpp"
 
 namespace lunid::detail {
@@ -26,21 +26,30 @@ class Columns {
   /// False: only this thread may run them (external functions).
   bool thread_safe() const { return tape_.thread_safe(); }
 
-  /// Rows [first, first + work.rows()) of a record into columns 1.. of `work` (features, then the target). `values`:
+  /// Rows of a stream that are in memory.
+  struct Loaded {
+    const Stream& stream;
+    Eigen::Index first;  ///< number of the first of them in the stream
+    Record rows;
+  };
+  /// Rows [first, first + count) of a stream and those before them that lags need.
+  Loaded load(const Stream& stream, Eigen::Index first, Eigen::Index count) const;
+  /// Rows [first, first + work.rows()) of the stream into columns 1.. of `work` (features, then the target). `values`:
   /// one for each of parameters(). A channel such as y_lag3 is y three rows before: `first` is at least the largest
   /// lag. Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
-  void fill(const Record& record, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
+  void fill(const Loaded& data, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
 
   /// What is done to the rows from `first` on, filled in, before they are folded in.
   using Visit = std::function<void(Eigen::Index first, Eigen::MatrixXd& work)>;
-  /// The statistic of rows [first, first + count) of a record.
-  Statistic statistic(const Record& record, Eigen::Index first, Eigen::Index count, std::span<const double> values,
+  /// The statistic of rows [first, first + count) of a stream, of which no more than a few ten thousand are in memory.
+  Statistic statistic(const Stream& stream, Eigen::Index first, Eigen::Index count, std::span<const double> values,
                       const Visit& visit = {}) const;
 
  private:
-  [[noreturn]] void refuse(const Record& record, Eigen::Index first, const Eigen::MatrixXd& work) const;
+  [[noreturn]] void refuse(const Stream& stream, Eigen::Index first, const Eigen::MatrixXd& work) const;
 
   std::vector<std::string> names_, channels_, parameters_;
+  Eigen::Index lag_ = 0;  // the largest one
   Tape tape_;
 };
 
@@ -51,15 +60,11 @@ struct TimeBlock {
 };
 /// Each record in `blocks` parts of nearly equal length, fewer where a part would have less than `least` rows; the
 /// first `skip` rows are left out. Throws InputError (Fault::data) when a record has no row left.
-std::vector<TimeBlock> time_blocks(std::span<const Record> records, int blocks, Eigen::Index least,
+std::vector<TimeBlock> time_blocks(std::span<const Stream> records, int blocks, Eigen::Index least,
                                    Eigen::Index skip = 0);
 
-/// Calls work(0) .. work(count - 1) by `threads` threads (0: all cores). Of several exceptions that of the least number
-/// is thrown.
-void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
-
 /// One statistic for each block, computed by `threads` threads; the same bits for any number of them.
-std::vector<Statistic> statistics(const Columns& columns, std::span<const Record> records,
+std::vector<Statistic> statistics(const Columns& columns, std::span<const Stream> records,
                                   std::span<const TimeBlock> blocks, std::span<const double> values, int threads);
 
 }  // namespace lunid::detail

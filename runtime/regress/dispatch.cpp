@@ -51,7 +51,7 @@ MatrixXd noise_root(const Data& data, const TotalOptions& options) {
   MatrixXd root = MatrixXd::Zero(n + 1, n + 1);
   for (std::size_t r = 0; r < data.pass.records.size(); ++r)
     for (const Expr& channel : channels) {
-      const Record& record = data.pass.records[r];
+      const Stream& record = data.pass.records[r];
       double noise = 0;
       if (options.noise.count(channel.name()))
         noise = options.noise.at(channel.name());

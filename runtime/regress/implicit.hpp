@@ -13,7 +13,7 @@ struct ImplicitProblem {
   std::vector<Expr> features;
   Expr target;
   std::span<const Constraint> constraints;
-  std::span<const Record> records;
+  std::span<const Stream> records;
   std::span<const TimeBlock> blocks;
   const std::map<std::string, double>* values;  ///< of the other parameters
   int threads = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "regress/number.hpp"
 
@@ -16,16 +17,17 @@ void validate(const PassiveOptions& options) {
 
 namespace detail {
 
-MotionRange motion_range(std::span<const Record> records) {
-  MotionRange range;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto y = records[i]["y"], v = records[i]["v"];
-    const auto [y_low, y_high] = std::minmax_element(y.begin(), y.end());
-    const auto [v_low, v_high] = std::minmax_element(v.begin(), v.end());
-    if (i == 0) range = {*y_low, *y_high, *v_low, *v_high};
-    range = {std::min(range.y_low, *y_low), std::max(range.y_high, *y_high), std::min(range.v_low, *v_low),
-             std::max(range.v_high, *v_high)};
-  }
+MotionRange motion_range(std::span<const Stream> records) {
+  constexpr double most = std::numeric_limits<double>::infinity();
+  MotionRange range{most, -most, most, -most};
+  for (const Stream& record : records)
+    record.for_each_block([&](Eigen::Index, const Record& rows) {
+      const auto y = rows["y"], v = rows["v"];
+      const auto [y_low, y_high] = std::minmax_element(y.begin(), y.end());
+      const auto [v_low, v_high] = std::minmax_element(v.begin(), v.end());
+      range = {std::min(range.y_low, *y_low), std::max(range.y_high, *y_high), std::min(range.v_low, *v_low),
+               std::max(range.v_high, *v_high)};
+    });
   return range;
 }
 

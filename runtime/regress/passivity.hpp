@@ -7,7 +7,7 @@
 
 #include "expr/expr.hpp"
 #include "expr/tape.hpp"
-#include "record/record.hpp"
+#include "record/stream.hpp"
 #include "regress/constraint.hpp"
 
 namespace lunid {
@@ -17,7 +17,7 @@ namespace lunid {
 struct PassiveOptions {
   int points_y = 9, points_v = 8;  ///< of the grid, 2..100 each
   bool impose = true;              ///< false: only looked at
-  SourceSpan where;
+  SourceSpan where{};
 };
 void validate(const PassiveOptions& options);
 
@@ -34,7 +34,7 @@ struct MotionRange {
   double y_low = 0, y_high = 0, v_low = 0, v_high = 0;
 };
 /// Of all records. Throws InputError where y or v is missing.
-MotionRange motion_range(std::span<const Record> records);
+MotionRange motion_range(std::span<const Stream> records);
 
 /// The power of each feature, and of the known part, as a function of y and v.
 class Dissipation {

@@ -138,7 +138,7 @@ Expr restoring_of(const Regression& result, const RegressOptions& options) {
 
 /// The search for implicit parameters; `values` then holds theirs. Counts the passes over the data.
 int find_implicit(Regression& result, const RegressOptions& options, Expr target,
-                  std::span<const Constraint> constraints, std::span<const Record> records,
+                  std::span<const Constraint> constraints, std::span<const Stream> records,
                   std::span<const detail::TimeBlock> blocks, std::map<std::string, double>& values) {
   if (options.implicit.empty()) return 0;
   int passes = 0;
@@ -163,14 +163,14 @@ double constant_mass(const RegressOptions& options) {
 }
 
 /// Rows of a block that a weak form or a lag cannot do without are counted in.
-std::vector<detail::TimeBlock> blocks_of(std::span<const Record> records, const RegressOptions& options, Expr target,
+std::vector<detail::TimeBlock> blocks_of(std::span<const Stream> records, const RegressOptions& options, Expr target,
                                          double half_width) {
   std::vector<Expr> all = options.features;
   all.push_back(target);
   const Index lag = largest_lag(all);
   Index least = static_cast<Index>(options.features.size()) + 1;
   if (options.weak)
-    for (const Record& record : records) least = std::max<Index>(least, 8 * std::lround(half_width / record.dt()) + 1);
+    for (const Stream& record : records) least = std::max<Index>(least, 8 * std::lround(half_width / record.dt()) + 1);
   return detail::time_blocks(records, options.blocks, least, lag);
 }
 
@@ -223,6 +223,10 @@ void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
 }  // namespace
 
 Regression regress(std::span<const Record> records, const RegressOptions& options) {
+  return regress(std::vector<Stream>(records.begin(), records.end()), options);
+}
+
+Regression regress(std::span<const Stream> records, const RegressOptions& options) {
   const detail::Stopwatch watch;
   validate(options);
   if (records.empty()) throw InputError("regress: expected at least one record");
@@ -272,7 +276,7 @@ Regression regress(std::span<const Record> records, const RegressOptions& option
   const double spread = whole.deviation()[whole.features()];
   result.rmse = result.fit.rmse;
   result.r2 = spread > 0 ? 1 - result.rmse * result.rmse / (spread * spread) : std::nan("");
-  for (const Record& record : records) result.windows.push_back(detail::describe(record));
+  for (const Stream& record : records) result.windows.push_back(detail::describe(record));
   result.warnings = detail::warnings(result, records, options, whole.constant_feature());
   if (weak) {
     result.form = weak->text;

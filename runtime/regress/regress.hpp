@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "expr/expr.hpp"
-#include "record/record.hpp"
+#include "record/stream.hpp"
 #include "regress/fit.hpp"
 #include "regress/passivity.hpp"
 #include "regress/robust.hpp"
@@ -123,5 +123,8 @@ struct Regression {
 /// solvers refuse; records whose channels differ in unit. The target and the features share the records' noise: the
 /// coefficients are those of the equation error, a first guess that a free run has yet to confirm.
 Regression regress(std::span<const Record> records, const RegressOptions& options);
+/// The same of records that lie in files: each pass reads them again, some ten thousand rows at a time. The result is
+/// that of the records in memory, to the last bit where their channels are. A weak form needs its half width.
+Regression regress(std::span<const Stream> records, const RegressOptions& options);
 
 }  // namespace lunid

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/parallel.hpp"
 #include "regress/number.hpp"
 #include "regress/reduce.hpp"
 #include "regress/stopwatch.hpp"
@@ -50,7 +51,7 @@ void keep_largest(std::vector<Outlier>& list) {
 
 Part weigh(const Pass& pass, std::size_t block, const VectorXd& b, double scale, const HuberOptions& options) {
   const TimeBlock& at = pass.blocks[block];
-  const Record& record = pass.records[at.record];
+  const Stream& record = pass.records[at.record];
   Part part;
   const auto visit = [&](Index first, MatrixXd& work) {
     const VectorXd residual = (work.col(work.cols() - 1) - work.middleCols(1, b.size()) * b) / scale;
@@ -77,8 +78,10 @@ struct Sums {
 Sums weigh_all(const Pass& pass, const VectorXd& b, double scale, const HuberOptions& options,
                std::vector<Statistic>& weighted, Outliers& outliers) {
   std::vector<Part> parts(pass.blocks.size());
-  in_parallel(parts.size(), pass.columns.thread_safe() ? pass.threads : 1,
-              [&](std::size_t i) { parts[i] = weigh(pass, i, b, scale, options); });
+  parallel_for(static_cast<int>(parts.size()), pass.columns.thread_safe() ? pass.threads : 1, [&](int block) {
+    const auto i = static_cast<std::size_t>(block);
+    parts[i] = weigh(pass, i, b, scale, options);
+  });
   Sums sums;
   weighted.clear();
   outliers = {};

@@ -31,7 +31,7 @@ namespace detail {
 /// The data of a regression as the passes of a reweighting see it.
 struct Pass {
   const Columns& columns;
-  std::span<const Record> records;
+  std::span<const Stream> records;
   std::span<const TimeBlock> blocks;
   std::span<const double> values;
   int threads = 0;

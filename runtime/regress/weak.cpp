@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/parallel.hpp"
 #include "regress/number.hpp"
 
 namespace lunid {
@@ -44,7 +45,7 @@ VectorXd test_function(Index h, double dt, int order, int derivative) {
 
 /// How much a channel's noise weighs in the integral with a derivative of the test function; infinite where the channel
 /// is missing or was itself derived.
-double noise_of(const Record& record, const char* channel, int derivative, double half_width, int order) {
+double noise_of(const Stream& record, const char* channel, int derivative, double half_width, int order) {
   if (!record.has(channel) || record.channel(channel).derived) return std::numeric_limits<double>::infinity();
   const Index h = std::max<Index>(kLeast, std::lround(half_width / record.dt()));
   return std::max(record.channel(channel).noise, 1e-300) * test_function(h, record.dt(), order, derivative).norm();
@@ -65,7 +66,11 @@ Expr antiderivative(Expr feature) {
   return {};
 }
 
-double default_half_width(const Record& record, int order) {
+double default_half_width(const Stream& stream, int order) {
+  if (!stream.in_memory())
+    throw InputError("weak_form: half_width: 0 takes it from the whole of a record, and " + stream.name() +
+                     " is a stream: expected a width in seconds");
+  const Record record = stream.read(0, stream.rows());
   const double fastest = 3 * dominant_frequency(record[record.has("y") ? "y" : "F"], record.dt());
   const double width = fastest > 0 ? 2 * std::sqrt(2.0 * order + 3) / fastest : 0;
   return std::clamp(width, static_cast<double>(kLeast) * record.dt(),
@@ -74,9 +79,9 @@ double default_half_width(const Record& record, int order) {
 
 }  // namespace
 
-WeakProblem weak_problem(const std::vector<Expr>& features, double mass, Expr known, std::span<const Record> records,
+WeakProblem weak_problem(const std::vector<Expr>& features, double mass, Expr known, std::span<const Stream> records,
                          const WeakForm& form) {
-  const Record& record = records.front();
+  const Stream& record = records.front();
   Pool& pool = features.front().pool();
   WeakProblem out;
   out.half_width = form.half_width > 0 ? form.half_width : default_half_width(record, form.order);
@@ -116,7 +121,7 @@ struct Integrals {
 };
 
 /// The rows of integrals whose centres lie in the samples [from, to) of a block.
-void add_rows(Statistic& sum, const WeakProblem& problem, const Integrals& integrals, const Record& record, Index first,
+void add_rows(Statistic& sum, const WeakProblem& problem, const Integrals& integrals, const Stream& record, Index first,
               Index count, const std::vector<VectorXd>& test, Index h, Index step) {
   const Index n = static_cast<Index>(problem.features.size()), all = static_cast<Index>(integrals.derivative.size());
   constexpr Index kCentres = 512;
@@ -125,7 +130,8 @@ void add_rows(Statistic& sum, const WeakProblem& problem, const Integrals& integ
   for (Index at = 0; at < centres; at += kCentres) {
     const Index now = std::min(kCentres, centres - at);
     work.resize((now - 1) * step + 2 * h + 1, all + 2);
-    integrals.columns.fill(record, first + at * step, integrals.values, work);
+    const Index from = first + at * step;
+    integrals.columns.fill(integrals.columns.load(record, from, work.rows()), from, integrals.values, work);
     rows.setZero(now, n + 2);
     for (Index j = 0; j < all; ++j) {
       const int k = integrals.derivative[static_cast<std::size_t>(j)];
@@ -143,7 +149,7 @@ void add_rows(Statistic& sum, const WeakProblem& problem, const Integrals& integ
 
 std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::vector<std::string>& names,
                                        const WeakForm& form, const std::map<std::string, double>& values,
-                                       std::span<const Record> records, std::span<const TimeBlock> blocks,
+                                       std::span<const Stream> records, std::span<const TimeBlock> blocks,
                                        int threads) {
   std::vector<Expr> expressions;
   std::vector<int> derivative;
@@ -160,8 +166,9 @@ std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::ve
   Integrals integrals{Columns(expressions, expressions.front().pool().constant(0), texts), derivative, {}};
   for (const std::string& name : integrals.columns.parameters()) integrals.values.push_back(values.at(name));
   std::vector<Statistic> out(blocks.size());
-  in_parallel(blocks.size(), integrals.columns.thread_safe() ? threads : 1, [&](std::size_t i) {
-    const Record& record = records[blocks[i].record];
+  parallel_for(static_cast<int>(blocks.size()), integrals.columns.thread_safe() ? threads : 1, [&](int block) {
+    const auto i = static_cast<std::size_t>(block);
+    const Stream& record = records[blocks[i].record];
     const Index h = std::max<Index>(kLeast, std::lround(problem.half_width / record.dt()));
     const Index step = std::max<Index>(1, std::lround(form.spacing * static_cast<double>(h)));
     if (blocks[i].count < 2 * h + 1)

@@ -36,13 +36,13 @@ struct WeakProblem {
 
 /// Moves derivatives to the test functions: of the mass times a (from y, v or a, whichever carries least noise), and of
 /// v*g(y) where v was derived from y. Throws InputError where the mass is no number.
-WeakProblem weak_problem(const std::vector<Expr>& features, double mass, Expr known, std::span<const Record> records,
+WeakProblem weak_problem(const std::vector<Expr>& features, double mass, Expr known, std::span<const Stream> records,
                          const WeakForm& form);
 
 /// The statistics of the integrals within each block. Throws InputError where a block is shorter than a test function.
 std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::vector<std::string>& names,
                                        const WeakForm& form, const std::map<std::string, double>& values,
-                                       std::span<const Record> records, std::span<const TimeBlock> blocks, int threads);
+                                       std::span<const Stream> records, std::span<const TimeBlock> blocks, int threads);
 
 }  // namespace detail
 }  // namespace lunid

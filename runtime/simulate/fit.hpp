@@ -14,6 +14,7 @@ struct FitData {
   Record record;
   Excitations excitation;
   std::vector<std::uint8_t> use;  ///< one entry per row, 0: left out of the fit (still simulated); empty: all used
+  double weight = 1;  ///< of its residuals beside those of other records: one over their noise, up to a factor
 };
 
 /// The colour of the residual: means over `average` rows, then the innovations e_t - sum ar_i e_(t-i) (generalised

@@ -97,6 +97,8 @@ class Problem {
     normal.rows += channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
     whiten_channels(part.residual, keep, part.error);
     if (derivatives) whiten_columns(keep, part.error.size(), part.columns);
+    part.error *= data.weight;
+    if (derivatives) part.columns *= data.weight;
     if (clip > 0) clip_outliers(part, derivatives, normal);
     normal.cost += part.error.squaredNorm();
     if (!derivatives) return;

@@ -30,6 +30,24 @@ function lunid.option(fields) end
 ---@return lunid.record
 function lunid.read(fields) end
 
+---A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger than memory. lunid.regress takes it as it takes a record, with the same result; what needs all rows at once does not. The file is looked through twice when it is opened, and read again for each pass of a regression.
+---@class lunid.stream.fields
+---@field path string # file, beside the study or from the current directory
+---@field time? string # header of the time column, with its unit: "t [ms]"
+---@field force? string # header of the force column: "load [kN]"
+---@field displacement? string # header of the displacement column: "y [mm]"
+---@field velocity? string # header of the velocity column
+---@field acceleration? string # header of the acceleration column
+---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
+---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
+---@field interval? number # the same as the time between rows
+---@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences with accuracy and step; others need the whole record
+---@field smooth? boolean # smooth measured y, v and a too (savitzky_golay)
+---@field window? lunid.window # part of the record to keep
+---@param fields lunid.stream.fields
+---@return lunid.stream
+function lunid.stream(fields) end
+
 ---A part of a record's time, from <= t <= to.
 ---@class lunid.window.fields
 ---@field from number # first time kept
@@ -1601,5 +1619,23 @@ function lunid.compare(fields) end
 ---@param fields lunid.rank_features.fields
 ---@return lunid.feature_ranking
 function lunid.rank_features(fields) end
+
+---Several models of one system side by side: terms, the force along the measured motion, free runs over a test record. board:terms(), board:measures() are tables for lunid.report, board:figures() its figures, board:result(name) what results.json says of one model.
+---@class lunid.scoreboard.fields
+---@field models table # entries { name, model }
+---@field record any # training records
+---@field test lunid.record # for the free runs, which start from its first state
+---@field truth? lunid.model # where it is known: false terms are told
+---@field channel? string # the displacement that is compared
+---@param fields lunid.scoreboard.fields
+---@return lunid.scoreboard
+function lunid.scoreboard(fields) end
+
+---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
+---@class lunid.report.fields
+---@field title string # above the page
+---@param fields lunid.report.fields
+---@return lunid.report
+function lunid.report(fields) end
 
 return lunid

@@ -1,9 +1,12 @@
 // MAT files: version 4 and 5 (MATLAB's own format) and 7.3 (HDF5), by matio.
 #include <matio.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "record/module/files.hpp"
 
@@ -73,18 +76,18 @@ void convert(const void* data, std::size_t first, std::size_t count, double* out
   for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<double>(from[i]);
 }
 
-void convert(const matvar_t& variable, std::size_t first, std::size_t count, double* out) {
-  switch (variable.class_type) {
-    case MAT_C_DOUBLE: return convert<double>(variable.data, first, count, out);
-    case MAT_C_SINGLE: return convert<float>(variable.data, first, count, out);
-    case MAT_C_INT8: return convert<std::int8_t>(variable.data, first, count, out);
-    case MAT_C_UINT8: return convert<std::uint8_t>(variable.data, first, count, out);
-    case MAT_C_INT16: return convert<std::int16_t>(variable.data, first, count, out);
-    case MAT_C_UINT16: return convert<std::uint16_t>(variable.data, first, count, out);
-    case MAT_C_INT32: return convert<std::int32_t>(variable.data, first, count, out);
-    case MAT_C_UINT32: return convert<std::uint32_t>(variable.data, first, count, out);
-    case MAT_C_INT64: return convert<std::int64_t>(variable.data, first, count, out);
-    default: return convert<std::uint64_t>(variable.data, first, count, out);
+void convert(matio_classes type, const void* data, std::size_t first, std::size_t count, double* out) {
+  switch (type) {
+    case MAT_C_DOUBLE: return convert<double>(data, first, count, out);
+    case MAT_C_SINGLE: return convert<float>(data, first, count, out);
+    case MAT_C_INT8: return convert<std::int8_t>(data, first, count, out);
+    case MAT_C_UINT8: return convert<std::uint8_t>(data, first, count, out);
+    case MAT_C_INT16: return convert<std::int16_t>(data, first, count, out);
+    case MAT_C_UINT16: return convert<std::uint16_t>(data, first, count, out);
+    case MAT_C_INT32: return convert<std::int32_t>(data, first, count, out);
+    case MAT_C_UINT32: return convert<std::uint32_t>(data, first, count, out);
+    case MAT_C_INT64: return convert<std::int64_t>(data, first, count, out);
+    default: return convert<std::uint64_t>(data, first, count, out);
   }
 }
 
@@ -99,6 +102,7 @@ class MatFile : public Container {
 
   std::string read(std::size_t variable, int column, std::size_t first, std::size_t count, double* out) override {
     const std::vector<std::string>& path = paths_[variable];
+    if (!variables_[variable].whole) return read_part(variable, column, first, count, out);
     if (!whole_ || whole_name_ != path[0]) {
       whole_.reset(Mat_VarRead(file_.get(), path[0].c_str()));
       whole_name_ = path[0];
@@ -113,11 +117,26 @@ class MatFile : public Container {
     if (!at || !at->data || entries < offset + first + count) return "its values cannot be read; the file is damaged";
     if (at->nbytes < (offset + first + count) * Mat_SizeOfClass(at->class_type))
       return "it holds fewer values than it says";
-    convert(*at, offset + first, count, out);
+    convert(at->class_type, at->data, offset + first, count, out);
     return {};
   }
 
  private:
+  /// The same of a matrix of version 7.3, without the rest of it.
+  std::string read_part(std::size_t variable, int column, std::size_t first, std::size_t count, double* out) {
+    const Owned info(Mat_VarReadInfo(file_.get(), paths_[variable][0].c_str()));
+    if (!info) return "its values cannot be read; the file is damaged";
+    const bool row = column < 0 && info->dims[0] == 1;
+    int start[2] = {static_cast<int>(first), std::max(column, 0)}, step[2] = {1, 1};
+    int edge[2] = {static_cast<int>(count), 1};
+    if (row) std::swap(start[0], start[1]), std::swap(edge[0], edge[1]);
+    std::vector<char> bytes(count * Mat_SizeOfClass(info->class_type));
+    if (Mat_VarReadData(file_.get(), info.get(), bytes.data(), start, step, edge) != 0)
+      return "its values cannot be read; the file is damaged";
+    convert(info->class_type, bytes.data(), 0, count, out);
+    return {};
+  }
+
   /// Adds a variable, or the fields of a structure. `path`: its name in the file and those of the fields below it.
   void list(matvar_t& variable, const std::vector<std::string>& path) {
     std::size_t entries = 1;
@@ -137,6 +156,8 @@ class MatFile : public Container {
     for (const std::string& name : path) row.name += (row.name.empty() ? "" : ".") + name;
     row.kind = kind_of(variable);
     row.single = variable.class_type == MAT_C_SINGLE;
+    // Only HDF5, which version 7.3 is, finds rows without reading those before them.
+    row.whole = path.size() > 1 || variable.rank != 2 || Mat_GetVersion(file_.get()) != MAT_FT_MAT73;
     for (int i = 0; i < variable.rank; ++i) row.shape.push_back(variable.dims[i]);
     variables_.push_back(std::move(row));
     paths_.push_back(path);

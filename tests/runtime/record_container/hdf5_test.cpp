@@ -6,6 +6,7 @@
 
 #include "container_files.hpp"
 #include "message.hpp"
+#include "record/stream.hpp"
 
 namespace lunid {
 namespace {
@@ -47,6 +48,29 @@ TEST_F(Hdf5File, a_record_comes_back_to_the_same_bits) {
     const std::string bytes = bytes_of(path("run.h5"));
     write_hdf5(out, path("again.h5"));
     EXPECT_EQ(bytes, bytes_of(path("again.h5")));
+  }
+}
+
+TEST_F(Hdf5File, is_streamed_to_the_same_bits) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  Channel force, y;
+  force.name = "F", y.name = "y";
+  force.unit = "N", y.unit = "m";
+  force.values = Eigen::VectorXd::NullaryExpr(40000, [&] { return normal(random); });
+  y.values = Eigen::VectorXd::NullaryExpr(
+      40000, [&](Eigen::Index i) { return std::sin(0.05 * static_cast<double>(i)) + 0.01 * normal(random); });
+  write_hdf5(Record("run", 2, 1.0 / 3e3, {force, y}), path("run.h5"));
+  const Record whole = read_record(path("run.h5"));
+  const Stream stream = open_stream(path("run.h5"));
+  EXPECT_EQ(stream.rows(), whole.rows());
+  EXPECT_EQ(stream.start(), whole.start());
+  EXPECT_EQ(stream.dt(), whole.dt());
+  const Record part = stream.read(16000, 1000);
+  for (const Channel& channel : whole.channels()) {
+    EXPECT_EQ(stream.channel(channel.name).noise, channel.noise);
+    EXPECT_EQ(stream.channel(channel.name).derivation, channel.derivation);
+    for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(part[channel.name][i], whole[channel.name][16000 + i]);
   }
 }
 

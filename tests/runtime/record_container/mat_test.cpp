@@ -1,9 +1,12 @@
 // MAT files of versions 4, 5 (plain and compressed) and 7.3: what users of MATLAB hand over, and what is wrong with it.
 #include <matio.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "container_files.hpp"
+#include "message.hpp"
+#include "record/stream.hpp"
 
 namespace lunid {
 namespace {
@@ -120,6 +123,30 @@ TEST_P(EveryVersion, fields_and_columns_of_arrays) {
   expect_channel(record, "v", wave(7));
 }
 
+TEST_P(EveryVersion, rows_come_in_blocks_from_version_7_3_alone) {
+  StreamOptions options;
+  options.read = columns("t=t,y=qm [mm],F=vir,v=data:2");
+  if (GetParam() != 2) {
+    EXPECT_EQ(
+        message([&] { open_stream(path("run.mat"), options); }),
+        path("run.mat") +
+            ": variable 'qm': a MAT file gives its rows in blocks only where it is of version 7.3 and the variable "
+            "is not inside a structure: save it with -v7.3, or read it whole with lunid.read");
+    return;
+  }
+  const Record whole = read_record(path("run.mat"), options.read);
+  const Stream stream = open_stream(path("run.mat"), options);
+  EXPECT_EQ(stream.start(), 2);
+  EXPECT_EQ(stream.dt(), 0.001);
+  const Record part = stream.read(7, 20);
+  for (const char* name : {"y", "F", "v", "a", "counts", "load"})
+    for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(part[name][i], whole[name][7 + i]) << name;
+  EXPECT_FALSE(stream.has("run.F"));
+  EXPECT_EQ(std::count(stream.warnings().begin(), stream.warnings().end(),
+                       "left out: variable 'run.F': it cannot be read in blocks"),
+            1);
+}
+
 TEST_P(EveryVersion, a_rate_stands_for_the_time) {
   ReadOptions options = columns("y=qm,F=vir");
   for (const bool named : {false, true}) {
@@ -170,8 +197,9 @@ TEST_P(EveryVersion, a_file_that_was_cut_short) {
     cut("run.mat", static_cast<std::uintmax_t>(part * static_cast<double>(whole)));
     const std::string said = fault("run.mat", columns("t=t,y=qm,F=vir"));
     EXPECT_NE(said, "no error") << part;
-    if (GetParam() < 2)
+    if (GetParam() < 2) {
       EXPECT_NE(said.find("run.mat: cut short: a variable begins at byte "), std::string::npos) << said;
+    }
     write("run.mat", GetParam() == 2 ? MAT_FT_MAT73 : MAT_FT_MAT5,
           GetParam() == 1 ? MAT_COMPRESSION_ZLIB : MAT_COMPRESSION_NONE);
   }

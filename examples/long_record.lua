@@ -1,0 +1,20 @@
+-- A record that stays in its file: lunid.stream reads it block by block, so that a file of any length is regressed in a few
+-- megabytes, with the same result as lunid.read to the last bit. Here the file is a short one.
+local lunid = require "lunid"
+local y, v = lunid.displacement, lunid.velocity
+
+local long = lunid.stream "../tests/data/spring_multisine.csv"
+print(long)
+
+local fit = lunid.regress {
+  record = long,
+  mass = 49,
+  features = { lunid.polynomials({ y, v }, 3) },
+  window = lunid.window(1, 7),
+  solver = lunid.stlsq { threshold = 0.05 },
+}
+print(fit)
+
+-- what needs all rows at once (a trajectory fit, a filter) takes a window that fits into memory
+local part = lunid.read("../tests/data/spring_multisine.csv", { window = lunid.window(1, 3) })
+print(lunid.fit_trajectory { model = fit.model, record = part, interpolation = "band_limited" })

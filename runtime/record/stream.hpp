@@ -1,0 +1,103 @@
+#pragma once
+// A record that lies in a file and is read block by block: larger than memory. One in memory is a stream too.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/derive.hpp"
+#include "record/record.hpp"
+
+namespace lunid {
+
+/// Where the rows of a stream are. Files are looked through once when they are opened (open_stream).
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+  /// Rows [first, first + count) of all channels, in SI, in the order of `Layout::channels`. Several threads may call
+  /// it.
+  virtual std::vector<Eigen::VectorXd> read(Eigen::Index first, Eigen::Index count) const = 0;
+
+  /// What is known of the file without its rows.
+  struct Layout {
+    std::string name;
+    double t0 = 0, dt = 1;
+    Eigen::Index rows = 0;
+    std::vector<Channel> channels;  ///< without values
+    std::vector<std::string> warnings;
+  };
+};
+
+struct StreamOptions;
+
+/// Value type; copies and windows share the file.
+class Stream {
+ public:
+  /// A record in memory.
+  Stream(Record record);  // NOLINT: a record is a stream
+  bool in_memory() const { return record_.has_value(); }
+
+  const std::string& name() const;
+  Eigen::Index rows() const { return count_; }
+  double dt() const;                                                          ///< [s]
+  double start() const;                                                       ///< [s] of the first row of the window
+  double duration() const { return dt() * static_cast<double>(count_ - 1); }  ///< [s]
+  double time(Eigen::Index row) const { return start() + dt() * static_cast<double>(row); }
+  bool has(std::string_view channel) const;
+  /// Name, unit, noise and derivation of a channel; only a record in memory has its values there. Throws InputError
+  /// naming the channels that there are.
+  const Channel& channel(std::string_view channel) const;
+  const std::vector<Channel>& channels() const;
+  const std::vector<std::string>& warnings() const;
+
+  /// Rows with from <= t <= to [s], as Record::window.
+  Stream window(double from, double to) const;
+  /// Rows [first, first + count) of this window, in memory. Derived channels are those of the whole record: more rows
+  /// are read on both sides where their filters need them. Throws InputError (Fault::data): the file has changed.
+  Record read(Eigen::Index first, Eigen::Index count) const;
+  /// Calls visit(first, rows) for all rows, in order, some ten thousand at a time.
+  void for_each_block(const std::function<void(Eigen::Index first, const Record& rows)>& visit) const;
+
+ private:
+  friend Stream open_stream(const std::string& path, const StreamOptions& options);
+
+  /// A channel that a filter of few rows makes of another.
+  struct Derived {
+    std::size_t from = 0;     // among the channels of the file
+    int derivative = 0;       // 0: smoothed
+    DerivativeMethod method;  // nothing left to choose
+    Eigen::Index reach = 0;   // rows that it needs on either side, at the ends of the record twice as many on one
+    std::optional<std::size_t> in_place_of;  // a channel of the file
+  };
+  struct File {
+    RowSource::Layout layout;  // with the derived channels
+    std::unique_ptr<const RowSource> source;
+    std::vector<Derived> derived;
+    std::function<void(Eigen::Index rows)> reading;
+  };
+  explicit Stream(std::shared_ptr<const File> file);
+  static void derive(File& file, const StreamOptions& options);
+
+  std::optional<Record> record_;
+  std::shared_ptr<const File> file_;
+  Eigen::Index first_ = 0, count_ = 0;
+};
+
+struct StreamOptions {
+  ReadOptions read;  ///< resample must be false
+  /// Of what was not measured: PolynomialWindow, or FiniteDifferences with accuracy and step. Others need the whole
+  /// record at once.
+  DerivativeMethod derivative = PolynomialWindow{};
+  bool smooth = false;  ///< measured y, v and a as well are replaced by what the polynomial window makes of them
+  std::function<void(double fraction)> progress;  ///< of the first looks; may throw, which ends them
+  /// After rows were read later on. Several threads call it; may throw.
+  std::function<void(Eigen::Index rows)> reading{};
+};
+/// Looks through a CSV, HDF5 or MAT (version 7.3) file, twice: time base and faults, then noise. Memory does not grow
+/// with the rows. Time base, units, noise and derived v and a are those of read_record() and derive_motion(), to the
+/// last bit; y is not integrated. Throws InputError as read_record() does, with file and line; and for uneven time, for
+/// a MAT file of version 5, and for a method that needs the whole record.
+Stream open_stream(const std::string& path, const StreamOptions& options = {});
+
+}  // namespace lunid
