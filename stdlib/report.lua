@@ -14,6 +14,13 @@ local function power_of_ten(text) return (text:gsub("e([+-])0*(%d+)$", function(
   return ("·10<sup>%s%s</sup>"):format(sign == "-" and "−" or "", exponent)
 end)) end
 
+--- The list with a function applied to each entry.
+local function each(list, change)
+  local out = {}
+  for i, entry in ipairs(list) do out[i] = change(entry) end
+  return out
+end
+
 local function missing(reason) return "none" .. (reason and " (" .. escape(reason) .. ")" or "") end
 
 --- As the terminal shows a gap.
@@ -167,11 +174,58 @@ local function rivals_section(data)
     .. html_table({ "effect", "gap", "p", "why it was not named" }, rows)
 end
 
+--- "97 of 100: cubic_stiffness; 3: nothing"
+local function naming_section(data)
+  if not data.naming then return "" end
+  local rows = {}
+  for i, row in ipairs(data.naming.counts) do rows[i] = { "<code>" .. escape(row.name) .. "</code>", ("%d of %d"):format(row.count,
+    data.naming.resamples) } end
+  return "<h3>How sure the name is</h3><p>The choice made again on resampled blocks of the training record:</p>"
+    .. html_table({ "named", "resamples" }, rows)
+end
+
 local function named_section(data)
   if #data.effects == 0 then return "<h2>What is missing</h2><p>No effect was named.</p>" end
   local lines = { "<h2>What is missing</h2>" }
   for _, effect in ipairs(data.effects) do lines[#lines + 1] = effect_section(effect) end
+  lines[#lines + 1] = naming_section(data)
   return table.concat(lines, "\n")
+end
+
+--- What to measure next: the design that would decide, or what a record must reach to say more.
+local function next_section(data)
+  local design = data.next_experiment
+  if not design then
+    local words = { ["unknown-effect"] = "Look at the map of the unexplained force below: a record at other amplitudes and "
+        .. "frequencies shows whether it follows the displacement, the velocity, or neither. An entry of your own can be put "
+        .. "beside the catalogue (<code>lunid.effect</code>).",
+      ["nothing-missing"] = "This holds at the amplitudes and frequencies of these records. A record that goes beyond them "
+        .. "would show what is hidden there.",
+      ["explained"] = "This holds at the amplitudes and frequencies of these records. A record that goes beyond them is the "
+        .. "next test." }
+    return words[data.verdict] and "<h2>What to measure next</h2><p>" .. words[data.verdict] .. "</p>" or ""
+  end
+  local rows = {}
+  for i, c in ipairs(design.candidates) do
+    rows[i] = { "<code>" .. escape(c.name) .. "</code>", escape(c.what), c.force and number(c.force) or number(c.displacement),
+      number(c.motion), number(c.separation, c.reason), number(c.expected_z, c.reason) }
+  end
+  return "<h2>What to measure next</h2><p>" .. escape(design.sentence) .. ".</p>"
+    .. html_table({ "excitation", "", design.candidates[1].force and "largest force [N]" or "largest displacement [m]",
+      "largest motion [m]", "separation", "expected z" }, rows)
+    .. '<p class="small">Separation: what is left between the motions of <code>' .. table.concat(each(design.rivals, escape), "</code> and <code>")
+    .. "</code> after each has fitted its parameters to the other's, in standard deviations of the noise ("
+    .. number(design.noise) .. "), over " .. number(design.duration) .. " s at " .. number(design.rate)
+    .. " Hz. Expected z: what the test between them would say; 2.3 names the truth as often as not, 4 nearly always.</p>"
+end
+
+--- Terms of the baseline that may go.
+local function removable_section(data)
+  if #data.removable == 0 then return "" end
+  local rows = {}
+  for i, term in ipairs(data.removable) do rows[i] = { "<code>" .. escape(term.term) .. "</code>", escape(term.reason) } end
+  return "<h3>Terms of the baseline that these records do not need</h3><p>Offered for removal; nothing was removed. Take one "
+    .. "away and run again.</p>" .. html_table({ "term", "why" }, rows)
 end
 
 local function figure_section(drawn, why_none)
@@ -225,7 +279,10 @@ function report.write(found, prefix)
     named_section(data), gap_section(data), figure_section(drawn, why_none), rivals_section(data),
     "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
-    warnings_section(data), provenance(data), page_of.script(), "</body></html>\n" }, "\n")
+    removable_section(data), next_section(data), warnings_section(data), provenance(data), page_of.script(),
+    "</body></html>
+" }, "
+")
   return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
     folder = count > 0 and output.shown(prefix .. "figures") or nil }
 end

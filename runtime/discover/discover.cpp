@@ -407,7 +407,17 @@ class Spine {
       models.push_back(rival.model);
       names.push_back(rival.name);
     }
-    if (models.size() > 1) out_.experiment = design_experiment(models, names, options);
+    if (models.size() < 2) return;
+    out_.experiment = design_experiment(models, names, options);
+    if (!out_.experiment.best().decides()) {
+      ExperimentOptions more = options;
+      more.limits.force *= 2;
+      more.limits.displacement *= 2;
+      ExperimentDesign beyond = design_experiment(models, names, more);
+      beyond.beyond = 2;
+      if (beyond.best().decides() || beyond.best().expected_z > 2 * out_.experiment.best().expected_z)
+        out_.experiment = std::move(beyond);
+    }
     out_.experiment.options.cancelled = nullptr;
   }
 
