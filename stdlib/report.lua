@@ -280,9 +280,7 @@ function report.write(found, prefix)
     "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
     removable_section(data), next_section(data), warnings_section(data), provenance(data), page_of.script(),
-    "</body></html>
-" }, "
-")
+    "</body></html>\n" }, "\n")
   return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
     folder = count > 0 and output.shown(prefix .. "figures") or nil }
 end
