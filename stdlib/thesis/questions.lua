@@ -161,6 +161,7 @@ local rates = {}
 for _, rate in ipairs(quick and { 150, 300, 800 } or { 100, 150, 200, 300, 400, 800, 1600 }) do
   local learnt = lunid.thesis_record { system = duffing, frequency = { 20, 30 }, dt = 1/rate, seed = 10*seed }
   local good, found = pcall(chosen, learnt)
+  if not good and tostring(found):match "interrupted" then error(found, 0) end
   if good then
     local terms, worst = verdict(found.model, truth)
     rates[#rates + 1] = { rate, rate/30, terms, worst, run_error(found.model, test), run_error(found.naive.model, test) }
