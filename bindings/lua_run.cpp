@@ -129,8 +129,7 @@ int run(lua_State* L) {
   for (int k = 0; k < excitation.count(); ++k) {
     const std::string& name = excitation.channel(k);
     const std::string source = k == 0 && record && !record->has(name) ? "F" : name;  // F drives the first coordinate
-    result.inputs.push_back(
-        channel_of_input(name, excitation[k], record ? &*record : nullptr, source, interpolation));
+    result.inputs.push_back(channel_of_input(name, excitation[k], record ? &*record : nullptr, source, interpolation));
   }
   result.states = system.dynamics().names;
   for (int i = 0; i < system.degrees(); ++i) result.accelerations.push_back(system.model().channel('a', i));

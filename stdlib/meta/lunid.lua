@@ -30,6 +30,16 @@ function lunid.option(fields) end
 ---@return lunid.record
 function lunid.read(fields) end
 
+---A record of columns that are there already, such as forces computed from gauges. Channels t F y v a are in SI; v and a are derived where absent.
+---@class lunid.record.fields
+---@field channels table # entries { name, column }: { { "F", force }, { "y", y } }
+---@field dt number # time between rows
+---@field start? number # time of the first row
+---@field name? string # what messages and figures call it
+---@param fields lunid.record.fields
+---@return lunid.record
+function lunid.record(fields) end
+
 ---A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger than memory. lunid.regress takes it as it takes a record, with the same result; what needs all rows at once does not. The file is looked through twice when it is opened, and read again for each pass of a regression.
 ---@class lunid.stream.fields
 ---@field path string # file, beside the study or from the current directory
@@ -1631,7 +1641,7 @@ function lunid.rank_features(fields) end
 ---@return lunid.scoreboard
 function lunid.scoreboard(fields) end
 
----What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
+---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:verbatim(text), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
 ---@class lunid.report.fields
 ---@field title string # above the page
 ---@param fields lunid.report.fields

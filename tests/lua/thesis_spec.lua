@@ -102,13 +102,13 @@ spec.case("what a run's record keeps: the force between its samples", function()
 end)
 
 spec.case("lunid.record: columns as a record, and its errors", function()
-  local record = lunid.record { channels = { { "F", { 1, 2, 3, 4 } }, { "x", lunid.excitation.step { height = 1, dt = 1, duration = 3 }:column "F" } }, dt = 0.1 }
-  spec.equal(record.rows, 4)
+  local record = lunid.record { channels = { { "F", { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 } }, { "x", lunid.excitation.step { height = 1, at = 1, dt = 1, duration = 9 }:column "F" } }, dt = 0.1 }
+  spec.equal(record.rows, 10)
   spec.equal(record:column("x")[2], 1)
   spec.equal(spec.message_of(function() lunid.record { channels = { { 1, { 1, 2 } } }, dt = 1 } end),
-    "record: channels: entry 1: expected { name, column }, got { a number, ... }")
+    "record: channels: entry 1: expected { name, column }, got { 1, ... }")
   spec.equal(spec.message_of(function() lunid.record { channels = { { "y", 3 } }, dt = 1 } end),
-    "record: channels: 'y': expected a column or a list of numbers, got a number")
+    "record: channels: 'y': expected a column or a list of numbers, got 3")
 end)
 
 spec.case("lunid.scoreboard: terms against the truth, and a model that runs away", function()
@@ -123,7 +123,7 @@ spec.case("lunid.scoreboard: terms against the truth, and a model that runs away
   spec.equal(board:result("wrong").terms["v"].value, 0)  -- a true term that the model has not
   if not board:result("wrong").free_run.stopped_at then error "a run without a bound should have stopped" end
   spec.equal(spec.message_of(function() lunid.scoreboard { models = { { "a", 3 } }, record = train, test = test } end),
-    "scoreboard: models: entry 1: expected { name, model }, got { a string, a number }")
+    "scoreboard: models: entry 1: expected { name, model }, got { the string 'a', 3 }")
 end)
 
 spec.finish()
