@@ -132,6 +132,7 @@ int run_locate(lua_State* L) {
   set_number(L, "noise", found.maps.noise);
   set_boolean(L, "above_noise", found.maps.above_noise);
   set_boolean(L, "loop", found.maps.loop);
+  set_number(L, "loop_share", found.maps.loop_share);
   set_texts(L, "warnings", found.warnings);
   set_column(L, "t", found.rows.t);
   set_column(L, "y", found.rows.y);

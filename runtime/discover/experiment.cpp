@@ -1,6 +1,5 @@
 #include "discover/experiment.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,12 +13,12 @@ namespace lunid {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Parts of the highest level that are tried too: friction is told apart at small motions, stiffness at large ones.
 constexpr double level_parts[] = {1, 0.4, 0.15};
 constexpr int level_tries = 14;
+constexpr double contained = 1e-2;    ///< part of the other way's separation at which a rival holds the other within it
 constexpr double least_level = 1e-4;  ///< of the force limit
 
 struct Rival {
@@ -117,7 +116,9 @@ class Designer {
     if (!out.completed) return out;
     std::vector<Channel> channels = driven.channels();
     for (int i = 0; i < model.degrees(); ++i) {
-      channels.push_back(channel(model.channel('y', i), run.x.col(2 * i), options_.noise, Interpolation::cubic));
+      channels.push_back(channel(model.channel('y', i),
+                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)), options_.noise,
+                                 Interpolation::cubic));
       channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), 0, Interpolation::cubic));
     }
     out.record = Record(driven.name(), 0, base_.dt, std::move(channels));
@@ -188,63 +189,6 @@ class Designer {
   }
 
   // ---- separation ----
-  VectorXd stacked(const Rival& rival, const Answer& a) const {
-    const std::vector<std::string> names = outputs(rival);
-    VectorXd all(base_.rows * static_cast<Index>(names.size()));
-    for (std::size_t i = 0; i < names.size(); ++i)
-      all.segment(static_cast<Index>(i) * base_.rows, base_.rows) =
-          Eigen::Map<const VectorXd>(a.record[names[i]].data(), base_.rows);
-    return all;
-  }
-
-  /// Derivatives of what a rival would answer by what may be fitted: free parameters and first state.
-  MatrixXd slopes(const Rival& rival, const Record& driven) const {
-    const auto& table = rival.system->model().parameters;
-    MatrixXd all;
-    if (imposed_) {
-      imposed_force(*rival.system, view(rival.theta), driven, &all);
-    } else {
-      const int degrees = rival.system->degrees();
-      std::vector<int> wanted;
-      for (int i = 0; i < degrees; ++i) wanted.push_back(2 * i);
-      SimulateOptions options;
-      options.cancelled = options_.cancelled;
-      VectorXd x0 = VectorXd::Zero(rival.system->states());
-      const SensitivityRun run =
-          simulate_sensitivities(*rival.system, view(rival.theta), excitation_of(driven), x0, options, wanted);
-      all.resize(base_.rows * degrees, run.dx[0].cols());
-      for (int i = 0; i < degrees; ++i)
-        all.middleRows(i * base_.rows, base_.rows) = run.dx[static_cast<std::size_t>(2 * i)];
-    }
-    for (std::size_t j = 0; j < table.size(); ++j)
-      if (table[j].fixed) all.col(static_cast<Index>(j)).setZero();
-    for (Index j = 0; j < all.cols(); ++j)
-      if (const double norm = all.col(j).norm(); norm > 0) all.col(j) /= norm;
-    return all;
-  }
-
-  /// To first order: the least separation over the pairs.
-  double first_look(const Record& driven) const {
-    const std::vector<Answer> all = answers(driven);
-    if (!all.back().completed) return 0;
-    double least = INFINITY;
-    std::vector<std::unique_ptr<Eigen::ColPivHouseholderQR<MatrixXd>>> qr;
-    for (const Rival& rival : rivals_) {
-      const MatrixXd columns = slopes(rival, driven);
-      if (!columns.allFinite()) return 0;
-      qr.push_back(std::make_unique<Eigen::ColPivHouseholderQR<MatrixXd>>(columns));
-      qr.back()->setThreshold(1e-9);
-    }
-    for (std::size_t a = 0; a < rivals_.size(); ++a)
-      for (std::size_t b = 0; b < rivals_.size(); ++b) {
-        if (a == b) continue;
-        VectorXd rest = qr[b]->householderQ().adjoint() * (stacked(rivals_[a], all[a]) - stacked(rivals_[b], all[b]));
-        const double left = rest.tail(rest.size() - qr[b]->rank()).norm();
-        least = std::min(least, left / std::sqrt(static_cast<double>(rest.size())) / options_.noise);
-      }
-    return least;
-  }
-
   /// What rival b leaves of rival a's answer after its best refit.
   double refitted(const Rival& b, const Answer& a, const Record& driven) const {
     FitData data{a.record, {}, {}};
@@ -258,39 +202,53 @@ class Designer {
     return std::sqrt(fit.cost / static_cast<double>(std::max<Index>(1, fit.rows))) / options_.noise;
   }
 
+  static int free_parameters(const Rival& rival) {
+    const auto& table = rival.system->model().parameters;
+    return static_cast<int>(std::count_if(table.begin(), table.end(), [](const Parameter& p) { return !p.fixed; }));
+  }
+
+  /// The smaller of the two ways. A rival that holds the other within it follows it anywhere: there simplicity decides,
+  /// and the experiment must show the larger one where that is the truth.
+  static double separation(const Rival& a, const Rival& b, double b_of_a, double a_of_b) {
+    const int more = free_parameters(b) - free_parameters(a);
+    if (more > 0 && b_of_a < contained * a_of_b) return a_of_b;
+    if (more < 0 && a_of_b < contained * b_of_a) return b_of_a;
+    return std::min(b_of_a, a_of_b);
+  }
+
   ExperimentCandidate judged(const ExcitationShape& shape) const {
-    ExperimentCandidate out;
-    out.name = shape.name;
-    out.words = shape.words;
-    const double highest = highest_level(shape, out.remark);
-    double most = -1;
-    for (const double part : level_parts) {
-      if (!(highest > 0)) break;
-      const double apart = first_look(drive(shape, part * highest));
-      if (apart > most) {
-        most = apart;
-        out.level = part * highest;
-      }
+    ExperimentCandidate best;
+    best.name = shape.name;
+    best.words = shape.words;
+    const double highest = highest_level(shape, best.remark);
+    if (!(highest > 0)) {
+      best.excitation = drive(shape, least_level * limit_of_drive());
+      return best;
     }
-    out.excitation = drive(shape, out.level > 0 ? out.level : least_level * limit_of_drive());
-    if (!(highest > 0)) return out;
-    out.remark.clear();
-    measure(out);
-    return out;
+    best.remark.clear();
+    best.separation = -1;
+    for (const double part : level_parts) {
+      ExperimentCandidate c = best;
+      c.level = part * highest;
+      c.excitation = drive(shape, c.level);
+      measure(c);
+      if (c.separation > best.separation) best = std::move(c);
+    }
+    return best;
   }
 
   void measure(ExperimentCandidate& out) const {
+    out.separation = 0;
+    out.pairs.clear();
     const std::vector<Answer> all = answers(out.excitation);
-    if (!all.back().completed) {
-      out.remark = all.back().cause;
-      return;
-    }
+    out.remark = all.back().cause;
+    if (!all.back().completed) return;
     out.peak = peak(all);
     out.separation = INFINITY;
     for (std::size_t a = 0; a < rivals_.size(); ++a)
       for (std::size_t b = a + 1; b < rivals_.size(); ++b) {
-        const double apart =
-            std::min(refitted(rivals_[b], all[a], out.excitation), refitted(rivals_[a], all[b], out.excitation));
+        const double apart = separation(rivals_[a], rivals_[b], refitted(rivals_[b], all[a], out.excitation),
+                                        refitted(rivals_[a], all[b], out.excitation));
         out.pairs.push_back({static_cast<int>(a), static_cast<int>(b), apart});
         out.separation = std::min(out.separation, apart);
       }
@@ -352,11 +310,13 @@ std::string sentence_of(const ExperimentDesign& design) {
   const ExperimentCandidate& best = design.best();
   const std::string what = best.name + " (" + best.words + ", up to " + level_of(design, best) + ", " +
                            number(design.options.duration) + " s)";
+  const std::string beyond =
+      design.beyond > 1 ? " at " + number(design.beyond) + " times the force and displacement of these records" : "";
   const std::string apart = "predicted separation " + number(best.separation) + " standard deviations of the noise, " +
                             "expected z " + number(best.expected_z);
-  if (best.decides()) return what + " would decide: " + apart;
-  return "none within these limits of force, displacement and band would surely decide; nearest is " + what + ": " +
-         apart + ", where 4 is needed";
+  if (best.decides()) return what + beyond + " would decide: " + apart;
+  return "none within these limits of force, displacement and band" + beyond + " would surely decide; nearest is " +
+         what + ": " + apart + ", where 4 is needed";
 }
 
 std::string to_terminal(const ExperimentDesign& design) {

@@ -52,6 +52,7 @@ struct ExperimentDesign {
   std::vector<std::string> rivals;
   std::vector<ExperimentCandidate> candidates;  ///< best first
   ExperimentOptions options;
+  double beyond = 1;  ///< the limits over those of the records that the rivals were fitted to, where that is said
   bool empty() const { return candidates.empty(); }
   const ExperimentCandidate& best() const { return candidates.front(); }
 };

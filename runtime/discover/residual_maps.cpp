@@ -20,34 +20,43 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int cells = 24, plane_cells = 16, amplitude_cells = 12, orders = 9, parts = 6, flips = 199;
-constexpr double few = 5;  ///< rows in a bin below which it says nothing
+constexpr double few = 5;            ///< rows in a bin below which it says nothing
+constexpr double most_taken = 0.15;  ///< share of its noise that a bin's mean may take: about seven blocks
 constexpr double chance = 0.05;
 
 int bin_of(double x, double low, double high, int count) {
   return std::clamp(static_cast<int>((x - low) / (high - low) * count), 0, count - 1);
 }
 
-/// Levels of linear statistics, to which `add` adds what one row of the noise contributes: what the noise stays below
-/// in all bins at once when the signs of whole blocks are flipped.
-VectorXd flipped_level(const ResidualRows& rows, const VectorXd& noise, Index bins,
-                       const std::function<void(Index row, double value, Eigen::Ref<VectorXd> sums)>& add) {
-  const Index length = std::max<Index>(1, rows.block), blocks = (noise.size() + length - 1) / length;
-  MatrixXd sums = MatrixXd::Zero(bins, blocks);
-  for (Index i = 0; i < noise.size(); ++i) add(i, noise[i], sums.col(i / length));
-  MatrixXd signs(blocks, flips);
-  Philox random(rows.seed, stream_of("residual map"));
-  for (Index i = 0; i < signs.size(); ++i) signs.data()[i] = random.bits() & 1 ? 1 : -1;
-  const MatrixXd draws = sums * signs;
-  const VectorXd deviation = draws.rowwise().norm() / std::sqrt(static_cast<double>(flips));
+/// What each block of rows adds to linear statistics, and the share of each statistic's weight that it holds.
+struct BlockSums {
+  MatrixXd sums, weights;  ///< statistics x blocks
+};
+
+/// Levels that noise stays below in all statistics at once: the noise's blocks with flipped signs, each draw divided by
+/// its own standard deviation over blocks, so that a statistic of few blocks has the tails that it should.
+VectorXd flipped_level(const BlockSums& noise, std::uint64_t seed) {
+  const Index bins = noise.sums.rows(), blocks = noise.sums.cols();
+  const VectorXd taken = noise.weights.rowwise().squaredNorm();
+  const auto deviations = [&](const MatrixXd& sums, const VectorXd& total) {
+    VectorXd out = (sums - total.asDiagonal() * noise.weights).rowwise().norm();
+    for (Index b = 0; b < bins; ++b) out[b] /= std::sqrt(std::max(1e-9, 1 - taken[b]));
+    return out;
+  };
+  Philox random(seed, stream_of("residual map"));
   std::vector<double> largest;
   for (int k = 0; k < flips; ++k) {
+    VectorXd signs(blocks);
+    for (double& sign : signs) sign = random.bits() & 1 ? 1 : -1;
+    const VectorXd total = noise.sums * signs;
+    const VectorXd deviation = deviations(noise.sums * signs.asDiagonal(), total);
     double most = 0;
     for (Index b = 0; b < bins; ++b)
-      if (deviation[b] > 0) most = std::max(most, std::abs(draws(b, k)) / deviation[b]);
+      if (deviation[b] > 0 && taken[b] <= most_taken) most = std::max(most, std::abs(total[b]) / deviation[b]);
     largest.push_back(most);
   }
   std::sort(largest.begin(), largest.end());
-  return largest[static_cast<std::size_t>((1 - chance) * flips)] * deviation;
+  return largest[static_cast<std::size_t>((1 - chance) * flips)] * deviations(noise.sums, VectorXd::Zero(bins));
 }
 
 /// Mean of r over bins; `where` gives each row's bin.
@@ -67,12 +76,16 @@ BinnedMap mean_map(const ResidualRows& rows, const std::string& over, const std:
   for (Index b = 0; b < bins; ++b) map.value[b] = map.rows[b] >= few ? map.value[b] / map.rows[b] : 0;
   for (Index i = 0; i < noise.size(); ++i) noise[i] -= map.value[where[static_cast<std::size_t>(i)]];
   map.share = std::max(0.0, 1 - noise.squaredNorm() / std::max(1e-300, rows.force.squaredNorm()));
-  map.level = flipped_level(rows, noise, bins, [&](Index i, double value, Eigen::Ref<VectorXd> sums) {
+  const Index length = std::max<Index>(1, rows.block), blocks = (noise.size() + length - 1) / length;
+  BlockSums sums{MatrixXd::Zero(bins, blocks), MatrixXd::Zero(bins, blocks)};
+  for (Index i = 0; i < noise.size(); ++i) {
     const int b = where[static_cast<std::size_t>(i)];
-    sums[b] += value / map.rows[b];
-  });
+    sums.sums(b, i / length) += noise[i] / map.rows[b];
+    sums.weights(b, i / length) += 1 / map.rows[b];
+  }
+  map.level = flipped_level(sums, rows.seed);
   for (Index b = 0; b < bins; ++b)
-    if (map.rows[b] < few) map.value[b] = map.level[b] = NAN;
+    if (map.rows[b] < few || sums.weights.row(b).squaredNorm() > most_taken) map.value[b] = map.level[b] = NAN;
   return map;
 }
 
@@ -166,9 +179,14 @@ BinnedMap harmonic_map(const ResidualRows& rows) {
     const double scale = static_cast<double>(n) / (k ? 2 : 1);
     noise -= scale * (wave.col(2 * k) * all[2 * k] + wave.col(2 * k + 1) * all[2 * k + 1]);
   }
-  const VectorXd level = flipped_level(rows, noise, 2 * orders, [&](Index i, double value, Eigen::Ref<VectorXd> sums) {
-    sums += value * wave.row(i).transpose();
-  });
+  const Index length = std::max<Index>(1, rows.block), blocks = (n + length - 1) / length;
+  BlockSums sums{MatrixXd::Zero(2 * orders, blocks), MatrixXd::Zero(2 * orders, blocks)};
+  for (Index k = 0; k < blocks; ++k) {
+    const Index first = k * length, count = std::min(length, n - first);
+    sums.sums.col(k) = wave.middleRows(first, count).transpose() * noise.segment(first, count);
+    sums.weights.col(k).setConstant(static_cast<double>(count) / static_cast<double>(n));
+  }
+  const VectorXd level = flipped_level(sums, rows.seed);
   map.x = VectorXd::LinSpaced(orders, 0, orders - 1);
   map.value.resize(orders);
   map.level.resize(orders);
@@ -204,7 +222,28 @@ BinnedMap frequency_map(const ResidualRows& rows, const VectorXd& noise) {
 
 // ---- the phase plane ----
 
-void fill_plane(const ResidualRows& rows, ResidualMaps& out, VectorXd& noise) {
+/// The means of a map between the centres of its bins, straight.
+double between(const BinnedMap& map, double x) {
+  const double step = map.x[1] - map.x[0], at = (x - map.x[0]) / step;
+  const Index last = map.x.size() - 1, k = std::clamp<Index>(static_cast<Index>(std::floor(at)), 0, last - 1);
+  const double a = map.value[k], b = map.value[k + 1];
+  if (!std::isfinite(a) || !std::isfinite(b)) return std::isfinite(a) ? a : std::isfinite(b) ? b : 0;
+  return a + (b - a) * std::clamp(at - static_cast<double>(k), -0.5, 1.5);
+}
+
+/// What is left of the force when means over y and over v are taken away, one after the other, larger share first.
+VectorXd without_means(const ResidualRows& rows, const BinnedMap& y, const BinnedMap& v) {
+  ResidualRows rest = rows;
+  for (const bool by_y : {y.share >= v.share, y.share < v.share}) {
+    const VectorXd& x = by_y ? rows.y : rows.v;
+    const BinnedMap map = over_channel(rest, by_y ? "y" : "v", x, "");
+    for (Index i = 0; i < x.size(); ++i) rest.force[i] -= between(map, x[i]);
+  }
+  return rest.force;
+}
+
+/// Also takes the means over the plane off `rest`.
+void fill_plane(const ResidualRows& rows, ResidualMaps& out, VectorXd& rest) {
   const double y = std::max(rows.y.cwiseAbs().maxCoeff(), 1e-300), v = std::max(rows.v.cwiseAbs().maxCoeff(), 1e-300);
   std::vector<int> where;
   for (Index i = 0; i < rows.y.size(); ++i)
@@ -221,10 +260,12 @@ void fill_plane(const ResidualRows& rows, ResidualMaps& out, VectorXd& noise) {
   out.plane.before = square(flat.value);
   out.plane.count = square(flat.rows);
   out.plane_level = square(flat.level);
-  noise = rows.force;
-  for (Index i = 0; i < noise.size(); ++i) {
-    const double mean = flat.value[where[static_cast<std::size_t>(i)]];
-    if (std::isfinite(mean)) noise[i] -= mean;
+  ResidualRows left = rows;
+  left.force = rest;
+  const VectorXd means = mean_map(left, "plane", where, VectorXd::Zero(plane_cells * plane_cells)).value;
+  for (Index i = 0; i < rest.size(); ++i) {
+    const double mean = means[where[static_cast<std::size_t>(i)]];
+    if (std::isfinite(mean)) rest[i] -= mean;
   }
 }
 
@@ -236,6 +277,7 @@ SlowTime slow_time(const ResidualRows& rows) {
   out.time.resize(parts);
   out.value.resize(parts, 3);
   out.std.resize(parts, 3);
+  double freedom = 0;
   for (int k = 0; k < parts; ++k) {
     const Index first = n * k / parts, count = n * (k + 1) / parts - first;
     out.time[k] = rows.t.segment(first, count).mean();
@@ -249,22 +291,31 @@ SlowTime slow_time(const ResidualRows& rows) {
     const VectorXd beta = inverse * (x.transpose() * rows.force.segment(first, count));
     const VectorXd left = rows.force.segment(first, count) - x * beta;
     MatrixXd scores = MatrixXd::Zero(3, 3);  // of blocks: holds for coloured noise
+    double blocks = 0;
     for (Index at = 0; at < count; at += rows.block) {
       const Index length = std::min(rows.block, count - at);
       const VectorXd sum = x.middleRows(at, length).transpose() * left.segment(at, length);
       scores += sum * sum.transpose();
+      ++blocks;
     }
-    const MatrixXd covariance = inverse * scores * inverse;
+    const MatrixXd covariance = inverse * scores * inverse * (blocks / std::max(1.0, blocks - 3));
+    freedom += std::max(1.0, blocks - 3);
     out.value.row(k) = (scale.asDiagonal() * beta).transpose();
     out.std.row(k) = (covariance.diagonal().cwiseMax(0).cwiseSqrt().array() * scale.array()).transpose();
   }
+  const double size[3] = {1, rows.y.norm() / std::sqrt(static_cast<double>(n)),
+                          rows.v.norm() / std::sqrt(static_cast<double>(n))};
+  double effect[3], largest = 0;
   for (int j = 0; j < 3; ++j) {
     const VectorXd weight = out.std.col(j).array().square().max(1e-300).inverse();
     const double mean = weight.dot(out.value.col(j)) / weight.sum();
     double squares = 0;
     for (int k = 0; k < parts; ++k) squares += weight[k] * std::pow(out.value(k, j) - mean, 2);
-    out.changes[j] = chi_square_tail(squares / 2, parts - 1) < chance / 3;  // halved: few blocks in each part
+    out.changes[j] = f_tail(squares / (parts - 1), parts - 1, freedom) < chance / 3;
+    effect[j] = size[j] * (out.value.col(j).array() - out.value.col(j).mean()).matrix().norm();
+    if (out.changes[j]) largest = std::max(largest, effect[j]);
   }
+  for (int j = 0; j < 3; ++j) out.changes[j] = out.changes[j] && effect[j] > 0.2 * largest;
   return out;
 }
 
@@ -301,7 +352,9 @@ const BinnedMap& ResidualMaps::map(std::string_view over) const {
 ResidualMaps map_residual(const ResidualRows& rows) {
   ResidualMaps out;
   const double n = static_cast<double>(rows.force.size());
-  VectorXd noise;
+  const BinnedMap y = over_channel(rows, "y", rows.y, rows.y_unit),
+                  v = over_channel(rows, "v", rows.v, rows.y_unit + "/s");
+  VectorXd noise = without_means(rows, y, v);
   fill_plane(rows, out, noise);
   out.rms = rows.force.norm() / std::sqrt(n);
   out.noise = noise.norm() / std::sqrt(n);
@@ -309,13 +362,15 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   const VectorXd amplitude = local_amplitude(rows);
   const int windows = static_cast<int>(std::clamp<Index>(rows.force.size() / std::max<Index>(1, rows.block), 6, 60));
   out.maps.push_back(rms_map(rows, "time", "s", rows.t, rows.t.minCoeff(), rows.t.maxCoeff(), windows, power));
-  out.maps.push_back(over_channel(rows, "y", rows.y, rows.y_unit));
-  out.maps.push_back(over_channel(rows, "v", rows.v, rows.y_unit + "/s"));
+  out.maps.push_back(y);
+  out.maps.push_back(v);
   out.maps.push_back(rms_map(rows, "amplitude", rows.y_unit, amplitude, 0, std::max(amplitude.maxCoeff(), 1e-300),
                              amplitude_cells, power));
   out.maps.push_back(harmonic_map(rows));
   out.maps.push_back(frequency_map(rows, noise));
-  out.slow = slow_time(rows);
+  ResidualRows rest = rows;
+  rest.force = noise;
+  out.slow = slow_time(rest);
   look_for_loop(rows, out);
   out.above_noise = out.loop || out.slow.changes[0] || out.slow.changes[1] || out.slow.changes[2];
   for (const char* over : {"y", "v", "harmonic"}) out.above_noise = out.above_noise || out.map(over).any_above();

@@ -28,7 +28,7 @@ struct BinnedMap {
   bool any_above() const;
 };
 
-/// The residual as offset, stiffness and damping over parts of the records.
+/// What no function of y and v explains, as offset, stiffness and damping over parts of the records.
 struct SlowTime {
   Eigen::VectorXd time;                     ///< middles of the parts [s]
   Eigen::MatrixXd value, std;               ///< parts x (constant, slope in y, slope in v)

@@ -18,7 +18,7 @@ std::string quantity(double value, const std::string& unit) {
   } prefixes[] = {{1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
   const auto* chosen = &prefixes[2];
   for (const auto& p : prefixes)
-    if (value != 0 && std::abs(value) >= p.factor) {
+    if (value != 0 && std::abs(value) >= 0.9995 * p.factor) {
       chosen = &p;
       break;
     }

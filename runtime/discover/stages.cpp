@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/closure.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -123,7 +125,9 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
 
 std::vector<Guess> guesses_of(const Stage& stage, const Choice& choice, double residual_std) {
   if (!choice.effect->guess) return {};
-  return choice.effect->guess(scales(stage.study, residual_std), choice.variant);
+  RecordScales known = scales(stage.study, residual_std);
+  known.lines = residual_lines(stage.study, stage.baseline);
+  return choice.effect->guess(known, choice.variant);
 }
 
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
@@ -141,13 +145,39 @@ void fit_set(const Stage& stage, const DiscoverOptions& options, Candidate& cand
 
 }  // namespace
 
+namespace {
+
+/// The baseline with generic forces fitted: its free run follows the record, so that what smoothing makes of it can be
+/// taken away (locate.hpp). The baseline itself where they do not help.
+Candidate follower(const Stage& stage) {
+  Candidate judged = stage.baseline;
+  if (!judged.ran()) return judged;
+  const Whitening whitening = residual_colour(stage.study, judged);
+  judge(stage.study, judged, whitening);
+  Closure closure = test_closure(stage.study, judged, whitening);
+  if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
+  fit_closure(stage.study, judged, closure);
+  if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
+  Candidate out;
+  out.system = out.force_system = closure.system;
+  if (!stage.study.imposed) {
+    Model model = closure.system->model();
+    model.imposed_motion = true;
+    out.force_system = std::make_shared<const System>(model);
+  }
+  out.fit = std::move(closure.fit);
+  return out;
+}
+
+}  // namespace
+
 Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   progress(options, "map the residual", 0.7);
   Located out;
   out.baseline = fitted(stage.baseline);
   out.gap = stage.gap(stage.baseline);
-  out.rows = residual_rows(stage.study, stage.baseline, stage.baseline);
+  out.rows = residual_rows(stage.study, stage.baseline, follower(stage));
   if (!out.rows.force.allFinite())
     throw InputError("locate: the model's force is not finite along the measured motion");
   out.maps = map_residual(out.rows);
@@ -155,9 +185,11 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
   return out;
 }
 
-Proposed propose(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& records,
+Proposed propose(const Model& baseline, const std::vector<Effect>& given, const std::vector<Record>& records,
                  const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
+  std::vector<std::string> untested;
+  const std::vector<Effect> catalogue = testable(stage.study, given, untested);
   if (!stage.baseline.ran())
     throw InputError("propose: the baseline cannot be simulated over the records (" + stage.baseline.fit.stopped + ")",
                      {}, Fault::data);
