@@ -25,7 +25,7 @@ plots.data(report, train[1], 1)
 report:section "3.0: what shape does the surface have?"
 local surface = lunid.rfs { record = train, mass = 1, order = { 4, 4 },
   interpolate = quick and { lunid.grid {}, lunid.nearest {}, lunid.mlp {} } or "all" }
-plots.surface(report, surface)
+plots.surface(report, surface, not quick and train)
 local proposal = require("shapes").of_surface(surface)
 report:table(proposal.table)
 report:text(("The section of the surface along the displacement proposes %s."):format(proposal.best))
