@@ -95,8 +95,9 @@ class PanelPage {
     plan_.x = plan_axis(panel_.x, plan_.x_reach, 5);
     plan_.y = plan_axis(panel_.y, plan_.y_reach, 5);
     out_["x"] = axis_of(panel_.x, plan_.x_reach);
-    out_["y"] = panel_.bars ? json{{"title", panel_.y.name}, {"factor", 1}, {"min", 0}, {"max", panel_.bars->name.size()}}
-                            : axis_of(panel_.y, plan_.y_reach);
+    out_["y"] = panel_.bars
+                    ? json{{"title", panel_.y.name}, {"factor", 1}, {"min", 0}, {"max", panel_.bars->name.size()}}
+                    : axis_of(panel_.y, plan_.y_reach);
     if (const Axis* colour = colour_axis(panel_))
       out_["colour"] = colours_of(*colour, colour_range(panel_), diverging_colours(panel_));
     for (const Series& s : panel_.series) add(s);
@@ -115,7 +116,8 @@ class PanelPage {
   }
 
   void add(const Series& s) {
-    json out{{"label", typeset(s.label)}, {"style", style_name(s.style)}, {"colour", colour(s.role)}, {"width", s.width}};
+    json out{
+        {"label", typeset(s.label)}, {"style", style_name(s.style)}, {"colour", colour(s.role)}, {"width", s.width}};
     if (s.x.size() <= long_series || !s.colour.empty()) {
       out["x"] = numbers(s.x);
       out["y"] = numbers(s.y);
@@ -203,16 +205,17 @@ class PanelPage {
                         {"x", numbers(cloud.x)},
                         {"y", numbers(cloud.y)},
                         {"z", numbers(cloud.z)}});
-    out_["scene"] = {{"axes", {axis_of(scene.x, view.x.range), axis_of(scene.y, view.y.range), axis_of(scene.z, view.z.range)}},
-                     {"x", x},
-                     {"y", y},
-                     {"z", z},
-                     {"clouds", clouds},
-                     {"low", view.colour.low},
-                     {"high", view.colour.high},
-                     {"palette", palette_of(scene.diverging)},
-                     {"azimuth", scene.azimuth},
-                     {"elevation", scene.elevation}};
+    out_["scene"] = {
+        {"axes", {axis_of(scene.x, view.x.range), axis_of(scene.y, view.y.range), axis_of(scene.z, view.z.range)}},
+        {"x", x},
+        {"y", y},
+        {"z", z},
+        {"clouds", clouds},
+        {"low", view.colour.low},
+        {"high", view.colour.high},
+        {"palette", palette_of(scene.diverging)},
+        {"azimuth", scene.azimuth},
+        {"elevation", scene.elevation}};
   }
 
   static std::vector<Eigen::Index> thinned(std::size_t n) {
@@ -234,12 +237,8 @@ class PanelPage {
 std::string page_data(const Figure& figure) {
   validate(figure);
   const Palette paper = palette(figure.theme);
-  json out{{"title", typeset(figure.title)},
-           {"columns", figure.columns},
-           {"paper", hex(paper.background)},
-           {"ink", hex(paper.ink)},
-           {"faint", hex(paper.faint)},
-           {"no_data", hex(paper.no_data)},
+  json out{{"title", typeset(figure.title)}, {"columns", figure.columns}, {"paper", hex(paper.background)},
+           {"ink", hex(paper.ink)},          {"faint", hex(paper.faint)}, {"no_data", hex(paper.no_data)},
            {"hatch", hex(paper.hatch)}};
   for (const Panel& panel : figure.panels) out["panels"].push_back(PanelPage(panel, figure.theme).make());
   return out.dump();

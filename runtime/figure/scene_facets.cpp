@@ -16,7 +16,8 @@ constexpr double pi = 3.14159265358979323846;
 std::vector<Eigen::Index> thinned(std::size_t n) {
   const std::size_t count = std::min(n, most_lines);
   std::vector<Eigen::Index> kept(count);
-  for (std::size_t i = 0; i < count; ++i) kept[i] = static_cast<Eigen::Index>(i * (n - 1) / std::max<std::size_t>(1, count - 1));
+  for (std::size_t i = 0; i < count; ++i)
+    kept[i] = static_cast<Eigen::Index>(i * (n - 1) / std::max<std::size_t>(1, count - 1));
   return kept;
 }
 
@@ -34,7 +35,8 @@ struct Grid {
   }
 
  private:
-  void keep_extremes(const Scene& scene, const std::vector<Eigen::Index>& rows, const std::vector<Eigen::Index>& columns) {
+  void keep_extremes(const Scene& scene, const std::vector<Eigen::Index>& rows,
+                     const std::vector<Eigen::Index>& columns) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     Eigen::Index at[4] = {0, 0, 0, 0};
     for (Eigen::Index r = 0; r < scene.surface.rows(); ++r)
@@ -160,7 +162,8 @@ class FacetBuilder {
     const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
     if (!(length > 0.0)) return;
     const double half = 0.2, u = half * dy / length, v = -half * dx / length;
-    facets_.push_back({{{a.x + u, a.y + v}, {b.x + u, b.y + v}, {b.x - u, b.y - v}, {a.x - u, a.y - v}}, {25, 25, 25, 110}});
+    facets_.push_back(
+        {{{a.x + u, a.y + v}, {b.x + u, b.y + v}, {b.x - u, b.y - v}, {a.x - u, a.y - v}}, {25, 25, 25, 110}});
   }
 
   void add_dot(const Dot& dot) {
@@ -192,12 +195,14 @@ class FacetBuilder {
         const bool taken = std::any_of(dots.begin(), dots.end(), [&](const Dot& d) {
           return std::hypot(d.at.x - at.x, d.at.y - at.y) < 0.4 * look_.point_radius;
         });
-        if (!taken) dots.push_back({at, above(cloud.x[i], cloud.y[i], cloud.z[i], r, c), role_colour(cloud.role, look_.theme)});
+        if (!taken)
+          dots.push_back({at, above(cloud.x[i], cloud.y[i], cloud.z[i], r, c), role_colour(cloud.role, look_.theme)});
       }
   }
 
   double above(double x, double y, double z, std::size_t r, std::size_t c) const {
-    const double u = (x - grid_.x[c]) / (grid_.x[c + 1] - grid_.x[c]), v = (y - grid_.y[r]) / (grid_.y[r + 1] - grid_.y[r]);
+    const double u = (x - grid_.x[c]) / (grid_.x[c + 1] - grid_.x[c]),
+                 v = (y - grid_.y[r]) / (grid_.y[r + 1] - grid_.y[r]);
     const auto i = static_cast<Eigen::Index>(r), j = static_cast<Eigen::Index>(c);
     const double surface = (1 - v) * ((1 - u) * grid_.z(i, j) + u * grid_.z(i, j + 1)) +
                            v * ((1 - u) * grid_.z(i + 1, j) + u * grid_.z(i + 1, j + 1));

@@ -10,15 +10,16 @@ namespace lunid::figure {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 32> commands{{
-    {"alpha", "α"}, {"beta", "β"},   {"gamma", "γ"},   {"delta", "δ"},   {"epsilon", "ε"}, {"zeta", "ζ"},  {"eta", "η"},
-    {"theta", "θ"}, {"kappa", "κ"},  {"lambda", "λ"},  {"mu", "μ"},      {"nu", "ν"},      {"xi", "ξ"},    {"pi", "π"},
-    {"rho", "ρ"},   {"sigma", "σ"},  {"tau", "τ"},     {"phi", "φ"},     {"chi", "χ"},     {"psi", "ψ"},   {"omega", "ω"},
-    {"Gamma", "Γ"}, {"Delta", "Δ"},  {"Theta", "Θ"},   {"Lambda", "Λ"},  {"Sigma", "Σ"},   {"Phi", "Φ"},   {"Psi", "Ψ"},
-    {"Omega", "Ω"}, {"times", "×"},  {"cdot", "·"},    {"pm", "±"},
+    {"alpha", "α"}, {"beta", "β"},  {"gamma", "γ"},  {"delta", "δ"},  {"epsilon", "ε"}, {"zeta", "ζ"}, {"eta", "η"},
+    {"theta", "θ"}, {"kappa", "κ"}, {"lambda", "λ"}, {"mu", "μ"},     {"nu", "ν"},      {"xi", "ξ"},   {"pi", "π"},
+    {"rho", "ρ"},   {"sigma", "σ"}, {"tau", "τ"},    {"phi", "φ"},    {"chi", "χ"},     {"psi", "ψ"},  {"omega", "ω"},
+    {"Gamma", "Γ"}, {"Delta", "Δ"}, {"Theta", "Θ"},  {"Lambda", "Λ"}, {"Sigma", "Σ"},   {"Phi", "Φ"},  {"Psi", "Ψ"},
+    {"Omega", "Ω"}, {"times", "×"}, {"cdot", "·"},   {"pm", "±"},
 }};
 
 constexpr std::string_view raised = "0123456789+-=()n", lowered = "0123456789+-=()aeoxijkmnt";
-constexpr std::array<const char*, 16> above{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹", "⁺", "⁻", "⁼", "⁽", "⁾", "ⁿ"};
+constexpr std::array<const char*, 16> above{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷",
+                                            "⁸", "⁹", "⁺", "⁻", "⁼", "⁽", "⁾", "ⁿ"};
 constexpr std::array<const char*, 25> below{"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉", "₊", "₋", "₌",
                                             "₍", "₎", "ₐ", "ₑ", "ₒ", "ₓ", "ᵢ", "ⱼ", "ₖ", "ₘ", "ₙ", "ₜ"};
 
@@ -105,7 +106,8 @@ class Typesetter {
     if (out_.empty()) return false;
     if (static_cast<unsigned char>(out_.back()) >= 0x80) return true;
     return is_letter(out_.back()) &&
-           (out_.size() == 1 || (!is_letter(out_[out_.size() - 2]) && !is_digit(out_[out_.size() - 2]) && out_[out_.size() - 2] != '_'));
+           (out_.size() == 1 ||
+            (!is_letter(out_[out_.size() - 2]) && !is_digit(out_[out_.size() - 2]) && out_[out_.size() - 2] != '_'));
   }
 
   std::string_view text_;
