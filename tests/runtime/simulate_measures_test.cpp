@@ -75,7 +75,7 @@ TEST(Measures, ALagIsThatOfItsFrequencyResponse) {
   const std::vector<double> theta = theta_of(system, {{"k", 4}, {"c", 1.5}, {"tau", 0.3}});
   const double w = 1.3;
   const Excitation force(0, 0.02, 4000, std::function<double(double)>([&](double t) { return std::cos(w * t); }));
-  const Run run = simulate(system, theta, force, state({0, 0, 0}), {});
+  const lunid::Run run = simulate(system, theta, force, state({0, 0, 0}), {});
   const Eigen::VectorXd y = shown(system, theta, run);
   const std::complex<double> i(0, 1), gain = 1.0 / ((4 - w * w + 1.5 * w * i) * (1.0 + 0.3 * w * i));
   for (Eigen::Index row = 3000; row < 4000; row += 37)
