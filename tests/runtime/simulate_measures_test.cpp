@@ -88,7 +88,7 @@ TEST(Measures, AFitFindsThePhysicsBehindAFaultyChannel) {
   const Excitation force = drive(dt, 1500);
   const System truth(model_of("1", "k*y + c*v + q*y^3"));
   const std::vector<double> physics = theta_of(truth, {{"k", 4}, {"c", 0.3}, {"q", 0.5}});
-  const Run run = simulate(truth, physics, force, state({0.1, 0}), {});
+  const lunid::Run run = simulate(truth, physics, force, state({0.1, 0}), {});
   const Record faulty = derive_motion(Record(
       "faulty", 0, dt,
       {channel("F", force.samples() / 1.25), channel("y", (run.x.col(0).array() + 0.3).cwiseMin(0.9).matrix())}));
