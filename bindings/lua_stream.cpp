@@ -51,7 +51,7 @@ int open(lua_State* L) {
   check_table(L, 2);
   Runtime& host = runtime(L);
   StreamOptions options;
-  options.read = read_options(L, 2);
+  options.read = file_options(L, 2);
   with_field(L, 2, "derivative", [&] { options.derivative = derivative_method(L, lua_gettop(L)); });
   options.smooth = boolean_field(L, 2, "smooth", false);
   options.progress = [&](double fraction) {
@@ -119,9 +119,10 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1))
-      throw InputError("a stream has no '" + key +
-                       "' (fields: name rows dt start duration channels warnings; methods: window); what needs all rows "
-                       "at once takes a record from lunid.read");
+      throw InputError(
+          "a stream has no '" + key +
+          "' (fields: name rows dt start duration channels warnings; methods: window); what needs all rows "
+          "at once takes a record from lunid.read");
   }
   return 1;
 }

@@ -76,7 +76,8 @@ ContainerPlan plan_container(Container& file, const std::string& path, ReadOptio
   plan.interval = options.interval = interval_of(file, path, options);
   plan.plans = plan_columns(plan.header, options, {path}, plan.warnings, false);
   const auto is_time = [](const ColumnPlan& p) { return p.channel == "t"; };
-  plan.time = static_cast<std::size_t>(std::find_if(plan.plans.begin(), plan.plans.end(), is_time) - plan.plans.begin());
+  plan.time =
+      static_cast<std::size_t>(std::find_if(plan.plans.begin(), plan.plans.end(), is_time) - plan.plans.begin());
   if (!plan.has_time() && !(plan.interval > 0))
     fail(path, "no time: expected a variable named 't' or 'time'; the file has " + names_of(plan) +
                    "; name it as time = \"...\", or give rate or interval");

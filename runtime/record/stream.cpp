@@ -46,7 +46,8 @@ const Channel& Stream::channel(std::string_view channel) const {
   if (const Channel* found = find(channels(), channel)) return *found;
   std::string names;
   for (const Channel& c : channels()) names += (names.empty() ? "" : ", ") + c.name;
-  std::string text = "no channel '" + std::string(channel) + "': the " + (record_ ? "record" : "stream") + " has " + names;
+  std::string text =
+      "no channel '" + std::string(channel) + "': the " + (record_ ? "record" : "stream") + " has " + names;
   const bool integral = channel == "y" ? has("v") || has("a") : channel == "v" && has("a");
   if (!record_ && integral) text += "; it would be an integral, which needs the whole record: see lunid.read";
   throw InputError(text, {name()}, Fault::data);
@@ -107,8 +108,7 @@ struct ChannelSums {
 std::vector<std::optional<Spectrum>> look_again(const RowSource& source, RowSource::Layout& layout,
                                                 const Progress& progress) {
   std::vector<ChannelSums> sums;
-  for (const Channel& channel : layout.channels)
-    sums.emplace_back(layout.rows, channel.name.find_first_of("yva") == 0);
+  for (const Channel& channel : layout.channels) sums.emplace_back(layout.rows, channel.name.find_first_of("yva") == 0);
   for (Index at = 0; at < layout.rows; at += stream_rows) {
     const std::vector<VectorXd> columns = source.read(at, std::min(stream_rows, layout.rows - at));
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -130,7 +130,8 @@ std::pair<DerivativeMethod, Index> chosen(const DerivativeMethod& method, const 
                                           int derivative, Index rows) {
   if (const auto* differences = std::get_if<FiniteDifferences>(&method)) {
     if (!differences->accuracy || !differences->step)
-      refuse(where, "derivative: finite_differences: expected accuracy and step: from the noise they need the whole record");
+      refuse(where,
+             "derivative: finite_differences: expected accuracy and step: from the noise they need the whole record");
     // One-sided differences at the ends of the record reach as far as twice the central ones.
     return {method, static_cast<Index>(derivative + differences->accuracy) * differences->step};
   }

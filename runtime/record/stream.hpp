@@ -15,7 +15,8 @@ namespace lunid {
 class RowSource {
  public:
   virtual ~RowSource() = default;
-  /// Rows [first, first + count) of all channels, in SI, in the order of `Layout::channels`. Several threads may call it.
+  /// Rows [first, first + count) of all channels, in SI, in the order of `Layout::channels`. Several threads may call
+  /// it.
   virtual std::vector<Eigen::VectorXd> read(Eigen::Index first, Eigen::Index count) const = 0;
 
   /// What is known of the file without its rows.
@@ -39,9 +40,9 @@ class Stream {
 
   const std::string& name() const;
   Eigen::Index rows() const { return count_; }
-  double dt() const;                                                           ///< [s]
-  double start() const;                                                        ///< [s] of the first row of the window
-  double duration() const { return dt() * static_cast<double>(count_ - 1); }   ///< [s]
+  double dt() const;                                                          ///< [s]
+  double start() const;                                                       ///< [s] of the first row of the window
+  double duration() const { return dt() * static_cast<double>(count_ - 1); }  ///< [s]
   double time(Eigen::Index row) const { return start() + dt() * static_cast<double>(row); }
   bool has(std::string_view channel) const;
   /// Name, unit, noise and derivation of a channel; only a record in memory has its values there. Throws InputError
@@ -63,10 +64,10 @@ class Stream {
 
   /// A channel that a filter of few rows makes of another.
   struct Derived {
-    std::size_t from = 0;        // among the channels of the file
-    int derivative = 0;          // 0: smoothed
-    DerivativeMethod method;     // nothing left to choose
-    Eigen::Index reach = 0;      // rows that it needs on either side, at the ends of the record twice as many on one
+    std::size_t from = 0;     // among the channels of the file
+    int derivative = 0;       // 0: smoothed
+    DerivativeMethod method;  // nothing left to choose
+    Eigen::Index reach = 0;   // rows that it needs on either side, at the ends of the record twice as many on one
     std::optional<std::size_t> in_place_of;  // a channel of the file
   };
   struct File {

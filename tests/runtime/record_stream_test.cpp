@@ -64,7 +64,8 @@ TEST(Stream, OfACsvFileIsTheRecordToTheLastBit) {
   EXPECT_FALSE(stream.in_memory());
   expect_same_layout(stream, record);
   EXPECT_TRUE(stream.channel("v").derived);
-  for (const auto& [first, count] : {std::pair<Index, Index>{0, 1}, {0, 17000}, {16380, 10}, {39999, 1}, {20000, 20000}})
+  for (const auto& [first, count] :
+       {std::pair<Index, Index>{0, 1}, {0, 17000}, {16380, 10}, {39999, 1}, {20000, 20000}})
     expect_same_rows(stream, record, first, count);
 }
 
@@ -76,8 +77,9 @@ TEST(Stream, WindowsAreThoseOfTheRecord) {
   EXPECT_EQ(stream.time(777), record.time(777));
   expect_same_rows(stream, record, 0, 50);
   expect_same_rows(stream, record, record.rows() - 50, 50);
-  EXPECT_EQ(test::message_of(file, [&] { stream.window(100, 200); }),
-            "run3.csv: window 100 to 200 s: expected at least 6 rows, the record has t = 2 to 20 s in steps of 0.00125 s");
+  EXPECT_EQ(
+      test::message_of(file, [&] { stream.window(100, 200); }),
+      "run3.csv: window 100 to 200 s: expected at least 6 rows, the record has t = 2 to 20 s in steps of 0.00125 s");
 }
 
 TEST(Stream, BlocksFollowOneAnother) {
@@ -103,12 +105,12 @@ TEST(Stream, SmoothsAndDifferentiatesAsARecord) {
   StreamOptions smooth;
   smooth.derivative = PolynomialWindow{21, 4};
   smooth.smooth = true;
-  expect_same_rows(open_stream(file.path(), smooth), derive(record, {PolynomialWindow{21, 4}, {"y", "v", "a"}, "", true}), 0,
-                   20000);
+  expect_same_rows(open_stream(file.path(), smooth),
+                   derive(record, {PolynomialWindow{21, 4}, {"y", "v", "a"}, "", true}), 0, 20000);
   StreamOptions differences;
   differences.derivative = FiniteDifferences{6, 3};
-  expect_same_rows(open_stream(file.path(), differences), derive(record, {FiniteDifferences{6, 3}, {"v", "a"}, "", false}), 0,
-                   20000);
+  expect_same_rows(open_stream(file.path(), differences),
+                   derive(record, {FiniteDifferences{6, 3}, {"v", "a"}, "", false}), 0, 20000);
 }
 
 TEST(Stream, WideWindowsDifferByRounding) {  // their sums are made by Fourier transforms, whose blocks differ
@@ -159,8 +161,9 @@ TEST(Stream, FaultsNameTheLineHoweverFarDown) {
   std::string gap = text;
   gap.erase(at + 1, end - at);
   EXPECT_EQ(stream_complaint(gap),
-            where + "time is uneven: steps from 0.00125 to 0.0025 s, median 0.00125 s; the largest ends here; a stream is "
-                    "not resampled: cut the file there, or read it whole with lunid.read and resample = true");
+            where +
+                "time is uneven: steps from 0.00125 to 0.0025 s, median 0.00125 s; the largest ends here; a stream is "
+                "not resampled: cut the file there, or read it whole with lunid.read and resample = true");
 }
 
 TEST(Stream, LeavesASpareColumnOutThatIsNoNumber) {
@@ -176,12 +179,14 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   StreamOptions options;
   options.derivative = KalmanSmoother{};
   const TextFile file(ringing(2000));
-  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
-            "stream: derivative: expected savitzky_golay or finite_differences, which need few rows at a time, got kalman, "
-            "which needs the whole record: see lunid.read");
+  EXPECT_EQ(
+      message([&] { open_stream(file.path(), options); }),
+      "stream: derivative: expected savitzky_golay or finite_differences, which need few rows at a time, got kalman, "
+      "which needs the whole record: see lunid.read");
   options.derivative = FiniteDifferences{};
-  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
-            "stream: derivative: finite_differences: expected accuracy and step: from the noise they need the whole record");
+  EXPECT_EQ(
+      message([&] { open_stream(file.path(), options); }),
+      "stream: derivative: finite_differences: expected accuracy and step: from the noise they need the whole record");
   options.derivative = FiniteDifferences{2, 1};
   options.smooth = true;
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
@@ -191,9 +196,10 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
             "stream: resample: a stream is not resampled: see lunid.read");
   const TextFile accelerations(ringing(2000, "t [ms],F,a,temperature"));
-  EXPECT_EQ(test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
-            "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral, which needs the whole "
-            "record: see lunid.read");
+  EXPECT_EQ(
+      test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
+      "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral, which needs the whole "
+      "record: see lunid.read");
 }
 
 TEST(Stream, SaysWhenTheFileChanged) {
