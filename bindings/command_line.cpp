@@ -20,12 +20,12 @@ using nlohmann::json;
 
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
-  std::vector<std::string> files, tests, arguments, windows, test_windows, topic;
+  std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
   std::string study, mass, restoring, baseline, columns, out, model, excitation, from, solver, initial;
   double alpha = 0.01, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
-  bool imposed_motion = false, resample = false;
+  bool imposed_motion = false, resample = false, quick = false;
 };
 
 void add_shared(CLI::App* app, Values& values, bool with_out = true) {
@@ -73,11 +73,19 @@ void add_simulate(CLI::App& app, Values& values) {
   add_shared(simulate, values);
 }
 
+void add_thesis(CLI::App& app, Values& values) {
+  CLI::App* thesis =
+      app.add_subcommand("thesis", "the thesis made again, with Lunid's answer beside the published one");
+  thesis->add_option("case", values.cases, "list | case1 | case2 ... | all (list)")->expected(0, -1);
+  thesis->add_flag("--quick", values.quick, "fewer seeds, frequencies and draws");
+  add_shared(thesis, values);
+}
+
 void add_small_commands(CLI::App& app, Values& values) {
   CLI::App* check = app.add_subcommand("check", "look through a study without running it");
   check->add_option("study", values.study, "STUDY.lua")->required();
-  CLI::App* list = app.add_subcommand("list", "list effects, features, solvers, excitations or systems");
-  list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems")->expected(0, 1);
+  CLI::App* list = app.add_subcommand("list", "list effects, features, solvers, excitations, systems or cases");
+  list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems | cases")->expected(0, 1);
   CLI::App* help = app.add_subcommand("help", "explain a constructor, a group of them, a command or an effect");
   help->add_option("topic", values.topic, "such as regress, discover, cubic_stiffness, or systems duffing");
   add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);
@@ -117,7 +125,9 @@ json to_json(const CLI::App& app, const Values& values) {
     options["alpha"] = values.alpha;
     options["imposed_motion"] = values.imposed_motion;
   }
+  put(options, "cases", values.cases);
   if (values.resample) options["resample"] = true;
+  if (values.quick) options["quick"] = true;
   return options;
 }
 
@@ -148,6 +158,7 @@ Command parse_command_line(int argc, char** argv) {
   add_run(app, values);
   add_discover(app, values);
   add_simulate(app, values);
+  add_thesis(app, values);
   add_small_commands(app, values);
   if (const auto unknown = unknown_command(app, argc, argv)) {
     std::cerr << *unknown << "\nlunid: see `lunid --help`\n";

@@ -4,19 +4,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "discover/discover.hpp"
+#include "discovery.hpp"
 #include "expr/external.hpp"
 #include "progress.hpp"
 #include "runtime.hpp"
-#include "types.hpp"
 
 namespace lunid::lua {
-
-template <>
-struct Bound<Discovery> {
-  static constexpr const char* key = "lunid.discovery";
-  static constexpr const char* words = "a discovery";
-};
 
 namespace {
 
@@ -42,10 +35,17 @@ void push_scales(lua_State* L, const RecordScales& scales) {
        {std::pair{"y_max", scales.y_max}, std::pair{"y_min", scales.y_min}, std::pair{"y_std", scales.y_std},
         std::pair{"v_max", scales.v_max}, std::pair{"v_std", scales.v_std}, std::pair{"force_std", scales.force_std},
         std::pair{"residual_std", scales.residual_std}, std::pair{"omega", scales.omega},
-        std::pair{"stiffness", scales.stiffness}}) {
+        std::pair{"stiffness", scales.stiffness}, std::pair{"interval", scales.interval},
+        std::pair{"duration", scales.duration}}) {
     lua_pushnumber(L, value);
     lua_setfield(L, -2, field);
   }
+  lua_newtable(L);
+  for (std::size_t i = 0; i < scales.lines.size(); ++i) {
+    lua_pushnumber(L, scales.lines[i]);
+    lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+  }
+  lua_setfield(L, -2, "lines");
 }
 
 /// The list of guesses on top of the stack, under the entry's private names.
@@ -129,6 +129,24 @@ std::vector<Parameter> read_rows(lua_State* L) {
   return rows;
 }
 
+/// The variants of the entry on top of the stack: a force each, or what a channel makes of it where `maps` names one.
+std::vector<EffectVariant> read_variants(lua_State* L) {
+  std::vector<EffectVariant> variants;
+  with_field(L, -1, "variants",
+             [&] { for_each(L, -1, [&](lua_Integer) { variants.emplace_back(check_value(L, -1).expr); }); });
+  with_field(L, -1, "maps", [&] {
+    for_each(L, -1, [&](lua_Integer i) {
+      EffectVariant& variant = variants.at(static_cast<std::size_t>(i - 1));
+      const auto field = string_field(L, -1, "field");
+      if (!field) return;
+      const ChannelMap map{string_field(L, -1, "channel").value_or(""), variant.force};
+      (*field == "acts" ? variant.acts : variant.measures).push_back(map);
+      variant.force = {};
+    });
+  });
+  return variants;
+}
+
 /// The entry on top of the stack, as stdlib/effect.lua made it.
 Effect read_effect(lua_State* L) {
   Effect effect;
@@ -142,8 +160,7 @@ Effect read_effect(lua_State* L) {
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
   effect.parameters = read_rows(L);
-  with_field(L, -1, "variants",
-             [&] { for_each(L, -1, [&](lua_Integer) { effect.variants.push_back(check_value(L, -1).expr); }); });
+  effect.variants = read_variants(L);
   with_field(L, -1, "state_values", [&] {
     for_each(L, -1, [&](lua_Integer) {
       for (const DeclaredState& row : check_value(L, -1).declared->states) effect.states.push_back(row.state);
@@ -166,13 +183,23 @@ Effect read_effect(lua_State* L) {
   return effect;
 }
 
-template <class Body>
-void each_record(lua_State* L, int index, Body body) {
+}  // namespace
+
+std::vector<Effect> read_catalogue(lua_State* L, int index) {
+  std::vector<Effect> catalogue;
   check_table(L, index);
-  for_each(L, index, [&](lua_Integer) { body(check<Record>(L, -1)); });
+  for_each(L, index, [&](lua_Integer) { catalogue.push_back(read_effect(L)); });
+  return catalogue;
 }
 
-DiscoverOptions read_options(lua_State* L, int index) {
+std::vector<Record> read_records(lua_State* L, int index) {
+  std::vector<Record> records;
+  check_table(L, index);
+  for_each(L, index, [&](lua_Integer) { records.push_back(check<Record>(L, -1)); });
+  return records;
+}
+
+DiscoverOptions read_discover_options(lua_State* L, int index) {
   DiscoverOptions options;
   options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
   options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
@@ -188,25 +215,43 @@ DiscoverOptions read_options(lua_State* L, int index) {
   return options;
 }
 
-/// discover(model, {effects}, {train records}, {test records}, options)
-int run_discovery(lua_State* L) {
-  const Model& model = check<Model>(L, 1);
-  std::vector<Effect> catalogue;
-  check_table(L, 2);
-  for_each(L, 2, [&](lua_Integer) { catalogue.push_back(read_effect(L)); });
-  std::vector<Record> train, test;
-  each_record(L, 3, [&](const Record& record) { train.push_back(record); });
-  each_record(L, 4, [&](const Record& record) { test.push_back(record); });
-  check_table(L, 5);
-  const DiscoverOptions options = read_options(L, 5);
-  const ProgressLine line;
-  push<Discovery>(L, discover(model, catalogue, train, test, options));
-  return 1;
-}
-
 void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values) {
   push_column(L, values);
   lua_setfield(L, -2, field);
+}
+
+void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
+  lua_newtable(L);
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    push_column(L, values.col(j));
+    lua_rawseti(L, -2, j + 1);
+  }
+  lua_setfield(L, -2, field);
+}
+
+void set_text(lua_State* L, const char* field, const std::string& text) {
+  push_text(L, text);
+  lua_setfield(L, -2, field);
+}
+
+void set_number(lua_State* L, const char* field, double value) {
+  if (!std::isfinite(value)) return;
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, field);
+}
+
+namespace {
+
+/// discover(model, {effects}, {train records}, {test records}, options)
+int run_discovery(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  const std::vector<Effect> catalogue = read_catalogue(L, 2);
+  const std::vector<Record> train = read_records(L, 3), test = read_records(L, 4);
+  check_table(L, 5);
+  const DiscoverOptions options = read_discover_options(L, 5);
+  const ProgressLine line;
+  push<Discovery>(L, discover(model, catalogue, train, test, options));
+  return 1;
 }
 
 void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) {
@@ -231,16 +276,6 @@ void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) 
   }
 }
 
-/// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.
-void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
-  lua_newtable(L);
-  for (Eigen::Index j = 0; j < values.cols(); ++j) {
-    push_column(L, values.col(j));
-    lua_rawseti(L, -2, j + 1);
-  }
-  lua_setfield(L, -2, field);
-}
-
 void push_map(lua_State* L, const ResidualMap& map) {
   lua_newtable(L);
   set_column(L, "y", map.y);
@@ -248,6 +283,33 @@ void push_map(lua_State* L, const ResidualMap& map) {
   set_rows(L, "before", map.before);
   set_rows(L, "after", map.after);
   set_rows(L, "count", map.count);
+}
+
+/// { { name =, gap =, remark =, model = } }: sets of effects that were not named, as they were fitted.
+void push_rivals(lua_State* L, const Discovery& found) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const Rival& rival : found.rivals) {
+    lua_newtable(L);
+    set_text(L, "name", rival.name);
+    set_number(L, "gap", rival.gap);
+    set_text(L, "remark", rival.remark);
+    push<Model>(L, rival.model);
+    lua_setfield(L, -2, "model");
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+/// What lunid.design_experiment takes where a study says nothing else.
+void push_options(lua_State* L, const ExperimentOptions& o) {
+  lua_newtable(L);
+  set_number(L, "force", o.limits.force);
+  set_number(L, "displacement", o.limits.displacement);
+  set_number(L, "from", o.limits.from);
+  set_number(L, "to", o.limits.to);
+  set_number(L, "duration", o.duration);
+  set_number(L, "rate", o.rate);
+  set_number(L, "noise", o.noise);
 }
 
 /// discovery.json, without the time that it took: the same run gives the same bits.
@@ -279,6 +341,15 @@ int get(lua_State* L) {
     push_comparisons(L, found.comparisons);
   else if (key == "map")
     push_map(L, found.map);
+  else if (key == "rivals")
+    push_rivals(L, found);
+  else if (key == "designed") {
+    if (found.experiment.empty())
+      lua_pushnil(L);
+    else
+      push_design(L, found.experiment);
+  } else if (key == "same_experiment")
+    push_options(L, found.same_experiment);
   else if (key == "effects" || key == "warnings") {
     const auto data = to_json(found);
     push_json(L, data.value(key, nlohmann::json::array()));
@@ -287,8 +358,8 @@ int get(lua_State* L) {
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
       throw InputError("a discovery has no '" + key +
-                       "' (fields: verdict sentence model baseline effects warnings data json seconds comparisons map; "
-                       "methods: save)");
+                       "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json "
+                       "seconds comparisons map; methods: save next_experiment)");
     }
   }
   return 1;

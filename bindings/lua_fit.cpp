@@ -21,6 +21,17 @@ std::vector<FitData> data_of(lua_State* L, int index, const System& system,
   return data;
 }
 
+/// Records of more noise count less: each by the noise of its first fitted channel beside that of the first record,
+/// within a factor of ten, beyond which it is the model's error that counts.
+void weigh(std::vector<FitData>& data, const FitOptions& options, const Model& model) {
+  const std::string channel = model.imposed_motion       ? "F"
+                              : options.channels.empty() ? model.channel('y', 0)
+                                                         : options.channels.front();
+  const auto noise = [&](const FitData& d) { return d.record.has(channel) ? d.record.channel(channel).noise : 0; };
+  for (FitData& d : data)
+    if (noise(d) > 0 && noise(data.front()) > 0) d.weight = std::clamp(noise(data.front()) / noise(d), 0.1, 10.0);
+}
+
 int parameter_index(const Model& model, const std::string& name, const std::string& where) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
@@ -60,6 +71,7 @@ int fit(lua_State* L) {
   if (fit.data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
   const Model& model = fit.system->model();
   fit.options = options_of(L, 3, model, fit.data[0].record.dt());
+  weigh(fit.data, fit.options, model);
   for (const Parameter& parameter : model.parameters)
     if (std::isnan(parameter.value))
       throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess; give it one");

@@ -30,6 +30,26 @@ Excitation of_expression(Expr f, double dt, double duration) {
   return Excitation(0, dt, static_cast<Eigen::Index>(std::llround(duration / dt)) + 1, function_of_time(f));
 }
 
+const char* unit_of(char quantity) {
+  return quantity == 'F' ? "N" : quantity == 'y' ? "m" : quantity == 'v' ? "m/s" : "m/s^2";
+}
+
+/// An input as the channel of the run's record: what it does between the samples, and its formula, are those of the
+/// record that drove, unless an interpolation was forced. An expression leaves samples that are cubic between.
+Channel channel_of_input(const std::string& name, const Excitation& signal, const Record* record,
+                         const std::string& source, std::optional<Interpolation> forced) {
+  Channel channel;
+  channel.name = channel.source = name;
+  channel.unit = unit_of(name[0]);
+  channel.values = signal.samples();
+  channel.between = signal.interpolation();
+  if (record && record->has(source) && !forced) {
+    channel.between = record->channel(source).between;
+    channel.formula = record->channel(source).formula;
+  }
+  return channel;
+}
+
 /// {F = expression, yb = expression...}: a velocity or acceleration of the base that is not given follows from the
 /// rest.
 Excitations of_expressions(lua_State* L, int index, const System& system, double dt, double duration) {
@@ -119,8 +139,11 @@ int run(lua_State* L) {
   }
   if (width) result.run.summary.notes.push_back(regularised_note(smooth, *width));
   excitation = excitation.ordered(system);
-  for (int k = 0; k < excitation.count(); ++k)
-    result.inputs.emplace_back(excitation.channel(k), excitation[k].samples());
+  for (int k = 0; k < excitation.count(); ++k) {
+    const std::string& name = excitation.channel(k);
+    const std::string source = k == 0 && record && !record->has(name) ? "F" : name;  // F drives the first coordinate
+    result.inputs.push_back(channel_of_input(name, excitation[k], record ? &*record : nullptr, source, interpolation));
+  }
   result.states = system.dynamics().names;
   for (int i = 0; i < system.degrees(); ++i) result.accelerations.push_back(system.model().channel('a', i));
   push<FreeRun>(L, std::move(result));
@@ -181,9 +204,9 @@ Eigen::VectorXd channel_of(const FreeRun& free, const std::string& name) {
                                         [&](Eigen::Index i) { return run.t0 + run.dt * static_cast<double>(i); });
   }
   std::string known = "t";
-  for (const auto& [input, values] : free.inputs) {
-    if (name == input) return values;
-    known += " " + input;
+  for (const Channel& input : free.inputs) {
+    if (name == input.name) return input.values;
+    known += " " + input.name;
   }
   for (std::size_t i = 0; i < free.states.size(); ++i) {
     if (name == free.states[i]) return run.x.col(static_cast<Eigen::Index>(i));
@@ -235,12 +258,12 @@ int as_record(lua_State* L) {
     channel.values = channel_of(free, name).head(rows);
     channels.push_back(std::move(channel));
   };
-  const auto unit = [](char quantity) {
-    return quantity == 'F' ? "N" : quantity == 'y' ? "m" : quantity == 'v' ? "m/s" : "m/s^2";
-  };
   const auto motion = 2 * free.accelerations.size();
-  for (const auto& [name, values] : free.inputs) add(name, unit(name[0]));
-  for (std::size_t i = 0; i < motion; ++i) add(free.states[i], unit(free.states[i][0]));
+  for (Channel input : free.inputs) {
+    input.values.conservativeResize(rows);
+    channels.push_back(std::move(input));
+  }
+  for (std::size_t i = 0; i < motion; ++i) add(free.states[i], unit_of(free.states[i][0]));
   for (const std::string& name : free.accelerations) add(name, "m/s^2");
   for (std::size_t i = motion; i < free.states.size(); ++i) add(free.states[i], "");
   push<Record>(L, Record(free.name, free.run.t0, free.run.dt, std::move(channels)));

@@ -24,15 +24,17 @@ void open_surfaces(lua_State* L);
 void open_statistics(lua_State* L);
 void open_comparisons(lua_State* L);
 void open_discoveries(lua_State* L);
+void open_stages(lua_State* L);
 void open_figures(lua_State* L);
 void open_doctor(lua_State* L);
 
 std::span<const Opener> openers() {
   static constexpr Opener all[] = {
-      open_files,       open_expressions, open_lua_functions, open_columns,     open_records,   open_streams,
-      open_derivatives, open_spectra,     open_signals,       open_models,      open_runs,      open_fits,
-      open_responses,   open_ensembles,   open_regressions,   open_curves,      open_histories, open_selections,
-      open_surfaces,    open_statistics,  open_comparisons,   open_discoveries, open_figures,   open_doctor};
+      open_files,       open_expressions, open_lua_functions, open_columns,   open_records,
+      open_streams,     open_derivatives, open_spectra,       open_signals,   open_models,
+      open_runs,        open_fits,        open_responses,     open_ensembles, open_regressions,
+      open_curves,      open_histories,   open_selections,    open_surfaces,  open_statistics,
+      open_comparisons, open_discoveries, open_stages,        open_figures,   open_doctor};
   return all;
 }
 

@@ -68,11 +68,11 @@ std::optional<Interpolation> interpolation_field(lua_State* L, int index);
 /// A free run, with the excitation that drove it.
 struct FreeRun {
   Run run;
-  std::vector<std::pair<std::string, Eigen::VectorXd>> inputs;  ///< F, or F1 F2 ..., yb vb ab
-  std::vector<std::string> states;                              ///< names of the columns of x: y v z..., or y1 v1 ...
-  std::vector<std::string> accelerations;                       ///< of the columns of a: a, or a1 a2 ...
-  std::vector<Eigen::MatrixXd> sensitivities;                   ///< SensitivityRun::dx, where they were asked for
-  std::vector<std::string> parameters;                          ///< of its first columns
+  std::vector<Channel> inputs;                 ///< F, or F1 F2 ..., yb vb ab: what they did between samples, too
+  std::vector<std::string> states;             ///< names of the columns of x: y v z..., or y1 v1 ...
+  std::vector<std::string> accelerations;      ///< of the columns of a: a, or a1 a2 ...
+  std::vector<Eigen::MatrixXd> sensitivities;  ///< SensitivityRun::dx, where they were asked for
+  std::vector<std::string> parameters;         ///< of its first columns
   std::string name;
 };
 

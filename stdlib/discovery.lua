@@ -51,7 +51,7 @@ local definition = {
     { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
-    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there" },
+    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else all" },
     { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
       help = "entries of your own, beside the catalogue" },
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
@@ -104,6 +104,12 @@ function discovery.find(given) return search(schema.validate(definition, given))
 
 core.add_method("lunid.discovery", "save", function(found, folder)
   return discovery.save(found, folder)
+end)
+
+--- What would decide an ambiguous verdict, as lunid.design_experiment gives it; nil of any other.
+core.add_method("lunid.discovery", "next_experiment", function(found)
+  local design = found.designed
+  return design and require("lunid.experiment").wrap(design) or nil
 end)
 
 discovery.public = { discover = discover }

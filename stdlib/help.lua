@@ -12,9 +12,10 @@ local command_words = {
   { "run", "STUDY.lua [--out DIR] [--seed N] [--threads N] [key=value ...]", "run a study, or repeat a run from its run.json" },
   { "discover", "TRAIN.csv [MORE.csv ...] --mass M --restoring \"k*y + c*v\"", "name the effect that a model of a record lacks" },
   { "simulate", "model.lua --excitation RECORD.csv [--out DIR]", "run a model freely under a record's force" },
+  { "thesis", "[list|CASE ...|all] [--quick] [--seed N] [--out DIR]", "make the thesis again, with the published numbers beside" },
   { "check", "STUDY.lua", "look through a study without running it" },
   { "repl", "", "type expressions and see their values" },
-  { "list", "[effects|features|solvers|excitations|systems]", "what there is" },
+  { "list", "[effects|features|solvers|excitations|systems|cases]", "what there is" },
   { "help", "TOPIC", "explain a constructor, a group of them (systems) or an effect" },
   { "doctor", "", "say what is installed and whether figures work here" },
 }
@@ -112,7 +113,6 @@ local function overview()
   end
   print "\nEffects that discovery tries (lunid help NAME)"
   for _, entry in ipairs(catalogue.entries()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
-  print(("  and %d more in the catalogue: lunid list effects"):format(#catalogue.names - #catalogue.searched))
 end
 
 function help.explain(topic)
@@ -156,13 +156,10 @@ end
 local lists = {}
 
 function lists.effects()
-  local searched = {}
-  for _, name in ipairs(catalogue.searched) do searched[name] = true end
-  for _, entry in ipairs(catalogue.entries(catalogue.names)) do
-    print(("%s %-30s%-15s%s\n%47s%s"):format(searched[entry.name] and "*" or " ", entry.name, entry.family,
-      entry.formula, "", entry.sentence))
+  for _, entry in ipairs(catalogue.entries()) do
+    print(("%-30s%-15s%s\n%45s%s"):format(entry.name, entry.family, entry.formula, "", entry.sentence))
   end
-  print "\n(* tried by discovery; the others where a study names them: lunid.discover { catalogue = { ... } })"
+  print "\n(a study may restrict discovery to some of them: lunid.discover { catalogue = { ... } })"
 end
 
 function lists.features()
@@ -184,6 +181,7 @@ end
 
 function lists.excitations() list_group "excitation" end
 function lists.systems() list_group "systems" end
+function lists.cases() require("lunid.thesis").list() end
 
 function lists.solvers()
   print "of a regression"
@@ -197,7 +195,7 @@ end
 
 function help.list(topic)
   require "lunid"
-  local topics = { "effects", "features", "solvers", "excitations", "systems" }
+  local topics = { "effects", "features", "solvers", "excitations", "systems", "cases" }
   if not topic then
     for _, name in ipairs(topics) do
       print(name:upper())
@@ -208,7 +206,7 @@ function help.list(topic)
   end
   if not lists[topic] then
     local near = core.nearest(topic, topics)
-    core.raise(("list: expected effects, features, solvers, excitations or systems, got '%s'%s"):format(topic,
+    core.raise(("list: expected effects, features, solvers, excitations, systems or cases, got '%s'%s"):format(topic,
       near and (", did you mean '%s'?"):format(near) or ""), "usage")
   end
   lists[topic]()

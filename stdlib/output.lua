@@ -16,7 +16,16 @@ function output.begin(out, rank)
   local partial = ("%s.partial-%d"):format((out:gsub("/+$", "")), core.process_id())
   if rank > 0 then partial = ("%s-%d"):format(partial, rank) end
   core.make_directories(partial)
-  current = { out = (out:gsub("/+$", "")), partial = partial, silent = rank > 0 }
+  current = { out = (out:gsub("/+$", "")), partial = partial, silent = rank > 0, folder = "" }
+end
+
+--- Does `work` with its files in a folder below the out directory: true, or false and its error.
+function output.within(folder, work)
+  local before = current.folder
+  current.folder = before .. folder .. "/"
+  local good, message = pcall(work)
+  current.folder = before
+  return good, message
 end
 
 local function is_relative(path) return path:sub(1, 1) ~= "/" end
@@ -27,7 +36,7 @@ function output.place(path)
   for part in path:gmatch "[^/]+" do
     if part == ".." then core.raise(("save: '%s' leaves the out directory; give an absolute path"):format(path), "study") end
   end
-  local full = current.partial .. "/" .. path
+  local full = current.partial .. "/" .. current.folder .. path
   core.make_directories(core.parent_of(full))
   return full
 end
@@ -38,7 +47,7 @@ function output.make_folder(path) core.make_directories(output.place(path)) end
 --- The path as the user will find it.
 function output.shown(path)
   if not current or not is_relative(path) then return path end
-  return current.out .. "/" .. path
+  return current.out .. "/" .. current.folder .. path
 end
 
 function output.write(path, text)

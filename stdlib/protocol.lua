@@ -44,11 +44,12 @@ local function measured(given, frequency, number)
     for key, value in pairs(time) do fields[key] = value end
     return fields
   end
-  local force = excitation.harmonic(with_time { amplitude = given.amplitude, frequency = frequency })
+  local parts = { excitation.harmonic(with_time { amplitude = given.amplitude, frequency = frequency }) }
   if given.force_noise > 0 then
-    force = excitation.sum { parts = { force, excitation.white_noise(with_time { distribution = "uniform",
-      rms = given.force_noise * math.abs(given.amplitude) / math.sqrt(3), seed = given.seed + number - 1 }) } }
+    parts[2] = excitation.white_noise(with_time { distribution = "uniform",
+      rms = given.force_noise * math.abs(given.amplitude) / math.sqrt(3), seed = given.seed + number - 1 })
   end
+  local force = excitation.sum { parts = parts, interpolation = "band_limited" }
   local run = true_run("thesis_record", given.system, force, given.from)
   local channels, motion = measured_channels(given.system)
   local noise = { seed = given.seed + number - 1 }

@@ -1,17 +1,25 @@
--- report.html: what was found, for one who was not there. Self-contained: figures lie inside as PNG.
+-- report.html: what was found, for one who was not there. Self-contained: figures lie inside as data that a script draws,
+-- and as PNG for where scripts are off.
 local core = require "lunid.core"
 local output = require "lunid.output"
+local page_of = require "lunid.figures.page"
 local pictures = require "lunid.pictures"
 
 local report = {}
 
-local escapes = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" }
-local function escape(text) return (tostring(text):gsub('[&<>"]', escapes)) end
+local escape = page_of.escape
 
 --- 11600533039 -> "1.16005·10<sup>10</sup>"
 local function power_of_ten(text) return (text:gsub("e([+-])0*(%d+)$", function(sign, exponent)
   return ("·10<sup>%s%s</sup>"):format(sign == "-" and "−" or "", exponent)
 end)) end
+
+--- The list with a function applied to each entry.
+local function each(list, change)
+  local out = {}
+  for i, entry in ipairs(list) do out[i] = change(entry) end
+  return out
+end
 
 local function missing(reason) return "none" .. (reason and " (" .. escape(reason) .. ")" or "") end
 
@@ -38,19 +46,24 @@ local function p_value(p) return not p and "none" or p < 1e-4 and "below 0.0001"
 
 -- ---- figures ----
 
---- Draws all pictures; returns them with `path`, or with the reason why there are none.
+--- Draws all pictures; returns them, how many files there are, and the reason where there are none: the page shows them
+--- all the same.
 local function draw(found, prefix)
-  local drawn = {}
+  local list, why_none, count = pictures.of(found), nil, 0
   output.make_folder(prefix .. "figures")
-  for _, picture in ipairs(pictures.of(found)) do
-    local path = prefix .. "figures/" .. picture.name .. ".png"
-    local good, message = pcall(core.render_figure, picture.figure, output.place(path))
-    if not good then return drawn, "figures could not be drawn: " .. tostring(message) end
-    picture.image = core.base64(core.read_text(output.place(path)))
-    drawn[#drawn + 1] = picture
-    core.export_figure(picture.figure, output.place(prefix .. "figures/" .. picture.name .. ".csv"))
+  for _, picture in ipairs(list) do
+    local path = prefix .. "figures/" .. picture.name
+    core.export_figure(picture.figure, output.place(path .. ".csv"))
+    if not why_none then
+      local good, message = pcall(core.render_figure, picture.figure, output.place(path .. ".png"))
+      if good then
+        picture.image, count = core.base64(core.read_text(output.place(path .. ".png"))), count + 1
+      else
+        why_none = "figures could not be drawn as files: " .. tostring(message)
+      end
+    end
   end
-  return drawn
+  return list, count, why_none
 end
 
 -- ---- text ----
@@ -63,8 +76,8 @@ table { border-collapse: collapse; margin: .8rem 0 } th, td { padding: .3rem .8r
 border-bottom: 1px solid #e2e2e2; vertical-align: top } td.n { font-variant-numeric: tabular-nums }
 .verdict { font-size: 1.15rem; padding: .8rem 1rem; background: #eef4fb; border-left: .3rem solid #0072b2 }
 code, pre { font-family: ui-monospace, monospace; background: #f5f5f5 } pre { padding: .7rem; overflow-x: auto }
-figure { margin: 1.2rem 0 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem }
-.small { color: #555; font-size: .92rem }]]
+.small { color: #555; font-size: .92rem }
+]] .. page_of.style
 
 local function row(cells, tag)
   local parts = {}
@@ -135,8 +148,10 @@ end
 
 local function effect_section(effect)
   local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.name), escape(effect.sentence)) }
-  lines[#lines + 1] = ("<p>Adds <code>%s</code> to the restoring force (%s). The chance of as large a gain where it is "
-    .. "not there (p) is %s.</p>"):format(escape(effect.formula), escape(effect.family), p_value(effect.p_value))
+  local what = effect.is == "physics" and "Adds <code>%s</code> to the restoring force (%s)."
+    or "This is " .. effect.is .. ": <code>%s</code> (%s)."
+  lines[#lines + 1] = ("<p>" .. what .. " The chance of as large a gain where it is not there (p) is %s.</p>"):format(
+    escape(effect.formula), escape(effect.family), p_value(effect.p_value))
   lines[#lines + 1] = parameter_table(effect.parameters, sorted_keys(effect.parameters), {})
   lines[#lines + 1] = ("<p>With it the gap is %s on the training record and %s on the test record.</p>"):format(
     number(effect.gap_train, effect.cause), number(effect.gap_test, effect.cause))
@@ -159,19 +174,65 @@ local function rivals_section(data)
     .. html_table({ "effect", "gap", "p", "why it was not named" }, rows)
 end
 
+--- "97 of 100: cubic_stiffness; 3: nothing"
+local function naming_section(data)
+  if not data.naming then return "" end
+  local rows = {}
+  for i, row in ipairs(data.naming.counts) do rows[i] = { "<code>" .. escape(row.name) .. "</code>", ("%d of %d"):format(row.count,
+    data.naming.resamples) } end
+  return "<h3>How sure the name is</h3><p>The choice made again on resampled blocks of the training record:</p>"
+    .. html_table({ "named", "resamples" }, rows)
+end
+
 local function named_section(data)
   if #data.effects == 0 then return "<h2>What is missing</h2><p>No effect was named.</p>" end
   local lines = { "<h2>What is missing</h2>" }
   for _, effect in ipairs(data.effects) do lines[#lines + 1] = effect_section(effect) end
+  lines[#lines + 1] = naming_section(data)
   return table.concat(lines, "\n")
 end
 
+--- What to measure next: the design that would decide, or what a record must reach to say more.
+local function next_section(data)
+  local design = data.next_experiment
+  if not design then
+    local words = { ["unknown-effect"] = "Look at the map of the unexplained force below: a record at other amplitudes and "
+        .. "frequencies shows whether it follows the displacement, the velocity, or neither. An entry of your own can be put "
+        .. "beside the catalogue (<code>lunid.effect</code>).",
+      ["nothing-missing"] = "This holds at the amplitudes and frequencies of these records. A record that goes beyond them "
+        .. "would show what is hidden there.",
+      ["explained"] = "This holds at the amplitudes and frequencies of these records. A record that goes beyond them is the "
+        .. "next test." }
+    return words[data.verdict] and "<h2>What to measure next</h2><p>" .. words[data.verdict] .. "</p>" or ""
+  end
+  local rows = {}
+  for i, c in ipairs(design.candidates) do
+    rows[i] = { "<code>" .. escape(c.name) .. "</code>", escape(c.what), c.force and number(c.force) or number(c.displacement),
+      number(c.motion), number(c.separation, c.reason), number(c.expected_z, c.reason) }
+  end
+  return "<h2>What to measure next</h2><p>" .. escape(design.sentence) .. ".</p>"
+    .. html_table({ "excitation", "", design.candidates[1].force and "largest force [N]" or "largest displacement [m]",
+      "largest motion [m]", "separation", "expected z" }, rows)
+    .. '<p class="small">Separation: what is left between the motions of <code>' .. table.concat(each(design.rivals, escape), "</code> and <code>")
+    .. "</code> after each has fitted its parameters to the other's, in standard deviations of the noise ("
+    .. number(design.noise) .. "), over " .. number(design.duration) .. " s at " .. number(design.rate)
+    .. " Hz. Expected z: what the test between them would say; 2.3 names the truth as often as not, 4 nearly always.</p>"
+end
+
+--- Terms of the baseline that may go.
+local function removable_section(data)
+  if #data.removable == 0 then return "" end
+  local rows = {}
+  for i, term in ipairs(data.removable) do rows[i] = { "<code>" .. escape(term.term) .. "</code>", escape(term.reason) } end
+  return "<h3>Terms of the baseline that these records do not need</h3><p>Offered for removal; nothing was removed. Take one "
+    .. "away and run again.</p>" .. html_table({ "term", "why" }, rows)
+end
+
 local function figure_section(drawn, why_none)
-  local lines = { "<h2>Figures</h2>" }
+  local lines = { "<h2>Figures</h2>", '<p class="small">' .. page_of.hint .. "</p>" }
   if why_none then lines[#lines + 1] = "<p>" .. escape(why_none) .. "</p>" end
   for _, picture in ipairs(drawn) do
-    lines[#lines + 1] = ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>')
-      :format(escape(picture.caption), picture.image, escape(picture.caption))
+    lines[#lines + 1] = page_of.figure(picture.figure, picture.caption, picture.image)
   end
   return table.concat(lines, "\n")
 end
@@ -208,7 +269,7 @@ end
 --- Writes figures/ and report.html below `prefix`.
 function report.write(found, prefix)
   local data = found.data
-  local drawn, why_none = draw(found, prefix)
+  local drawn, count, why_none = draw(found, prefix)
   local page = table.concat({
     '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Lunid: ' .. escape(data.verdict)
       .. "</title><style>" .. style .. "</style></head><body>",
@@ -218,9 +279,10 @@ function report.write(found, prefix)
     named_section(data), gap_section(data), figure_section(drawn, why_none), rivals_section(data),
     "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
-    warnings_section(data), provenance(data), "</body></html>\n" }, "\n")
-  return { path = output.write(prefix .. "report.html", page), count = #drawn, note = why_none,
-    folder = #drawn > 0 and output.shown(prefix .. "figures") or nil }
+    removable_section(data), next_section(data), warnings_section(data), provenance(data), page_of.script(),
+    "</body></html>\n" }, "\n")
+  return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
+    folder = count > 0 and output.shown(prefix .. "figures") or nil }
 end
 
 return report

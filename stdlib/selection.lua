@@ -127,25 +127,57 @@ end
 
 local screening = 4  -- iterations of a fit that only ranks a feature
 
---- The candidate with the one more feature that lowers the criterion most; nil where none does.
-local function grown(candidate, fitted, given, train, known)
-  local best = candidate
+--- The best of `base` with one feature more, where its criterion is below that of `best`; else `best`.
+local function with_one_more(base, best, given, train, known, how)
   local there, values = {}, {}
-  for i, feature in ipairs(candidate.features) do
-    there[tostring(feature)], values[i] = true, candidate.model.parameters[i].value
+  for i, feature in ipairs(base.features) do
+    there[tostring(feature)], values[i] = true, base.model.parameters[i].value
   end
   values[#values + 1] = 0
   for _, feature in ipairs(given.features) do
-    local features = { table.unpack(candidate.features) }
+    local features = { table.unpack(base.features) }
     features[#features + 1] = feature
     local key = key_of(features)
     if not there[tostring(feature)] and not known[key] then
       known[key] = true
-      local larger = refined({ terms = #features, features = features, r2 = candidate.r2,
-        from = candidate.from .. ", grown on the trajectory", model = model_of(given, features, values) }, given, train,
-        screening)
+      local larger = refined({ terms = #features, features = features, r2 = base.r2, from = base.from .. how,
+        model = model_of(given, features, values) }, given, train, screening)
       if larger and larger.criterion < best.criterion then best = larger end
     end
+  end
+  return best
+end
+
+--- The candidate with the one more feature that lowers the criterion most; nil where none does.
+local function grown(candidate, fitted, given, train, known)
+  local best = with_one_more(candidate, candidate, given, train, known, ", grown on the trajectory")
+  if best == candidate then return nil end
+  best = refined(best, given, train)
+  fitted[#fitted + 1] = best
+  return best
+end
+
+--- Places of a candidate's terms, those first that its trajectory needs least.
+local function weakest(candidate)
+  local places, sizes = {}, {}
+  for i = 1, candidate.terms do
+    local parameter = candidate.model.parameters[i]
+    places[i], sizes[i] = i, parameter.std and parameter.std > 0 and math.abs(parameter.value) / parameter.std or 0
+  end
+  table.sort(places, function(a, b) return sizes[a] < sizes[b] or sizes[a] == sizes[b] and a < b end)
+  return places
+end
+
+--- The candidate with one of its three weakest features exchanged for another, where that lowers the criterion; else nil.
+local function exchanged(candidate, fitted, given, train, known)
+  local best = candidate
+  for _, i in ipairs { table.unpack(weakest(candidate), 1, 3) } do
+    local values = {}
+    for k = 1, candidate.terms do values[k] = candidate.model.parameters[k].value end
+    local features = without(candidate.features, i)
+    local base = { terms = candidate.terms - 1, features = features, r2 = candidate.r2, from = candidate.from,
+      model = model_of(given, features, without(values, i)) }
+    best = with_one_more(base, best, given, train, known, ", exchanged on the trajectory")
   end
   if best == candidate then return nil end
   best = refined(best, given, train)
@@ -158,7 +190,7 @@ local function least_criterion(list)
   return list[1]
 end
 
---- Thins the best fits and grows the best of what is left, until neither helps.
+--- Thins the best fits, grows the best of what is left and exchanges its features, until nothing helps.
 local function search_on_trajectory(fitted, given, train, known)
   least_criterion(fitted)
   for _, start in ipairs { table.unpack(fitted, 1, math.min(3, #fitted)) } do
@@ -166,10 +198,11 @@ local function search_on_trajectory(fitted, given, train, known)
   end
   for _ = 1, 4 do
     local best = least_criterion(fitted)
-    if not best or best.terms >= given.most_terms then return end
-    local larger = grown(best, fitted, given, train, known)
-    if not larger then return end
-    thin_out(larger, fitted, given, train, known)
+    if not best then return end
+    local other = best.terms < given.most_terms and grown(best, fitted, given, train, known)
+      or best.terms > 1 and exchanged(best, fitted, given, train, known)
+    if not other then return end
+    thin_out(other, fitted, given, train, known)
   end
 end
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/sensor.hpp"
+#include "simulate/measures.hpp"
+
 namespace lunid {
 
 namespace {
@@ -111,7 +114,6 @@ Model extend(const Model& baseline, const Choices& choices, const RecordScales& 
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
   Model model = baseline;
   for (const auto& c : choices) {
-    model.restoring = model.restoring + c.effect->variants[static_cast<std::size_t>(c.variant)];
     const Ranges ranges = c.effect->range ? c.effect->range(scales, c.variant) : Ranges{};
     for (auto p : c.effect->parameters) {
       if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
@@ -121,7 +123,7 @@ Model extend(const Model& baseline, const Choices& choices, const RecordScales& 
       }
       model.parameters.push_back(p);
     }
-    for (const auto& s : c.effect->states) model.states.push_back(s);
+    add_variant(model, *c.effect, c.variant);
   }
   return complete(std::move(model));
 }
@@ -153,6 +155,8 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
     for (const auto& state : model.states)
       for (const Expr part : {state.rate, state.min, state.max})
         is_linear = is_linear && !(part.valid() && depends_on(part, p));
+    for (const auto* maps : {&model.measures, &model.acts})
+      for (const auto& [channel, map] : *maps) is_linear = is_linear && !depends_on(map, p);
     linear[i] = is_linear;
     if (is_linear) kept.push_back(p);
   }
@@ -183,6 +187,7 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
   candidate.choices = choices;
   Model model = extend(baseline, choices, choices.empty() ? RecordScales{} : scales(study, 0), candidate.shown);
   candidate.linear = linear_parameters(model);
+  candidate.seen_by_force = can_be_undone(model);
   candidate.system = std::make_shared<const System>(model);
   if (model.imposed_motion) {
     candidate.force_system = candidate.system;
@@ -242,6 +247,17 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   candidate.starts.clear();
   for (auto& s : starts) candidate.starts.push_back(std::move(s.theta));
   candidate.force_cost = starts.empty() ? INFINITY : starts.front().cost;
+  if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
+}
+
+Model fitted(const Candidate& c) {
+  Model model = c.system->model();
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    model.parameters[i].value = c.fit.theta[k];
+    model.parameters[i].std = c.fit.covariance.rows() > k ? std::sqrt(std::max(0.0, c.fit.covariance(k, k))) : NAN;
+  }
+  return model;
 }
 
 void fit(const Study& study, Candidate& candidate, const FitOptions& options) {

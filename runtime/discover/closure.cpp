@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "discover/judge.hpp"
+#include "discover/linearised.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -48,7 +49,8 @@ std::vector<Feature> generic_forces(const Study& study, Model& model) {
           {slow * w, "damping that changes with time"}};
 }
 
-/// Whitened residual and whitened columns [model's own parameters and first states | generic forces], all records.
+/// Whitened residual and whitened columns of length one [model's own parameters and first states | generic forces], all
+/// records.
 struct Columns {
   Eigen::VectorXd residual;
   Eigen::MatrixXd own, extra;
@@ -60,72 +62,18 @@ bool collect(const Study& study, const Candidate& candidate, const System& syste
   const Eigen::Index p = candidate.parameters(), all = system.parameters(), extra = all - p;
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(all);
   theta.head(p) = candidate.whitened.theta;
-  std::vector<Eigen::MatrixXd> own, added;
-  std::vector<Eigen::VectorXd> residual;
-  Eigen::Index rows = 0, states = 0;
-  for (std::size_t r = 0; r < study.train.size(); ++r) {
-    const auto& data = study.train[r];
-    Eigen::MatrixXd jacobian;
-    if (study.imposed) {
-      imposed_force(system, {theta.data(), static_cast<std::size_t>(all)}, data.record, &jacobian);
-    } else {
-      Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
-      const auto& fitted = candidate.whitened.segments[r].x0;
-      x0.head(fitted.size()) = fitted;
-      SimulateOptions options;
-      options.solver = Solver::fixed;
-      options.substeps = candidate.whitened.substeps;
-      options.cancelled = study.options->cancelled;
-      const auto run =
-          simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(all)}, data.excitation, x0, options);
-      if (!run.run.summary.completed) return false;
-      jacobian = run.dy().leftCols(all + fitted.size());
-    }
-    if (!jacobian.allFinite()) return false;
-    Eigen::VectorXd column;
-    whiten(candidate.whitened.residual[r], {}, whitening, column);
-    residual.push_back(column);
-    Eigen::MatrixXd whitened(column.size(), jacobian.cols());
-    for (Eigen::Index j = 0; j < jacobian.cols(); ++j) {
-      whiten(jacobian.col(j), {}, whitening, column);
-      whitened.col(j) = column;
-    }
-    added.push_back(whitened.middleCols(p, extra));
-    Eigen::MatrixXd mine(whitened.rows(), whitened.cols() - extra);
-    mine << whitened.leftCols(p), whitened.rightCols(whitened.cols() - all);
-    own.push_back(mine);
-    rows += whitened.rows();
-    states += mine.cols() - p;
-  }
-  out.residual.resize(rows);
-  out.own.setZero(rows, p + states);
-  out.extra.resize(rows, extra);
-  Eigen::Index row = 0, state = p;
-  for (std::size_t r = 0; r < own.size(); ++r) {
-    const Eigen::Index n = own[r].rows(), mine = own[r].cols() - p;
-    out.residual.segment(row, n) = residual[r];
-    out.own.block(row, 0, n, p) = own[r].leftCols(p);
-    out.own.block(row, state, n, mine) = own[r].rightCols(mine);
-    out.extra.middleRows(row, n) = added[r];
+  Linearised linear;
+  if (!linearise(study, system, theta, candidate.whitened, whitening, linear)) return false;
+  hold_and_scale(candidate.system->model(), candidate.whitened, linear.columns);
+  out.residual = std::move(linear.residual);
+  out.extra = linear.columns.middleCols(p, extra);
+  out.own.resize(linear.columns.rows(), linear.columns.cols() - extra);
+  out.own << linear.columns.leftCols(p), linear.columns.rightCols(linear.columns.cols() - all);
+  for (std::size_t r = 0; r + 1 < linear.row_of_record.size(); ++r) {
+    const Eigen::Index n = linear.row_of_record[r + 1] - linear.row_of_record[r];
     for (Eigen::Index i = 0; i < n; ++i) out.part.push_back(part_of(i, n, study.options->blocks));
-    row += n;
-    state += mine;
   }
-  // Parameters held at a bound or fixed take no part.
-  for (Eigen::Index j = 0; j < p; ++j)
-    if (candidate.whitened.at_bound[static_cast<std::size_t>(j)] ||
-        candidate.system->model().parameters[static_cast<std::size_t>(j)].fixed)
-      out.own.col(j).setZero();
   return true;
-}
-
-Eigen::MatrixXd normalised(const Eigen::MatrixXd& m) {
-  Eigen::MatrixXd out = m;
-  for (Eigen::Index j = 0; j < m.cols(); ++j) {
-    const double norm = m.col(j).norm();
-    if (norm > 0) out.col(j) /= norm;
-  }
-  return out;
 }
 
 double misfit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Index* rank = nullptr) {
@@ -197,7 +145,7 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
   const System& system = *closure.system;
   Columns columns;
   if (!collect(study, candidate, system, whitening, columns)) return closure;
-  const Eigen::MatrixXd own = normalised(columns.own), extra = normalised(columns.extra);
+  const Eigen::MatrixXd &own = columns.own, &extra = columns.extra;
   Eigen::MatrixXd all(own.rows(), own.cols() + extra.cols());
   all << own, extra;
   Eigen::Index rank_own = 0, rank_all = 0;

@@ -7,7 +7,10 @@
 #include "discover/closure.hpp"
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
+#include "discover/naming.hpp"
+#include "discover/removable.hpp"
 #include "discover/search.hpp"
+#include "discover/sensor.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -27,13 +30,16 @@ class Spine {
  public:
   Spine(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
         const std::vector<Record>& test, const DiscoverOptions& options)
-      : options_(options), catalogue_(catalogue), model_(complete(baseline)) {
+      : options_(options), model_(complete(baseline)) {
     progress("check the data", 0.0);
     study_ = prepare(model_, train, test, options_);
     out_.warnings = study_.warnings;
     for (const auto& data : study_.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
     out_.baseline_before = model_.parameters;
+    std::vector<std::string> left;
+    catalogue_ = testable(study_, catalogue, left);
+    for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
   Discovery run() {
@@ -241,6 +247,7 @@ class Spine {
     found.chosen = found.baseline;
     found.steps.clear();
     found.ties.clear();
+    found.aliases.clear();
   }
 
   std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records) const {
@@ -326,7 +333,10 @@ class Spine {
       named.gap_train = pool_gap(runs(model, train), share).value;
       named.gap_test = pool_gap(runs(model, study_.test), share).value;
       named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
-      if (i + 1 == found.steps.size()) named.indistinguishable = found.ties;
+      if (i + 1 == found.steps.size()) {
+        named.indistinguishable = found.ties;
+        named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
+      }
       out_.effects.push_back(std::move(named));
     }
   }
@@ -343,32 +353,29 @@ class Spine {
     return out;
   }
 
-  static Model fitted(const Candidate& c) {
-    Model model = c.system->model();
-    for (std::size_t i = 0; i < model.parameters.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      model.parameters[i].value = c.fit.theta[k];
-      model.parameters[i].std = c.fit.covariance.rows() > k ? std::sqrt(std::max(0.0, c.fit.covariance(k, k))) : NAN;
-    }
-    return model;
-  }
-
   // ---- show ----
   void show(SearchResult& found) {
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
-    out_.where = describe_residual(study_, found.baseline, found.chosen);
+    out_.where = describe_residual(study_, found.baseline, found.chosen) + sensor_hint(study_, found.baseline);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             improvement_p_value(found.baseline, c), found.remarks[i]});
+                             improvement_p_value(found.baseline, c), found.remarks[i], fitted(c)});
     }
     if (!found.left_aside.empty()) {
       std::string list;
       for (const auto& name : found.left_aside) list += (list.empty() ? "" : ", ") + name;
-      out_.warnings.push_back("not tried, since beside the baseline's own terms this record cannot show them: " + list);
+      out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
     }
+    if (!untested_.empty()) out_.warnings.push_back(untested_);
     check_bounds(found.chosen);
+    out_.removable = removable_terms(out_.baseline, found.chosen);
+    if (!found.chosen.choices.empty()) {
+      progress("name again on resampled blocks", 0.96);
+      out_.naming = bootstrap_naming(study_, found);
+    }
+    design_next(found);
     check_by_sundials(found.chosen);
     for (const auto& r : study_.full)
       out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
@@ -383,6 +390,35 @@ class Spine {
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
     out_.sentence = sentence(found);
+  }
+
+  /// What would tell an ambiguous class apart, within the force, displacement and band that these records had.
+  void design_next(const SearchResult& found) {
+    const ExperimentOptions options = same_experiment(study_);
+    out_.same_experiment = options;
+    out_.same_experiment.cancelled = nullptr;  // it outlives the run
+    const bool driven = study_.imposed || options.limits.force > 0;
+    if (out_.verdict != "ambiguous" || !driven) return;
+    progress("design the experiment that would decide", 0.97);
+    std::vector<Model> models{out_.final};
+    std::vector<std::string> names{found.chosen.name()};
+    for (const Rival& rival : out_.rivals) {
+      if (std::find(found.ties.begin(), found.ties.end(), rival.name) == found.ties.end()) continue;
+      models.push_back(rival.model);
+      names.push_back(rival.name);
+    }
+    if (models.size() < 2) return;
+    out_.experiment = design_experiment(models, names, options);
+    if (!out_.experiment.best().decides()) {
+      ExperimentOptions more = options;
+      more.limits.force *= 2;
+      more.limits.displacement *= 2;
+      ExperimentDesign beyond = design_experiment(models, names, more);
+      beyond.beyond = 2;
+      if (beyond.best().decides() || beyond.best().expected_z > 2 * out_.experiment.best().expected_z)
+        out_.experiment = std::move(beyond);
+    }
+    out_.experiment.options.cancelled = nullptr;
   }
 
   void check_bounds(const Candidate& c) {
@@ -415,11 +451,27 @@ class Spine {
       out_.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
   }
 
+  /// Which of the named effects are faults of a sensor or of the input: "" where all are physics.
+  static std::string not_physics(const Choices& named) {
+    std::string sensors, inputs;
+    for (const auto& choice : named) {
+      if (is_physics(*choice.effect)) continue;
+      std::string& list = choice.effect->family == "sensor" ? sensors : inputs;
+      list += (list.empty() ? "" : ", ") + choice.effect->name;
+    }
+    if (sensors.empty() && inputs.empty()) return "";
+    const std::string what = inputs.empty() ? "the sensor" : sensors.empty() ? "the input" : "the sensor and the input";
+    const bool all = physics_in(named) == 0;
+    return " (" + what + ", not the physics" +
+           (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
+  }
+
   std::string sentence(const SearchResult& found) const {
     char text[160];
     if (out_.verdict == "explained" || out_.verdict == "ambiguous") {
       std::string names;
       for (const auto& e : out_.effects) names += (names.empty() ? "" : " and ") + e.name;
+      names += not_physics(found.order);
       const double excess = out_.baseline_test.value - out_.final_test.floor;
       const double share = excess > 0 ? (out_.baseline_test.value - out_.final_test.value) / excess : 0;
       std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
@@ -429,7 +481,11 @@ class Spine {
                             : names;
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
-      return out + text + (left_.material ? "; a small repeatable force is left (" + left_.closure.shape + ")" : "");
+      if (left_.material)
+        out += std::string(text) + "; a small repeatable force is left (" + left_.closure.shape + ")";
+      else
+        out += text;
+      return out_.experiment.empty() ? out : out + ". To tell: " + sentence_of(out_.experiment);
     }
     if (out_.verdict == "nothing-missing") {
       std::snprintf(text, sizeof text,
@@ -451,7 +507,8 @@ class Spine {
   }
 
   const DiscoverOptions& options_;
-  const std::vector<Effect>& catalogue_;
+  std::vector<Effect> catalogue_;
+  std::string untested_;
   Model model_;
   Study study_;
   Candidate baseline_;
@@ -474,9 +531,6 @@ void validate(const DiscoverOptions& o) {
   if (o.threads < 0) refuse("threads", ">= 0", o.threads);
 }
 
-namespace {
-
-/// What discovery can look at: one coordinate, driven by F alone and at once.
 void check_baseline(const Model& given) {
   const Model baseline = complete(given);
   if (baseline.degrees() > 1)
@@ -487,8 +541,6 @@ void check_baseline(const Model& given) {
       throw InputError("discover: a baseline driven by " + input +
                        " is not looked at: use relative displacements and F = -m*ab");
 }
-
-}  // namespace
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options) {

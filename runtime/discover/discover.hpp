@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "discover/effect.hpp"
+#include "discover/experiment.hpp"
 #include "record/record.hpp"
 #include "simulate/simulate.hpp"
 
@@ -25,6 +26,8 @@ struct DiscoverOptions {
 };
 /// Throws InputError naming option, value and the admissible range.
 void validate(const DiscoverOptions& options);
+/// Throws InputError for a model that discovery does not look at: several coordinates, a delay, inputs other than F.
+void check_baseline(const Model& baseline);
 
 /// A gap: RMSE of the free-run displacement over the standard deviation of the measured one, never re-initialised;
 /// with imposed motion that of the force. NaN where the run exploded (stopped_at, cause).
@@ -58,6 +61,7 @@ struct Rival {
   double log_likelihood = 0;
   double p_value = 1;
   std::string remark;  ///< why it was not named
+  Model model;         ///< as it was fitted
 };
 
 struct NamedEffect {
@@ -67,6 +71,22 @@ struct NamedEffect {
   double gap_train = 0, gap_test = 0;
   double p_value = 1;
   std::vector<Rival> rivals;
+};
+
+/// How often each set of effects would have been named.
+struct Naming {
+  int resamples = 0;
+  std::vector<std::pair<std::string, int>> counts;  ///< most frequent first; "nothing" where the baseline stays
+  int of(const std::string& name) const;
+};
+
+/// A term of the baseline that the records do not need: offered for removal, never removed.
+struct Removable {
+  std::string parameter;  ///< whose term it is
+  std::string term;       ///< "Fc*sign(v)"
+  double value = 0, std = 0;
+  double p_value = 1;  ///< that its coefficient is zero (Wald, with the covariance of the fit)
+  std::string reason;
 };
 
 struct Discovery {
@@ -83,6 +103,10 @@ struct Discovery {
   std::vector<std::string> warnings;
   std::vector<Comparison> comparisons;
   ResidualMap map;
+  Naming naming;                      ///< how often resampled records give the same names
+  std::vector<Removable> removable;   ///< terms of the baseline that these records do not need
+  ExperimentDesign experiment;        ///< what would tell an ambiguous class apart; else empty
+  ExperimentOptions same_experiment;  ///< limits, rate and noise as these records had them
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;
@@ -97,6 +121,7 @@ Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, 
 
 /// discovery.json (contract: schema 1). Every null has a reason beside it.
 nlohmann::json to_json(const Discovery& discovery);
+nlohmann::json to_json(const ExperimentDesign& design);
 /// What the terminal shows.
 std::string to_terminal(const Discovery& discovery);
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "discover/gap.hpp"
+#include "discover/residual_maps.hpp"
 
 namespace lunid {
 
@@ -21,77 +21,8 @@ Eigen::Map<const Eigen::VectorXd> column(const Record& record, const char* name)
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
-/// Mean of r over equal bins of x in [-limit, limit], and the share of r's variance that these means explain.
-struct Binned {
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(cells), count = Eigen::VectorXd::Zero(cells);
-  double limit = 0, share = 0, odd = 0, even = 0;
-};
-
 int bin_of(double x, double limit) {
   return std::clamp(static_cast<int>((x + limit) / (2 * limit) * cells), 0, cells - 1);
-}
-
-Binned bin(const std::vector<double>& x, const std::vector<double>& r) {
-  Binned out;
-  for (const double v : x) out.limit = std::max(out.limit, std::abs(v));
-  if (!(out.limit > 0)) return out;
-  double total = 0, explained = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const int k = bin_of(x[i], out.limit);
-    out.mean[k] += r[i];
-    out.count[k] += 1;
-    total += r[i] * r[i];
-  }
-  for (int k = 0; k < cells; ++k)
-    if (out.count[k] > 0) {
-      out.mean[k] /= out.count[k];
-      explained += out.mean[k] * out.mean[k] * out.count[k];
-    }
-  out.share = total > 0 ? explained / total : 0;
-  for (int k = 0; k < cells / 2; ++k) {
-    const int m = cells - 1 - k;
-    const double weight = std::min(out.count[k], out.count[m]);
-    out.odd += weight * std::pow((out.mean[m] - out.mean[k]) / 2, 2);
-    out.even += weight * std::pow((out.mean[m] + out.mean[k]) / 2, 2);
-  }
-  return out;
-}
-
-std::string parity(const Binned& b, const char* name) {
-  const double sum = b.odd + b.even;
-  if (!(sum > 0)) return {};
-  if (b.odd > 0.85 * sum) return std::string(", odd in ") + name;
-  if (b.even > 0.85 * sum) return std::string(", even in ") + name;
-  return std::string(", neither odd nor even in ") + name;
-}
-
-std::string quantity(double value, const char* unit) {
-  static constexpr struct {
-    double factor;
-    const char* prefix;
-  } prefixes[] = {{1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}, {1e-9, "n"}};
-  const auto* chosen = &prefixes[5];
-  for (const auto& p : prefixes)
-    if (std::abs(value) >= p.factor) {
-      chosen = &p;
-      break;
-    }
-  if (value == 0) chosen = &prefixes[2];
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g %s%s", value / chosen->factor, chosen->prefix, unit);
-  return text;
-}
-
-/// Least |x| beyond which the mean residual is above half of its largest value: where it starts to matter.
-double onset(const Binned& b) {
-  double largest = 0;
-  for (int k = 0; k < cells; ++k)
-    if (b.count[k] >= 5) largest = std::max(largest, std::abs(b.mean[k]));
-  double from = b.limit;
-  for (int k = 0; k < cells; ++k)
-    if (b.count[k] >= 5 && std::abs(b.mean[k]) > 0.5 * largest)
-      from = std::min(from, std::abs(-b.limit + (k + 0.5) * 2 * b.limit / cells));
-  return from;
 }
 
 /// What smoothing makes of the reference's own run over a record: a residual force where there is none. `run` is its
@@ -119,31 +50,9 @@ Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, c
 }
 
 std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference) {
-  std::vector<double> y, v, r;
-  for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-    const Eigen::VectorXd residual = residual_force(study, candidate, reference, k);
-    if (!residual.allFinite()) return "the model's force is not finite along the measured motion";
-    for (Eigen::Index i = 0; i < residual.size(); ++i) {
-      if (!study.force[k].use[static_cast<std::size_t>(i)]) continue;
-      y.push_back(study.smooth[k]["y"][static_cast<std::size_t>(i)]);
-      v.push_back(study.smooth[k]["v"][static_cast<std::size_t>(i)]);
-      r.push_back(residual[i]);
-    }
-  }
-  const double rms = standard_deviation(r);
-  const Binned in_y = bin(y, r), in_v = bin(v, r);
-  const std::string size = "rms " + quantity(rms, "N");
-  if (std::max(in_y.share, in_v.share) < 0.05) return size + ", no dependence on displacement or velocity alone";
-  char percent[80];
-  const bool by_y = in_y.share >= in_v.share;
-  const Binned& b = by_y ? in_y : in_v;
-  std::snprintf(percent, sizeof percent, " (%.0f %% of its variance)", 100 * b.share);
-  const char* name = by_y ? "y" : "v";
-  const double from = onset(b);
-  std::string text = size + ", follows " + (by_y ? "the displacement" : "the velocity") + percent;
-  if (from > 2.0 * b.limit / cells)
-    text += ", largest at |" + std::string(name) + "| > " + quantity(from, by_y ? "m" : "m/s");
-  return text + parity(b, name);
+  const ResidualRows rows = residual_rows(study, candidate, reference);
+  if (!rows.force.allFinite()) return "the model's force is not finite along the measured motion";
+  return map_residual(rows).sentence;
 }
 
 ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after) {

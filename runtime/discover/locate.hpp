@@ -12,8 +12,7 @@ namespace lunid {
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
                                std::size_t index);
 
-/// One sentence that an engineer would say: for which displacements or velocities the residual force is larger than its
-/// noise, its parity in y and in v, how much of it a function of (y, v) explains.
+/// What an engineer would say about it (residual_maps.hpp).
 std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference);
 
 /// Mean residual force over the (y, v) plane before and after (the reference), cells without data NaN.

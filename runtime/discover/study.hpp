@@ -38,7 +38,10 @@ Study prepare(const Model& baseline, const std::vector<Record>& train, const std
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
 
-/// The kernel that a record's noise calls for, and y v a F of a record through one kernel.
+/// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
+std::vector<std::string> side_channels(const Record& record);
+
+/// The kernel that a record's noise calls for, and y v a F and side channels of a record through one kernel.
 SavitzkyGolay smoothing_kernel(const Record& record);
 Record smooth_motion(const Record& record, const SavitzkyGolay& kernel);
 
@@ -46,5 +49,8 @@ Record smooth_motion(const Record& record, const SavitzkyGolay& kernel);
 double upper_frequency(const Study& study);
 
 RecordScales scales(const Study& study, double residual_std);
+
+/// An experiment like the study's: its largest force and displacement, its band, rate, time and noise.
+ExperimentOptions same_experiment(const Study& study);
 
 }  // namespace lunid

@@ -42,9 +42,16 @@ json model(const Model& m, const Gap& train, const Gap& test) {
   return out;
 }
 
+const char* what_it_is(const std::string& family) {
+  return family == "sensor"  ? "the sensor, not the physics"
+         : family == "input" ? "the input, not the physics"
+                             : "physics";
+}
+
 json effect(const NamedEffect& e) {
   json out = {{"name", e.name},
               {"family", e.family},
+              {"is", what_it_is(e.family)},
               {"formula", e.formula},
               {"parameters", parameters(e.parameters)},
               {"indistinguishable", e.indistinguishable},
@@ -68,7 +75,57 @@ json rival(const Rival& r) {
   return out;
 }
 
+json naming(const Naming& n) {
+  json counts = json::array();
+  for (const auto& [name, count] : n.counts) counts.push_back({{"name", name}, {"count", count}});
+  return {{"resamples", n.resamples},
+          {"counts", std::move(counts)},
+          {"meaning",
+           "the choice among the judged sets made again on resampled blocks of the training records, refits to first "
+           "order"}};
+}
+
+json removable(const std::vector<Removable>& terms) {
+  json out = json::array();
+  for (const auto& t : terms)
+    out.push_back({{"parameter", t.parameter},
+                   {"term", t.term},
+                   {"value", number(t.value)},
+                   {"std", number(t.std)},
+                   {"p_value", t.p_value},
+                   {"reason", t.reason}});
+  return out;
+}
+
 }  // namespace
+
+json to_json(const ExperimentDesign& design) {
+  json candidates = json::array();
+  for (const auto& c : design.candidates) {
+    json row = {{"name", c.name},
+                {"what", c.words},
+                {"separation", number(c.separation)},
+                {"expected_z", number(c.expected_z)},
+                {c.excitation.has("F") ? "force" : "displacement", c.level},
+                {"motion", c.peak}};
+    json pairs = json::array();
+    for (const auto& p : c.pairs)
+      pairs.push_back({{"a", design.rivals[static_cast<std::size_t>(p.a)]},
+                       {"b", design.rivals[static_cast<std::size_t>(p.b)]},
+                       {"separation", number(p.separation)}});
+    row["pairs"] = std::move(pairs);
+    if (!c.remark.empty()) row["reason"] = c.remark;
+    candidates.push_back(std::move(row));
+  }
+  return {{"sentence", sentence_of(design)},
+          {"decides", design.best().decides()},
+          {"rivals", design.rivals},
+          {"noise", design.options.noise},
+          {"duration", design.options.duration},
+          {"rate", design.options.rate},
+          {"meaning", "separation: rms difference after each rival's best refit to the other, over the noise"},
+          {"candidates", std::move(candidates)}};
+}
 
 json to_json(const Discovery& d) {
   json out = {{"schema", 1}, {"verdict", d.verdict}, {"sentence", d.sentence}, {"where", d.where}};
@@ -89,6 +146,9 @@ json to_json(const Discovery& d) {
                      {"meaning", "free runs, rows of the training records that the fit did not see"}};
   if (!std::isfinite(d.gap_left_out_before) || !std::isfinite(d.gap_left_out_after))
     out["left_out"]["reason"] = "a free run stopped early";
+  if (d.naming.resamples > 0) out["naming"] = naming(d.naming);
+  out["removable"] = removable(d.removable);
+  if (!d.experiment.empty()) out["next_experiment"] = to_json(d.experiment);
   out["test_p_value"] = d.test_p_value;
   out["warnings"] = d.warnings;
   out["method"] = {

@@ -64,6 +64,16 @@ std::string rivals(const Discovery& d) {
   return out;
 }
 
+/// "cubic_stiffness in 97 of 100 resamples, nothing in 3"
+std::string resampled(const Naming& naming) {
+  std::string out;
+  for (const auto& [name, count] : naming.counts)
+    out +=
+        (out.empty() ? name + " in " + std::to_string(count) + " of " + std::to_string(naming.resamples) + " resamples"
+                     : ", " + name + " in " + std::to_string(count));
+  return out;
+}
+
 }  // namespace
 
 std::string to_terminal(const Discovery& d) {
@@ -99,6 +109,8 @@ std::string to_terminal(const Discovery& d) {
     train = e.gap_train;
     test = e.gap_test;
   }
+  if (d.naming.resamples > 0) line("", resampled(d.naming));
+  for (const auto& r : d.removable) line("absent?", r.term + ": " + r.reason + "; it may be removed from the baseline");
   line("equation", d.final.equation());
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " +

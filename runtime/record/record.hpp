@@ -29,8 +29,8 @@ struct Channel {
   bool derived = false;  ///< true for what was computed from other channels
   Interpolation between = Interpolation::linear;  ///< what it does between its samples
   /// Of a signal that was made: its value at any time t [s]. What `values` have beyond it is interpolated. Else empty.
-  Expr formula;
-  std::string derivation;  ///< how it was computed from other channels; "" of one that was not
+  Expr formula{};
+  std::string derivation{};  ///< how it was computed from other channels; "" of one that was not
 };
 
 /// Value type; copies and windows share the columns.

@@ -17,7 +17,7 @@ namespace lunid {
 struct PassiveOptions {
   int points_y = 9, points_v = 8;  ///< of the grid, 2..100 each
   bool impose = true;              ///< false: only looked at
-  SourceSpan where;
+  SourceSpan where{};
 };
 void validate(const PassiveOptions& options);
 

@@ -33,7 +33,10 @@ class AdjointCost {
     run_options_.solver = Solver::fixed;
     run_options_.substeps = substeps;
     run_options_.cancelled = options.cancelled;
-    for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
+    for (const FitData& d : data) {
+      outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
+      for (Output& output : outputs_.back()) output.weight *= d.weight;
+    }
     for (const FitSegment& s : this->segments)
       excitations_.push_back(data[static_cast<std::size_t>(s.record)].excitation.part(s.first, s.count));
   }

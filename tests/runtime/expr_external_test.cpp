@@ -65,7 +65,9 @@ TEST_F(External, every_kind_of_run_gives_the_same_bits) {
     tape.run_point(x, &point, scratch.data());
     EXPECT_EQ(point, expected);
     EXPECT_EQ(out[i], expected);
-    if (i < lanes) EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place())][i], expected);
+    if (i < lanes) {
+      EXPECT_EQ(place[static_cast<std::size_t>(tape.output_place())][i], expected);
+    }
     const std::int8_t mode = a > 0 ? 1 : -1;
     tape.run_frozen(x, &mode, &frozen, &g, scratch.data());
     EXPECT_EQ(frozen, expected);

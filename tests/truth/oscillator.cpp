@@ -1,5 +1,6 @@
 #include "truth/oscillator.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace truth {
@@ -159,10 +160,88 @@ class Integrator {
   Mode mode_;
 };
 
+/// RK4 on (x, v, z) with a law; `substeps` is multiplied, since kinks are stepped over.
+Motion integrate_law(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
+                     int substeps) {
+  const Law& law = *physics.law;
+  const int steps = 4 * substeps, n = 2 + law.states;
+  const double h = spacing / steps;
+  using Vector = std::vector<double>;
+  Vector s(n, 0.0), k1(n), k2(n), k3(n), k4(n), at(n);
+  s[0] = start.x;
+  s[1] = start.v;
+  std::copy(law.start.begin(), law.start.end(), s.begin() + 2);
+  const auto linear = [&](const Vector& x) { return 2 * physics.zeta * x[1] + physics.k * x[0]; };
+  const auto rate = [&](double tau, double u, const Vector& x, Vector& out) {
+    const double mass = 1 + (law.mass ? law.mass(x[0], x[1]) : 0);
+    out[0] = x[1];
+    out[1] = (u - linear(x) - law.force(tau, x[0], x[1], x.data() + 2)) / mass;
+    if (law.rate) law.rate(tau, x[0], x[1], x.data() + 2, out.data() + 2);
+  };
+  const auto moved = [&](const Vector& k, double by) {
+    for (int i = 0; i < n; ++i) at[i] = s[i] + by * k[i];
+  };
+  const auto advance = [&](double t, double u, double length, double end) {
+    const double middle = level * signal(t + length / 2);
+    rate(t, u, s, k1);
+    moved(k1, length / 2);
+    rate(t + length / 2, middle, at, k2);
+    moved(k2, length / 2);
+    rate(t + length / 2, middle, at, k3);
+    moved(k3, length);
+    rate(t + length, end, at, k4);
+    for (int i = 0; i < n; ++i) s[i] += length / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+  };
+  const auto step = [&](double t, double u, double length, double end) {
+    advance(t, u, length, end);
+    if (law.settle) law.settle(s[0], s[1], s.data() + 2);
+  };
+  // The part of a step until just beyond the jump that falls into it, or all of it.
+  const auto before_jump = [&](double t, double length) {
+    const Vector start = s;
+    const double side = law.jump(s[0], s[1]);
+    const auto beyond = [&](double part) {
+      advance(t, level * signal(t), part, level * signal(t + part));
+      const bool crossed = law.jump(s[0], s[1]) * side < 0;
+      s = start;
+      return crossed;
+    };
+    if (!beyond(length)) return length;
+    double low = 0, high = length;
+    for (int pass = 0; pass < 30; ++pass) {
+      const double middle = 0.5 * (low + high);
+      (beyond(middle) ? high : low) = middle;
+    }
+    return high;
+  };
+  Motion motion;
+  double now = level * signal(0);
+  for (int row = 0; row < rows; ++row) {
+    const double tau = row * spacing;
+    rate(tau, now, s, k1);
+    double hidden = law.force(tau, s[0], s[1], s.data() + 2);
+    if (law.mass) hidden += law.mass(s[0], s[1]) * k1[1];
+    motion.force.push_back(now);
+    motion.x.push_back(s[0]);
+    motion.v.push_back(s[1]);
+    motion.hidden.push_back(hidden);
+    motion.restoring.push_back(linear(s) + hidden);
+    for (int j = 0; j < steps && row + 1 < rows; ++j) {
+      const double t = tau + j * h, end = level * signal(t + h);
+      const double part = law.jump ? before_jump(t, h) : h;
+      step(t, now, part, part < h ? level * signal(t + part) : end);
+      if (part < h) step(t + part, level * signal(t + part), h - part, end);
+      now = end;
+    }
+  }
+  return motion;
+}
+
 }  // namespace
 
 Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
                  int substeps) {
+  if (physics.law) return integrate_law(physics, signal, level, start, rows, spacing, substeps);
   Integrator run(physics, signal, level);
   run.enter(0, start);
   Motion motion;

@@ -1,0 +1,187 @@
+#include "discover/naming.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "discover/linearised.hpp"
+#include "record/random.hpp"
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double rejected = 2.33;  ///< as the search has it
+constexpr double ridge = 1e-9;     ///< on columns of length one
+
+/// Sums over each block of a finalist's linearised problem.
+struct Finalist {
+  const Candidate* candidate = nullptr;
+  std::vector<double> squares;
+  std::vector<VectorXd> right;
+  std::vector<MatrixXd> gram;
+};
+
+/// A finalist on one resample.
+struct Drawn {
+  double cost = 0;
+  VectorXd log_likelihood;  ///< of each drawn block
+};
+
+class Resampler {
+ public:
+  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(std::max(1, found.tried)) {
+    add(found.baseline, found.whitening);
+    if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
+    for (const Candidate& c : found.rivals)
+      if (c.ran() && c.innovations.size() > 0) add(c, found.whitening);
+  }
+
+  bool possible() const { return finalists_.size() > 1 && blocks_.size() >= 10; }
+
+  /// The name that a resample gives.
+  std::string name(std::uint64_t draw) const {
+    Philox random(study_.options->seed, stream_of("naming") + draw);
+    std::vector<std::size_t> drawn;
+    double rows = 0;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      drawn.push_back(random.below(blocks_.size()));
+      rows += static_cast<double>(blocks_[drawn.back()]);
+    }
+    std::vector<Drawn> all;
+    for (const Finalist& f : finalists_) all.push_back(refit(f, drawn, rows));
+    const Candidate& chosen = *finalists_[choose(all, rows)].candidate;
+    return chosen.choices.empty() ? "nothing" : chosen.name();
+  }
+
+ private:
+  void add(const Candidate& candidate, const Whitening& whitening) {
+    Linearised linear;
+    if (!candidate.ran() ||
+        !linearise(study_, *candidate.system, candidate.whitened.theta, candidate.whitened, whitening, linear))
+      return;
+    hold_and_scale(candidate.system->model(), candidate.whitened, linear.columns);
+    Finalist out;
+    out.candidate = &candidate;
+    const auto whole = static_cast<Index>(linear.residual.size());
+    const Index length =
+        std::clamp<Index>(bootstrap_block(study_) / whitening.average, 1, std::max<Index>(1, whole / 20));
+    std::vector<Index> sizes;
+    for (std::size_t r = 0; r + 1 < linear.row_of_record.size(); ++r)
+      for (Index first = linear.row_of_record[r]; first + length <= linear.row_of_record[r + 1]; first += length) {
+        const auto j = linear.columns.middleRows(first, length);
+        const auto e = linear.residual.segment(first, length);
+        out.squares.push_back(e.squaredNorm());
+        out.right.push_back(j.transpose() * e);
+        out.gram.push_back(j.transpose() * j);
+        sizes.push_back(length);
+      }
+    blocks_ = std::move(sizes);
+    finalists_.push_back(std::move(out));
+  }
+
+  Drawn refit(const Finalist& f, const std::vector<std::size_t>& drawn, double rows) const {
+    const Index p = f.right.front().size();
+    MatrixXd gram = MatrixXd::Zero(p, p);
+    VectorXd right = VectorXd::Zero(p);
+    double squares = 0;
+    for (const std::size_t b : drawn) {
+      gram += f.gram[b];
+      right += f.right[b];
+      squares += f.squares[b];
+    }
+    gram.diagonal().array() += ridge;
+    const VectorXd step = gram.ldlt().solve(right);
+    Drawn out;
+    out.cost = squares - right.dot(step);
+    const double variance = out.cost / rows;
+    out.log_likelihood.resize(static_cast<Index>(drawn.size()));
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      const std::size_t b = drawn[i];
+      const double own = f.squares[b] - 2 * f.right[b].dot(step) + step.dot(f.gram[b] * step);
+      out.log_likelihood[static_cast<Index>(i)] =
+          -0.5 * (static_cast<double>(blocks_[b]) * std::log(variance) + own / variance);
+    }
+    return out;
+  }
+
+  int parameters(std::size_t i) const { return finalists_[i].candidate->parameters(); }
+
+  double bic(const Drawn& d, std::size_t i, double rows) const {
+    return -2 * d.log_likelihood.sum() + parameters(i) * std::log(rows);
+  }
+
+  bool within(std::size_t small, std::size_t large) const {
+    const Choices &a = finalists_[small].candidate->choices, &b = finalists_[large].candidate->choices;
+    return std::all_of(a.begin(), a.end(),
+                       [&](const Choice& x) { return std::find(b.begin(), b.end(), x) != b.end(); });
+  }
+
+  /// Corrected p-value of the larger of two nested sets.
+  double p_value(const std::vector<Drawn>& all, std::size_t small, std::size_t large, double rows) const {
+    const double added = parameters(large) - parameters(small), freedom = rows - parameters(large) - 2;
+    if (!(all[large].cost < all[small].cost) || added <= 0 || freedom <= 0) return 1;
+    const double f = (all[small].cost - all[large].cost) / added / (all[large].cost / freedom);
+    return std::min(1.0, tried_ * f_tail(f, added, freedom));
+  }
+
+  double vuong(const std::vector<Drawn>& all, std::size_t a, std::size_t b, double rows) const {
+    const VectorXd difference = all[a].log_likelihood - all[b].log_likelihood;
+    const double mean = difference.mean();
+    const double variance = (difference.array() - mean).square().sum();
+    const double correction = 0.5 * (parameters(a) - parameters(b)) * std::log(rows);
+    return variance > 0 ? (difference.sum() - correction) / std::sqrt(variance) : 0;
+  }
+
+  std::size_t choose(const std::vector<Drawn>& all, double rows) const {
+    std::size_t best = 1;
+    for (std::size_t i = 1; i < all.size(); ++i)
+      if (bic(all[i], i, rows) < bic(all[best], best, rows)) best = i;
+    std::size_t pick = best;
+    const double alpha = study_.options->alpha;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      const bool stays = within(i, best) ? p_value(all, i, best, rows) > alpha : vuong(all, best, i, rows) < rejected;
+      if (stays && parameters(i) < parameters(pick)) pick = i;
+    }
+    return p_value(all, 0, pick, rows) > alpha ? 0 : pick;
+  }
+
+  const Study& study_;
+  int tried_;
+  std::vector<Finalist> finalists_;  ///< the baseline first
+  std::vector<Index> blocks_;        ///< rows of each
+};
+
+}  // namespace
+
+int Naming::of(const std::string& name) const {
+  for (const auto& [set, count] : counts)
+    if (set == name) return count;
+  return 0;
+}
+
+Naming bootstrap_naming(const Study& study, const SearchResult& found, int resamples) {
+  Naming out;
+  if (!found.baseline.ran()) return out;
+  const Resampler resampler(study, found);
+  if (!resampler.possible()) return out;
+  out.resamples = resamples;
+  for (int draw = 0; draw < resamples; ++draw) {
+    const std::string name = resampler.name(static_cast<std::uint64_t>(draw));
+    const auto at = std::find_if(out.counts.begin(), out.counts.end(), [&](const auto& c) { return c.first == name; });
+    if (at == out.counts.end())
+      out.counts.push_back({name, 1});
+    else
+      ++at->second;
+  }
+  std::stable_sort(out.counts.begin(), out.counts.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return out;
+}
+
+}  // namespace lunid

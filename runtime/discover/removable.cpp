@@ -1,0 +1,40 @@
+#include "discover/removable.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace lunid {
+
+std::vector<Removable> removable_terms(const Model& baseline, const Candidate& final_model) {
+  constexpr double level = 0.05;
+  std::vector<Removable> out;
+  if (!final_model.ran()) return out;
+  const FitResult& fit = final_model.fit;
+  const Model& model = final_model.system->model();
+  for (std::size_t j = 0; j < baseline.parameters.size(); ++j) {
+    const Parameter& row = model.parameters[j];
+    const auto k = static_cast<Eigen::Index>(j);
+    const Expr p = model.pool->parameter(row.name);
+    if (!final_model.linear[j] || row.fixed || depends_on(baseline.mass, p)) continue;
+    const bool at_zero = j < fit.at_bound.size() && fit.at_bound[j] && fit.theta[k] == 0;
+    Removable term;
+    term.parameter = row.name;
+    term.value = fit.theta[k];
+    term.std = fit.covariance.rows() > k ? std::sqrt(std::max(0.0, fit.covariance(k, k))) : 0;
+    if (!at_zero && !(term.std > 0)) continue;
+    term.p_value = at_zero ? 1 : std::erfc(std::abs(term.value) / term.std / std::sqrt(2.0));
+    if (term.p_value < level) continue;
+    term.term = to_text(p * derivative(baseline.restoring, p));
+    char text[120];
+    if (at_zero)
+      std::snprintf(text, sizeof text, "its coefficient sits at its bound of zero");
+    else
+      std::snprintf(text, sizeof text, "its coefficient, %.3g with a standard deviation of %.2g, is not told from zero",
+                    term.value, term.std);
+    term.reason = text;
+    out.push_back(std::move(term));
+  }
+  return out;
+}
+
+}  // namespace lunid

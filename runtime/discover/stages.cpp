@@ -1,0 +1,316 @@
+#include "discover/stages.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "discover/closure.hpp"
+#include "discover/judge.hpp"
+#include "discover/linearised.hpp"
+#include "discover/locate.hpp"
+#include "discover/sensor.hpp"
+#include "record/parallel.hpp"
+
+namespace lunid {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int baseline_iterations = 40, set_iterations = 25;
+
+FitOptions fit_options(const DiscoverOptions& options, int iterations) {
+  FitOptions out;
+  out.max_iterations = iterations;
+  out.tolerance = 1e-6;
+  out.cancelled = options.cancelled;
+  return out;
+}
+
+void progress(const DiscoverOptions& options, const std::string& stage, double fraction) {
+  if (options.cancelled && *options.cancelled) throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
+  if (options.progress) options.progress(stage, fraction);
+}
+
+/// The study of all rows: nothing is held out, since nothing is tested.
+struct Stage {
+  Study study;
+  Candidate baseline;
+  std::vector<std::string> warnings;
+
+  Stage(const Model& given, const std::vector<Record>& records, const DiscoverOptions& options) {
+    validate(options);
+    check_baseline(given);
+    const Model model = complete(given);
+    study = prepare(model, records, records, options);
+    baseline = compile(study, model, {});
+    find_starts(study, baseline, VectorXd(), {});
+    if (baseline.starts.empty())
+      throw InputError(
+          "discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
+    progress(options, "refit the baseline", 0.1);
+    fit(study, baseline, fit_options(options, baseline_iterations));
+    warnings = study.warnings;
+    if (!baseline.ran())
+      warnings.push_back("the baseline cannot be simulated over the records (" + baseline.fit.stopped +
+                         "): its parameters are those of the force alone");
+    if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();
+  }
+
+  double gap(const Candidate& c) const {
+    return c.ran() ? rms_error(c.fit) / study.measured_std() : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  double residual_std() const {
+    double squares = 0, rows = 0;
+    for (std::size_t k = 0; k < study.smooth.size(); ++k) {
+      const VectorXd r = lunid::residual_force(study, baseline, baseline, k);
+      squares += r.squaredNorm();
+      rows += static_cast<double>(r.size());
+    }
+    return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
+  }
+};
+
+std::vector<Parameter> own_parameters(const Candidate& candidate, const Effect& effect, const VectorXd& theta) {
+  std::vector<Parameter> out;
+  const auto& table = candidate.system->model().parameters;
+  for (std::size_t i = table.size() - effect.parameters.size(); i < table.size(); ++i) {
+    Parameter row = table[i];
+    row.value = theta[static_cast<Index>(i)];
+    if (row.name.rfind(effect.name + "_", 0) == 0) row.name = row.name.substr(effect.name.size() + 1);
+    out.push_back(row);
+  }
+  return out;
+}
+
+double misfit(const MatrixXd& columns, const VectorXd& residual, Index& rank) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+  qr.setThreshold(1e-7);
+  rank = qr.rank();
+  const VectorXd rest = qr.householderQ().adjoint() * residual;
+  return rest.tail(rest.size() - rank).squaredNorm();
+}
+
+/// The gain of a candidate's own columns beside those of the baseline, at its first guess with linear coefficients
+/// zero: there the trajectory is the baseline's.
+void project(const Stage& stage, const Whitening& whitening, const Candidate& candidate, Proposal& out) {
+  const Index before = stage.baseline.parameters(), p = candidate.parameters();
+  VectorXd theta = candidate.starts.front();
+  theta.head(before) = stage.baseline.fit.theta;
+  for (Index j = before; j < p; ++j)
+    if (candidate.linear[static_cast<std::size_t>(j)]) theta[j] = 0;
+  Linearised linear;
+  if (!linearise(stage.study, *candidate.system, theta, stage.baseline.fit, whitening, linear)) {
+    out.remark = "the model with it cannot be run from the first guess";
+    return;
+  }
+  hold_and_scale(stage.baseline.system->model(), stage.baseline.fit, linear.columns);
+  MatrixXd own(linear.columns.rows(), linear.columns.cols() - (p - before));
+  own << linear.columns.leftCols(before), linear.columns.rightCols(linear.columns.cols() - p);
+  Index rank_own = 0, rank_all = 0;
+  const double without = misfit(own, linear.residual, rank_own),
+               with = misfit(linear.columns, linear.residual, rank_all);
+  const auto added = static_cast<double>(rank_all - rank_own);
+  const double freedom = static_cast<double>(linear.residual.size() - rank_all);
+  if (added <= 0) {
+    out.remark = "its effect on the motion is a combination of the baseline's own on these records";
+    return;
+  }
+  out.gain = 1 - std::sqrt(with / without);
+  if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
+}
+
+std::vector<Guess> guesses_of(const Stage& stage, const Choice& choice, double residual_std) {
+  if (!choice.effect->guess) return {};
+  RecordScales known = scales(stage.study, residual_std);
+  known.lines = residual_lines(stage.study, stage.baseline);
+  return choice.effect->guess(known, choice.variant);
+}
+
+/// From the force's regression and from the baseline with the effects at zero; the better fit.
+void fit_set(const Stage& stage, const DiscoverOptions& options, Candidate& candidate) {
+  const FitOptions o = fit_options(options, set_iterations);
+  fit(stage.study, candidate, o);
+  if (!stage.baseline.ran()) return;
+  VectorXd warm = candidate.starts.front();
+  warm.head(stage.baseline.parameters()) = stage.baseline.fit.theta;
+  for (Index j = stage.baseline.parameters(); j < warm.size(); ++j)
+    if (candidate.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
+  FitResult again = fit_trajectory(*candidate.system, warm, stage.study.train, o);
+  if (again.cost < candidate.fit.cost) candidate.fit = std::move(again);
+}
+
+}  // namespace
+
+namespace {
+
+/// The baseline with generic forces fitted: its free run follows the record, so that what smoothing makes of it can be
+/// taken away (locate.hpp). The baseline itself where they do not help.
+Candidate follower(const Stage& stage) {
+  Candidate judged = stage.baseline;
+  if (!judged.ran()) return judged;
+  const Whitening whitening = residual_colour(stage.study, judged);
+  judge(stage.study, judged, whitening);
+  Closure closure = test_closure(stage.study, judged, whitening);
+  if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
+  fit_closure(stage.study, judged, closure);
+  if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
+  Candidate out;
+  out.system = out.force_system = closure.system;
+  if (!stage.study.imposed) {
+    Model model = closure.system->model();
+    model.imposed_motion = true;
+    out.force_system = std::make_shared<const System>(model);
+  }
+  out.fit = std::move(closure.fit);
+  return out;
+}
+
+}  // namespace
+
+Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options) {
+  const Stage stage(baseline, records, options);
+  progress(options, "map the residual", 0.7);
+  Located out;
+  out.baseline = fitted(stage.baseline);
+  out.gap = stage.gap(stage.baseline);
+  out.rows = residual_rows(stage.study, stage.baseline, follower(stage));
+  if (!out.rows.force.allFinite())
+    throw InputError("locate: the model's force is not finite along the measured motion");
+  out.maps = map_residual(out.rows);
+  out.warnings = stage.warnings;
+  return out;
+}
+
+Proposed propose(const Model& baseline, const std::vector<Effect>& given, const std::vector<Record>& records,
+                 const DiscoverOptions& options) {
+  const Stage stage(baseline, records, options);
+  std::vector<std::string> untested;
+  const std::vector<Effect> catalogue = testable(stage.study, given, untested);
+  if (!stage.baseline.ran())
+    throw InputError("propose: the baseline cannot be simulated over the records (" + stage.baseline.fit.stopped + ")",
+                     {}, Fault::data);
+  Proposed out;
+  out.baseline = fitted(stage.baseline);
+  out.gap = stage.gap(stage.baseline);
+  out.warnings = stage.warnings;
+  const double residual_std = stage.residual_std();
+  std::vector<Candidate> all;
+  std::vector<std::vector<Guess>> guesses;
+  for (const Effect& effect : catalogue)
+    for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+      all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
+      guesses.push_back(guesses_of(stage, {&effect, variant}, residual_std));
+    }
+  progress(options, "project the entries", 0.4);
+  const Whitening whitening = residual_colour(stage.study, stage.baseline);
+  std::vector<Proposal> found(all.size());
+  const double force_before = stage.baseline.force_cost;
+  parallel_for(static_cast<int>(all.size()), options.threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    Candidate& c = all[k];
+    find_starts(stage.study, c, stage.baseline.fit.theta, {guesses[k]});
+    found[k].name = c.name();
+    found[k].variant = c.choices.front().variant;
+    if (c.starts.empty()) {
+      found[k].remark = "no first guess makes its force finite along the motion";
+      return;
+    }
+    found[k].force_gain = 1 - std::sqrt(c.force_cost / force_before);
+    found[k].parameters = own_parameters(c, *c.choices.front().effect, c.starts.front());
+    project(stage, whitening, c, found[k]);
+  });
+  std::stable_sort(found.begin(), found.end(), [](const Proposal& a, const Proposal& b) { return a.gain > b.gain; });
+  for (Proposal& p : found)
+    if (std::none_of(out.proposals.begin(), out.proposals.end(), [&](const Proposal& q) { return q.name == p.name; }))
+      out.proposals.push_back(std::move(p));
+  return out;
+}
+
+std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& catalogue,
+                              const std::vector<std::vector<int>>& sets, const std::vector<Record>& records,
+                              const DiscoverOptions& options) {
+  Stage stage(baseline, records, options);
+  const double residual_std = stage.residual_std();
+  std::vector<Candidate> all{stage.baseline};
+  std::vector<std::vector<std::vector<Guess>>> guesses{{}};
+  for (const auto& set : sets) {
+    // every combination of variants; the best of them is kept
+    std::vector<Choices> ways{{}};
+    for (const int place : set) {
+      const Effect& effect = catalogue[static_cast<std::size_t>(place)];
+      std::vector<Choices> next;
+      for (const Choices& way : ways)
+        for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+          next.push_back(way);
+          next.back().push_back({&effect, variant});
+        }
+      ways = std::move(next);
+    }
+    for (const Choices& way : ways) {
+      all.push_back(compile(stage.study, complete(baseline), way));
+      guesses.emplace_back();
+      for (const Choice& choice : way) guesses.back().push_back(guesses_of(stage, choice, residual_std));
+    }
+  }
+  progress(options, "fit the sets", 0.3);
+  parallel_for(static_cast<int>(all.size()) - 1, options.threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i) + 1;
+    find_starts(stage.study, all[k], stage.baseline.fit.theta, guesses[k]);
+    if (!all[k].starts.empty()) fit_set(stage, options, all[k]);
+  });
+  std::vector<Candidate> kept;
+  for (Candidate& c : all) {
+    if (c.starts.empty()) c.fit.cost = INFINITY;
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Candidate& k) { return k.name() == c.name(); });
+    if (same == kept.end())
+      kept.push_back(std::move(c));
+    else if (c.fit.cost < same->fit.cost)
+      *same = std::move(c);
+  }
+  const auto best = std::min_element(kept.begin(), kept.end(),
+                                     [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
+  if (!best->ran())
+    throw InputError("rank: neither the baseline nor any of the sets can be simulated over the records", {},
+                     Fault::data);
+  const Whitening whitening = residual_colour(stage.study, *best);
+  progress(options, "free runs over left-out blocks", 0.6);
+  parallel_for(static_cast<int>(kept.size()), options.threads, [&](int i) {
+    Candidate& c = kept[static_cast<std::size_t>(i)];
+    if (!c.ran()) return;
+    judge(stage.study, c, whitening);
+    run_left_out(stage.study, c);
+  });
+  std::vector<Ranked> out;
+  std::size_t likeliest = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Candidate& c = kept[i];
+    Ranked row;
+    row.name = c.name();
+    row.gap = stage.gap(c);
+    row.bic = row.left_out_gap = std::numeric_limits<double>::infinity();
+    if (!c.ran()) {
+      row.remark = c.starts.empty() ? "no first guess makes its force finite along the motion" : c.fit.stopped;
+      row.log_likelihood = -INFINITY;
+    } else {
+      row.left_out_gap = c.left_out_gap;
+      row.log_likelihood = c.log_likelihood;
+      row.bic = -2 * c.log_likelihood + c.parameters() * std::log(static_cast<double>(c.innovations.size()));
+      row.p_value = i > 0 && kept[0].ran() ? improvement_p_value(kept[0], c) : 1;
+      if (c.degenerate()) row.remark = "a parameter sits where the effect is another one, or none";
+      row.model = fitted(c);
+    }
+    out.push_back(std::move(row));
+    if (out[i].bic < out[likeliest].bic) likeliest = i;
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (i != likeliest && kept[i].ran()) out[i].z = vuong_z(kept[likeliest], kept[i]);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.left_out_gap < b.left_out_gap; });
+  return out;
+}
+
+}  // namespace lunid

@@ -1,0 +1,170 @@
+-- lunid.report: what a study found, told once and shown in the terminal, in report.html and in results.json.
+local core = require "lunid.core"
+local html = require "lunid.html"
+local output = require "lunid.output"
+local schema = require "lunid.schema"
+local types = schema.types
+
+local study_report = { saved = {} }  -- saved: the reports that this process has written, for a page of all of them
+
+local width = 118  -- of lines in the terminal
+
+--- A text in lines that fit the terminal.
+local function wrapped(text)
+  local lines, line = {}, ""
+  for word in text:gmatch "%S+" do
+    if #line + #word + 1 > width and line ~= "" then
+      lines[#lines + 1], line = line, word
+    else
+      line = line == "" and word or line .. " " .. word
+    end
+  end
+  lines[#lines + 1] = line
+  return table.concat(lines, "\n")
+end
+
+--- A number as tables show it; nil as "-".
+local function cell(value)
+  if value == nil or value == false then return "-" end
+  if math.type(value) == "float" then return value == value and ("%.4g"):format(value) or "-" end
+  return tostring(value)
+end
+
+local function print_table(given)
+  local widths = {}
+  for _, cells in ipairs { given.head, table.unpack(given.rows) } do
+    for i = 1, #given.head do widths[i] = math.max(widths[i] or 0, utf8.len(cells[i]) or #cells[i]) end
+  end
+  if given.caption then print("\n" .. wrapped(given.caption)) else print "" end
+  for _, cells in ipairs { given.head, table.unpack(given.rows) } do
+    local parts = {}
+    for i = 1, #given.head do
+      parts[i] = cells[i] .. (" "):rep(i < #given.head and widths[i] - (utf8.len(cells[i]) or #cells[i]) or 0)
+    end
+    print("  " .. table.concat(parts, "  "))
+  end
+end
+
+local methods = {}
+
+local function check_text(method, text)
+  if type(text) ~= "string" then schema.fail("report:" .. method, "expected a string, got " .. core.describe(text)) end
+end
+
+--- A paragraph.
+function methods.text(self, text)
+  check_text("text", text)
+  print("\n" .. wrapped(text))
+  self.parts[#self.parts + 1] = { text = text }
+end
+
+--- A text as it stands, line by line, such as print shows of a result.
+function methods.verbatim(self, text)
+  check_text("verbatim", text)
+  print("\n" .. text)
+  self.parts[#self.parts + 1] = { verbatim = text }
+end
+
+--- A heading.
+function methods.section(self, title)
+  check_text("section", title)
+  print("\n" .. title .. "\n" .. ("-"):rep(utf8.len(title) or #title))
+  self.parts[#self.parts + 1] = { section = title }
+end
+
+--- A table of texts and numbers: head, rows, caption. A number is shown with four digits, nil in `false` as "-".
+function methods.table(self, given)
+  if type(given) ~= "table" or type(given.head) ~= "table" or type(given.rows) ~= "table" then
+    schema.fail("report:table", "expected { head = { ... }, rows = { { ... }, ... } }")
+  end
+  local shown = { head = given.head, rows = {}, caption = given.caption }
+  for r, cells in ipairs(given.rows) do
+    local texts = {}
+    for i = 1, #given.head do texts[i] = cell(cells[i]) end
+    shown.rows[r] = texts
+  end
+  print_table(shown)
+  self.parts[#self.parts + 1] = { table = shown }
+end
+
+--- Draws a figure to figures/NAME.png with its numbers beside it, and shows it on the page.
+function methods.figure(self, name, figure, caption)
+  check_text("figure", name)
+  if self.no_figures then return end
+  local path = "figures/" .. name .. ".png"
+  output.make_folder "figures"
+  local good, message = pcall(core.render_figure, figure, output.place(path))
+  if not good then
+    if tostring(message):match "interrupted" then error(message, 0) end
+    self.no_figures = tostring(message)
+    return self:text("Figures could not be drawn: " .. self.no_figures)
+  end
+  core.export_figure(figure, output.place("figures/" .. name .. ".csv"))
+  self.parts[#self.parts + 1] = { image = core.base64(core.read_text(output.place(path))), caption = caption or name }
+end
+
+--- What results.json is to hold: anything that JSON can; a later call adds to it.
+function methods.results(self, results)
+  for key, value in pairs(results) do self.data[key] = value end
+end
+
+--- One line on the way, to the error stream: what is done of how much.
+function methods.progress(self, what, done, total)
+  io.stderr:write(("  %s: %s %d of %d, %.0f s\n"):format(self.title:match "^[^:]+", what, done, total, os.clock() - self.began))
+end
+
+local function body(self)
+  local lines, in_figures = { ("<h2>%s</h2>"):format(html.escape(self.title)) }, false
+  for _, part in ipairs(self.parts) do
+    if (part.image ~= nil) ~= in_figures then
+      lines[#lines + 1] = part.image and '<div class="figures">' or "</div>"
+      in_figures = part.image ~= nil
+    end
+    lines[#lines + 1] = part.verbatim and "<pre>" .. html.escape(part.verbatim) .. "</pre>" or part.text and "<p>" .. html.escape(part.text) .. "</p>"
+      or part.section and "<h3>" .. html.escape(part.section) .. "</h3>"
+      or part.table and html.table(part.table) or html.figure(part.image, part.caption)
+  end
+  if in_figures then lines[#lines + 1] = "</div>" end
+  return table.concat(lines, "\n")
+end
+
+--- Writes report.html, and results.json where there are results.
+function methods.save(self)
+  if next(self.data) then output.write_json("results.json", self.data) end
+  study_report.saved[#study_report.saved + 1] = self
+  return output.write("report.html", html.page(self.title, body(self)))
+end
+
+--- One page of several reports.
+function study_report.page(title, reports)
+  local lines, links = { "<h1>" .. html.escape(title) .. "</h1>" }, {}
+  for i, each in ipairs(reports) do
+    links[i] = ('<a href="#r%d">%s</a>'):format(i, html.escape(each.title))
+  end
+  lines[2] = "<nav>" .. table.concat(links, "\n") .. "</nav>"
+  for i, each in ipairs(reports) do lines[#lines + 1] = ('<section id="r%d">%s</section>'):format(i, body(each)) end
+  return html.page(title, table.concat(lines, "\n"))
+end
+
+study_report.public = {
+  report = schema.define({
+    name = "report",
+    help = "What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), "
+      .. "report:verbatim(text), "
+      .. "report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, "
+      .. "report:progress(what, done, total), and at the end report:save().",
+    fields = {
+      { "title", types.string, required = true, help = "above the page" },
+    },
+    returns = "report",
+    example = [[
+local report = lunid.report { title = "Run 3" }
+report:table { head = { "term", "value" }, rows = { { "k", 2e4 }, { "c", 10 } } }
+report:save()]],
+  }, function(given)
+    print("\n" .. given.title .. "\n" .. ("="):rep(utf8.len(given.title) or #given.title))
+    return schema.object("report", { title = given.title, parts = {}, data = {}, began = os.clock() }, methods)
+  end),
+}
+
+return study_report
