@@ -56,7 +56,11 @@ inline void run_one(const std::string& lunid, const std::string& out, const trut
   tally.right += right;
   tally.physics += physics;
   std::printf("%-26s %-6s %2.0f dB  %-16s %-5s %s\n", ("fault " + fault.name).c_str(), scale.name.c_str(), noise_db,
-              verdict.c_str(), right ? "yes" : physics ? "NO" : "no", said.empty() ? "-" : said.c_str());
+              verdict.c_str(),
+              right     ? "yes"
+              : physics ? "NO"
+                        : "no",
+              said.empty() ? "-" : said.c_str());
   std::fflush(stdout);
 }
 
