@@ -123,7 +123,7 @@ Stroke thin(const Stroke& stroke, double column) {
 SeenSegments::SeenSegments(const Box& box, double cell)
     : box_(box), cell_(cell), columns_(static_cast<std::size_t>(box.width() / cell) + 3) {}
 
-bool SeenSegments::ink(Point a, Point b) {
+bool SeenSegments::is_fresh(Point a, Point b) {
   const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
   places_.clear();
   bool fresh = false;
@@ -138,10 +138,14 @@ bool SeenSegments::ink(Point a, Point b) {
     fresh = fresh || !inked_[place];
     places_.push_back(place);
   }
-  // Only now, or a segment would stand in its own way.
+  return fresh;
+}
+
+/// What was asked about last is drawn. Only then: a spiral whose every turn is hidden by the one before must not creep
+/// away unseen.
+void SeenSegments::ink() {
   for (const std::size_t at : places_)
     for (const std::size_t near : {at, at - 1, at + 1, at - columns_, at + columns_}) inked_[near] = true;
-  return fresh;
 }
 
 std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
@@ -156,10 +160,11 @@ std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
   Point last = stroke.front();
   for (std::size_t i = 1; i < stroke.size(); ++i) {
     if (std::hypot(stroke[i].x - last.x, stroke[i].y - last.y) < cell_ && i + 1 < stroke.size()) continue;
-    stale = ink(last, stroke[i]) ? 0 : stale + 1;
+    stale = is_fresh(last, stroke[i]) ? 0 : stale + 1;
     if (stale == 0 && current.empty()) current.push_back(last);
     if (stale <= patience && !current.empty()) {
       current.push_back(stroke[i]);
+      ink();
     } else if (!current.empty()) {
       parts.push_back(std::move(current));
       current.clear();

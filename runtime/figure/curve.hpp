@@ -22,7 +22,8 @@ class SeenSegments {
   std::vector<Stroke> fresh(const Stroke& stroke);
 
  private:
-  bool ink(Point a, Point b);
+  bool is_fresh(Point a, Point b);
+  void ink();
 
   Box box_;
   double cell_;
