@@ -13,9 +13,9 @@ namespace lunid {
 
 namespace {
 
-constexpr int beam = 2;        // sets that grow by one more effect for their free run
-constexpr int force_beam = 3;  // and for what they explain of the force
-constexpr int refined = 24;    // proposals whose shape parameters are refined on the force
+constexpr int beam = 2;                // sets that grow by one more effect for their free run
+constexpr std::size_t force_beam = 3;  // and for what they explain of the force, one each of 1, 2 and more parameters
+constexpr int refined = 24;            // proposals whose shape parameters are refined on the force
 constexpr int later_refined = 12;
 constexpr int per_size = 3;     // proposals of one number of parameters that are run
 constexpr int first_runs = 4;   // the best proposals that are run in any case
@@ -75,7 +75,11 @@ class Grower {
   void make_shapes() {
     RecordScales scale = scales(study_, residual_force());
     scale.lines = residual_lines(study_, baseline_);
-    for (const auto& effect : catalogue_)
+    for (const auto& effect : catalogue_) {
+      if (in_baseline(effect)) {
+        out_.left_aside.push_back(effect.name + " (is in the baseline already)");
+        continue;
+      }
       for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
         const Choice choice{&effect, variant};
         if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
@@ -83,8 +87,17 @@ class Grower {
         else
           faults_.push_back({choice, effect.guess ? effect.guess(scale, variant) : std::vector<Guess>{}});
       }
+    }
     parallel_for(static_cast<int>(shapes_.size()), study_.options->threads,
                  [&](int i) { proposer_.run(shapes_[static_cast<std::size_t>(i)]); });
+  }
+
+  /// An entry with states that is an element of the baseline has its names there.
+  bool in_baseline(const Effect& effect) const {
+    return std::any_of(effect.states.begin(), effect.states.end(), [&](const InternalState& own) {
+      return std::any_of(model_.states.begin(), model_.states.end(),
+                         [&](const InternalState& known) { return known.symbol.name() == own.symbol.name(); });
+    });
   }
 
   double residual_force() const {
@@ -166,7 +179,7 @@ class Grower {
   std::vector<std::size_t> shortlist(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
                                      int size) const {
     std::vector<std::size_t> list;
-    std::vector<int> count(5, 0);
+    std::vector<int> count(9, 0);
     std::vector<Choices> seen;
     const int always = size == 1 ? first_runs : later_runs;
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
@@ -175,10 +188,10 @@ class Grower {
       set.push_back(o.standing.shape->choice);
       const bool again = std::any_of(seen.begin(), seen.end(), [&](const Choices& c) { return same(c, set); });
       if (again) continue;
-      const auto parameters = std::min<std::size_t>(4, o.standing.own.size());
+      const auto parameters = std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
-      if (!first && !(size == 1 && gains && count[parameters] < per_size)) continue;
+      if (!first && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
       ++count[parameters];
       seen.push_back(std::move(set));
       list.push_back(order[rank]);
@@ -281,19 +294,20 @@ class Grower {
     if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
   }
 
-  /// The best on the trajectory, and those that explain most of the force. They differ where one missing effect makes
+  /// The best on the trajectory, and those of few and of many parameters that explain most of the force. They differ where one missing effect makes
   /// free runs drift so far that another does not show in them.
   static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
     std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
-    std::vector<std::size_t> order(sorted.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return sorted[a].force_cost < sorted[b].force_cost; });
-    if (order.size() > force_beam) order.resize(force_beam);
-    for (const auto i : order) {
-      if (i < static_cast<std::size_t>(beam)) continue;
-      parents.push_back(sorted[i]);
-      parents.back().fit.theta = sorted[i].starts.front();
+    for (std::size_t richness = 1; richness <= force_beam; ++richness) {
+      const Candidate* best = nullptr;
+      for (std::size_t i = 0; i < sorted.size(); ++i) {
+        const std::size_t parameters = sorted[i].added() / sorted[i].choices.size();
+        if (std::min<std::size_t>(parameters, force_beam) != richness) continue;
+        if (!best || sorted[i].force_cost < best->force_cost) best = &sorted[i];
+      }
+      if (!best || best < &sorted[0] + std::min<std::ptrdiff_t>(beam, std::ssize(sorted))) continue;
+      parents.push_back(*best);
+      parents.back().fit.theta = best->starts.front();
     }
     return parents;
   }
