@@ -155,6 +155,10 @@ spec.case("time warping pairs equal rows of a curve and its slower copy", functi
   end
   spec.equal(#figure.alignment(pairing).panels, 2)
   spec.equal(#pairing:figure().panels, 2)
+  local long = {}
+  for i = 1, 25000 do long[i] = i end
+  spec.equal(spec.message_of(function() lunid.statistics.dtw_pairing({ long }, { long }) end), "dtw: the pairing of 25000 and "
+    .. "25000 rows takes more than 4e8 pairs: give a narrower band, or every n-th row")
 end)
 
 spec.case("an information matrix is symmetric and knows nothing of a channel and itself", function()
