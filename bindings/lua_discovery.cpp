@@ -36,10 +36,17 @@ void push_scales(lua_State* L, const RecordScales& scales) {
        {std::pair{"y_max", scales.y_max}, std::pair{"y_min", scales.y_min}, std::pair{"y_std", scales.y_std},
         std::pair{"v_max", scales.v_max}, std::pair{"v_std", scales.v_std}, std::pair{"force_std", scales.force_std},
         std::pair{"residual_std", scales.residual_std}, std::pair{"omega", scales.omega},
-        std::pair{"stiffness", scales.stiffness}}) {
+        std::pair{"stiffness", scales.stiffness}, std::pair{"interval", scales.interval},
+        std::pair{"duration", scales.duration}}) {
     lua_pushnumber(L, value);
     lua_setfield(L, -2, field);
   }
+  lua_newtable(L);
+  for (std::size_t i = 0; i < scales.lines.size(); ++i) {
+    lua_pushnumber(L, scales.lines[i]);
+    lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+  }
+  lua_setfield(L, -2, "lines");
 }
 
 /// The list of guesses on top of the stack, under the entry's private names.
@@ -123,6 +130,24 @@ std::vector<Parameter> read_rows(lua_State* L) {
   return rows;
 }
 
+/// The variants of the entry on top of the stack: a force each, or what a channel makes of it where `maps` names one.
+std::vector<EffectVariant> read_variants(lua_State* L) {
+  std::vector<EffectVariant> variants;
+  with_field(L, -1, "variants",
+             [&] { for_each(L, -1, [&](lua_Integer) { variants.emplace_back(check_value(L, -1).expr); }); });
+  with_field(L, -1, "maps", [&] {
+    for_each(L, -1, [&](lua_Integer i) {
+      EffectVariant& variant = variants.at(static_cast<std::size_t>(i - 1));
+      const auto field = string_field(L, -1, "field");
+      if (!field) return;
+      const ChannelMap map{string_field(L, -1, "channel").value_or(""), variant.force};
+      (*field == "acts" ? variant.acts : variant.measures).push_back(map);
+      variant.force = {};
+    });
+  });
+  return variants;
+}
+
 /// The entry on top of the stack, as stdlib/effect.lua made it.
 Effect read_effect(lua_State* L) {
   Effect effect;
@@ -136,8 +161,7 @@ Effect read_effect(lua_State* L) {
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
   effect.parameters = read_rows(L);
-  with_field(L, -1, "variants",
-             [&] { for_each(L, -1, [&](lua_Integer) { effect.variants.push_back(check_value(L, -1).expr); }); });
+  effect.variants = read_variants(L);
   with_field(L, -1, "state_values", [&] {
     for_each(L, -1, [&](lua_Integer) {
       for (const DeclaredState& row : check_value(L, -1).declared->states) effect.states.push_back(row.state);

@@ -1,6 +1,7 @@
 // Figures: plain tables of the standard library become the figure room's plain values.
 #include <array>
 
+#include "figure/module.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -10,9 +11,21 @@ namespace {
 
 using namespace lunid::figure;
 
+constexpr Eigen::Index most_points = 20'000'000;
+
+/// Looks before anything is copied: a hundred million points are gigabytes on their way to a picture.
+void check_points(lua_State* L) {
+  const Column* column = test<Column>(L, -1);
+  if (!column || column->values->size() <= most_points) return;
+  throw InputError("figure: a curve of " + std::to_string(column->values->size()) + " points, at most " +
+                   std::to_string(most_points) + " can be drawn: show a part of it (record:window), or every n-th " +
+                   "point (column:every)");
+}
+
 std::vector<double> numbers(lua_State* L, const char* field) {
   std::vector<double> result;
   with_field(L, -1, field, [&] {
+    check_points(L);
     const Eigen::VectorXd values = check_column(L, -1);
     result.assign(values.begin(), values.end());
   });
@@ -50,12 +63,14 @@ Role role(lua_State* L, Role otherwise) {
 }
 
 Style style(lua_State* L, Style otherwise) {
-  static constexpr std::array<std::pair<const char*, Style>, 6> styles = {{{"line", Style::line},
+  static constexpr std::array<std::pair<const char*, Style>, 8> styles = {{{"line", Style::line},
                                                                            {"dashed", Style::dashed},
                                                                            {"dotted", Style::dotted},
                                                                            {"dash_dot", Style::dash_dot},
                                                                            {"points", Style::points},
-                                                                           {"line_points", Style::line_points}}};
+                                                                           {"line_points", Style::line_points},
+                                                                           {"stems", Style::stems},
+                                                                           {"columns", Style::columns}}};
   return choice(L, "style", styles, otherwise);
 }
 
@@ -84,6 +99,7 @@ Axis axis(lua_State* L, const char* field) {
     axis.min = number_field(L, -1, "min").value_or(no_limit);
     axis.max = number_field(L, -1, "max").value_or(no_limit);
     axis.scale = text(L, "scale") == "log" ? Scale::log : Scale::linear;
+    axis.names = strings_field(L, -1, "names");
   });
   return axis;
 }
@@ -128,6 +144,23 @@ Bars bars(lua_State* L) {
   return bars;
 }
 
+Scene scene(lua_State* L) {
+  Scene scene;
+  scene.x = axis(L, "x");
+  scene.y = axis(L, "y");
+  scene.z = axis(L, "z");
+  scene.grid_x = numbers(L, "grid_x");
+  scene.grid_y = numbers(L, "grid_y");
+  scene.surface = matrix(L, "surface");
+  collect_list(L, "clouds", scene.clouds, [&] {
+    return Cloud{text(L, "label"), numbers(L, "x"), numbers(L, "y"), numbers(L, "z"), role(L, Role::measured)};
+  });
+  scene.diverging = boolean_field(L, -1, "diverging", true);
+  scene.azimuth = number_field(L, -1, "azimuth").value_or(scene.azimuth);
+  scene.elevation = number_field(L, -1, "elevation").value_or(scene.elevation);
+  return scene;
+}
+
 Panel panel(lua_State* L) {
   Panel panel;
   panel.title = text(L, "title");
@@ -138,7 +171,8 @@ Panel panel(lua_State* L) {
   panel.column_span = static_cast<int>(number_field(L, -1, "column_span").value_or(1));
   collect_list(L, "series", panel.series, [&] {
     return Series{text(L, "label"),      numbers(L, "x"),      numbers(L, "y"),
-                  style(L, Style::line), role(L, Role::first), number_field(L, -1, "width").value_or(1)};
+                  style(L, Style::line), role(L, Role::first), number_field(L, -1, "width").value_or(1),
+                  numbers(L, "colour")};
   });
   collect_list(L, "ribbons", panel.ribbons, [&] {
     return Ribbon{text(L, "label"), numbers(L, "x"), numbers(L, "low"), numbers(L, "high"), role(L, Role::noise)};
@@ -152,10 +186,17 @@ Panel panel(lua_State* L) {
                          boolean_field(L, -1, "vertical", false), style(L, Style::dashed), role(L, Role::noise)};
   });
   with_field(L, -1, "map", [&] {
-    panel.map = HeatMap{numbers(L, "x"), numbers(L, "y"), matrix(L, "z"), axis(L, "colour"),
-                        boolean_field(L, -1, "diverging", true)};
+    panel.map = HeatMap{numbers(L, "x"),
+                        numbers(L, "y"),
+                        matrix(L, "z"),
+                        axis(L, "colour"),
+                        boolean_field(L, -1, "diverging", true),
+                        boolean_field(L, -1, "numbers", false),
+                        boolean_field(L, -1, "contours", false)};
   });
+  panel.colour = axis(L, "colour");
   with_field(L, -1, "bars", [&] { panel.bars = bars(L); });
+  with_field(L, -1, "scene", [&] { panel.scene = scene(L); });
   return panel;
 }
 
@@ -166,63 +207,40 @@ Figure figure_of(lua_State* L) {
   figure.rows = static_cast<int>(number_field(L, -1, "rows").value_or(0));
   figure.size = size(L, figure.size);
   figure.theme = theme(L);
+  figure.share_x = boolean_field(L, -1, "share_x", false);
+  figure.share_y = boolean_field(L, -1, "share_y", false);
   collect_list(L, "panels", figure.panels, [&] { return panel(L); });
   return figure;
 }
 
-SurfaceFigure surface_of(lua_State* L) {
-  SurfaceFigure figure;
-  figure.title = text(L, "title");
-  figure.x = axis(L, "x");
-  figure.y = axis(L, "y");
-  figure.z = axis(L, "z");
-  figure.grid_x = numbers(L, "grid_x");
-  figure.grid_y = numbers(L, "grid_y");
-  figure.surface = matrix(L, "surface");
-  collect_list(L, "clouds", figure.clouds, [&] {
-    return Cloud{text(L, "label"), numbers(L, "x"), numbers(L, "y"), numbers(L, "z"), role(L, Role::measured)};
-  });
-  figure.diverging = boolean_field(L, -1, "diverging", true);
-  figure.azimuth = number_field(L, -1, "azimuth").value_or(figure.azimuth);
-  figure.elevation = number_field(L, -1, "elevation").value_or(figure.elevation);
-  figure.size = size(L, figure.size);
-  figure.theme = theme(L);
-  return figure;
-}
-
-bool is_surface(lua_State* L) {
-  bool found = false;
-  with_field(L, 1, "surface", [&] { found = true; });
-  return found;
-}
-
-/// render_figure(figure, path): .png, .svg, .pdf (a surface: .png)
+/// render_figure(figure, path): .png, .svg, .pdf
 int render(lua_State* L) {
   check_table(L, 1);
   const std::string path = check_string(L, 2);
   lua_settop(L, 1);
-  auto& module = runtime(L).figures();
-  if (is_surface(L)) {
-    module.render(surface_of(L), path);
-  } else {
-    module.render(figure_of(L), path);
-  }
+  runtime(L).figures().render(figure_of(L), path);
   return 0;
 }
 
-/// export_figure(figure, path): .csv of what is drawn; a surface also as .vts or .vtp
+/// export_figure(figure, path): .csv of what is drawn; a surface also as .vts, .vtp, .vtu or .vtm
 int export_numbers(lua_State* L) {
   check_table(L, 1);
   const std::string path = check_string(L, 2);
   lua_settop(L, 1);
-  if (!is_surface(L)) {
+  if (path.ends_with(".csv")) {
     export_data(figure_of(L), path);
-  } else if (path.ends_with(".csv")) {
-    export_data(surface_of(L), path);
   } else {
-    runtime(L).figures().export_surface(surface_of(L), path);
+    runtime(L).figures().export_surface(figure_of(L), path);
   }
   return 0;
+}
+
+/// page_data(figure) -> JSON for stdlib/web/figure.js
+int make_page_data(lua_State* L) {
+  check_table(L, 1);
+  lua_settop(L, 1);
+  push_text(L, page_data(figure_of(L)));
+  return 1;
 }
 
 /// One line on how figures are drawn here; raises with what is missing.
@@ -236,6 +254,7 @@ int check_figures(lua_State* L) {
 void open_figures(lua_State* L) {
   static constexpr Entry functions[] = {{"render_figure", guarded<render>},
                                         {"export_figure", guarded<export_numbers>},
+                                        {"page_data", guarded<make_page_data>},
                                         {"check_figures", guarded<check_figures>}};
   set_functions(L, functions);
 }

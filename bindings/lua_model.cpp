@@ -58,6 +58,8 @@ void add_parameters(Model& model, const Declarations& declared) {
     parts.push_back(model.coordinate(i).restoring);
   }
   parts.push_back(model.delay);
+  for (const auto* maps : {&model.measures, &model.acts})
+    for (const auto& [channel, map] : *maps) parts.push_back(map);
   for (const InternalState& state : model.states) parts.insert(parts.end(), {state.rate, state.min, state.max});
   for (const Expr part : parts) {
     if (!part.valid()) continue;
@@ -73,7 +75,24 @@ void add_parameters(Model& model, const Declarations& declared) {
   }
 }
 
-/// model{mass = {m1...}, restoring = {f1...}, forces = {1...}, states = {z...}, imposed_motion=}
+/// The table { channel = expression } of a field, in the order of its channels.
+std::vector<ChannelMap> read_maps(lua_State* L, const char* field, DeclarationsPtr& declared) {
+  std::vector<ChannelMap> maps;
+  with_field(L, 1, field, [&] {
+    lua_pushnil(L);
+    while (lua_next(L, -2)) {
+      const Value value = check_value(L, -1);
+      declared = join(declared, value.declared);
+      maps.push_back({lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : describe(L, -2), value.expr});
+      lua_pop(L, 1);
+    }
+  });
+  std::sort(maps.begin(), maps.end(), [](const auto& a, const auto& b) { return a.channel < b.channel; });
+  return maps;
+}
+
+/// model{mass = {m1...}, restoring = {f1...}, forces = {1...}, measures = {y = f...}, acts = {F = f...}, states =
+/// {z...}, imposed_motion=}
 int make_model(lua_State* L) {
   check_table(L, 1);
   DeclarationsPtr declared;
@@ -99,6 +118,9 @@ int make_model(lua_State* L) {
   const Value delay = field_value(L, 1, "delay");
   declared = join(declared, delay.declared);
   model.delay = delay.expr;
+  model.measures = read_maps(L, "measures", declared);
+  model.acts = read_maps(L, "acts", declared);
+  for (const auto& measured : model.measures) listed.push_back(measured.map);
   model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
   with_field(L, 1, "states", [&] {
     for_each(L, -1, [&](lua_Integer) {
@@ -179,6 +201,17 @@ void push_states(lua_State* L, const Model& model) {
   }
 }
 
+/// { channel = expression }; nil where no channel has one.
+void push_maps(lua_State* L, const Model& model, const std::vector<ChannelMap>& maps) {
+  if (maps.empty()) return lua_pushnil(L);
+  const DeclarationsPtr declared = declarations_of(model);
+  lua_newtable(L);
+  for (const auto& [channel, map] : maps) {
+    push<Value>(L, {map, declared});
+    lua_setfield(L, -2, channel.c_str());
+  }
+}
+
 /// The masses or the restoring forces: of several coordinates a list.
 void push_rows(lua_State* L, const Model& model, Expr Coordinate::*part) {
   const DeclarationsPtr declared = declarations_of(model);
@@ -193,7 +226,7 @@ void push_rows(lua_State* L, const Model& model, Expr Coordinate::*part) {
   }
 }
 
-/// Fields mass, restoring, degrees, inputs, forces, states, parameters, imposed_motion; or a method.
+/// Fields mass, restoring, degrees, inputs, forces, measures, acts, states, parameters, imposed_motion; or a method.
 int get(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string key = check_string(L, 2);
@@ -208,7 +241,9 @@ int get(lua_State* L) {
       push<Value>(L, {model.delay, declarations_of(model)});
     else
       lua_pushnil(L);
-  } else if (key == "inputs") {
+  } else if (key == "measures" || key == "acts")
+    push_maps(L, model, key == "acts" ? model.acts : model.measures);
+  else if (key == "inputs") {
     lua_newtable(L);
     lua_Integer i = 0;
     for (const std::string& input : model.inputs()) {
@@ -234,7 +269,8 @@ int get(lua_State* L) {
     if (lua_isnil(L, -1)) {
       throw InputError(
           "a model has no '" + key +
-          "' (fields: mass restoring degrees inputs forces delay states parameters imposed_motion; methods: "
+          "' (fields: mass restoring degrees inputs forces delay measures acts states parameters imposed_motion; "
+          "methods: "
           "equation force with save export)");
     }
   }

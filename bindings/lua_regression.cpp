@@ -420,6 +420,22 @@ void push_steps(lua_State* L, const Fit& fit) {
   }
 }
 
+/// List of {lambda=, coefficients = column, rmse=, cv_rmse=, cv_std=}: the path of a lasso.
+void push_path(lua_State* L, const std::vector<PathPoint>& path) {
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (const PathPoint& point : path) {
+    lua_newtable(L);
+    set_number(L, "lambda", point.lambda);
+    push_column(L, point.coefficients);
+    lua_setfield(L, -2, "coefficients");
+    set_number(L, "rmse", point.rmse);
+    set_number(L, "cv_rmse", point.cv_rmse);
+    set_number(L, "cv_std", point.cv_std);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
 void push_covariance(lua_State* L, const Fit& fit) {
   lua_newtable(L);
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
@@ -485,6 +501,8 @@ int get(lua_State* L) {
     push_covariance(L, result.fit);
   else if (key == "steps")
     push_steps(L, result.fit);
+  else if (key == "path")
+    push_path(L, result.path);
   else if (key == "outliers")
     push_outliers(L, result.outliers);
   else if (key == "passivity")
@@ -512,9 +530,10 @@ int get(lua_State* L) {
   else if (key == "windows")
     push_texts(L, result.windows, itself);
   else {
-    throw InputError("a regression has no '" + key +
-                     "' (fields: model restoring terms implicit r2 rmse mode form condition covariance interval solver "
-                     "stopped converged iterations kkt steps active unexcited outliers passivity warnings windows)");
+    throw InputError(
+        "a regression has no '" + key +
+        "' (fields: model restoring terms implicit r2 rmse mode form condition covariance interval solver "
+        "stopped converged iterations kkt steps path active unexcited outliers passivity warnings windows)");
   }
   return 1;
 }

@@ -36,13 +36,12 @@ const char* unit_of(char quantity) {
 /// An input as the channel of the run's record: what it does between the samples, and its formula, are those of the
 /// record that drove, unless an interpolation was forced. An expression leaves samples that are cubic between.
 Channel channel_of_input(const std::string& name, const Excitation& signal, const Record* record,
-                         std::optional<Interpolation> forced) {
+                         const std::string& source, std::optional<Interpolation> forced) {
   Channel channel;
   channel.name = channel.source = name;
   channel.unit = unit_of(name[0]);
   channel.values = signal.samples();
   channel.between = signal.interpolation();
-  const std::string source = record && !record->has(name) ? "F" : name;
   if (record && record->has(source) && !forced) {
     channel.between = record->channel(source).between;
     channel.formula = record->channel(source).formula;
@@ -127,9 +126,11 @@ int run(lua_State* L) {
     result.run = simulate(system, system.model().values(), excitation, x0, options);
   }
   excitation = excitation.ordered(system);
-  for (int k = 0; k < excitation.count(); ++k)
-    result.inputs.push_back(
-        channel_of_input(excitation.channel(k), excitation[k], record ? &*record : nullptr, interpolation));
+  for (int k = 0; k < excitation.count(); ++k) {
+    const std::string& name = excitation.channel(k);
+    const std::string source = k == 0 && record && !record->has(name) ? "F" : name;  // F drives the first coordinate
+    result.inputs.push_back(channel_of_input(name, excitation[k], record ? &*record : nullptr, source, interpolation));
+  }
   result.states = system.dynamics().names;
   for (int i = 0; i < system.degrees(); ++i) result.accelerations.push_back(system.model().channel('a', i));
   push<FreeRun>(L, std::move(result));

@@ -192,6 +192,24 @@ int measured_motion(lua_State* L) {
   return 1;
 }
 
+/// record_of_columns(name, start, dt, {{name=, unit=, values=}...}) -> a record of columns that are there already, with
+/// their noise levels, and the rest of the motion derived from them as for a file.
+int record_of_columns(lua_State* L) {
+  check_table(L, 4);
+  std::vector<Channel> channels;
+  for_each(L, 4, [&](lua_Integer) {
+    Channel channel;
+    channel.name = channel.source = string_field(L, -1, "name").value_or("");
+    channel.unit = string_field(L, -1, "unit").value_or("");
+    with_field(L, -1, "values", [&] { channel.values = check_column(L, -1); });
+    channel.noise = noise_level({channel.values.data(), static_cast<std::size_t>(channel.values.size())});
+    channels.push_back(std::move(channel));
+  });
+  const Record record(check_string(L, 1), check_number(L, 2), check_number(L, 3), std::move(channels));
+  push<Record>(L, record.has("y") ? derive_motion(record) : record);
+  return 1;
+}
+
 /// run_seed() -> the seed of the run (--seed)
 int run_seed(lua_State* L) {
   lua_pushinteger(L, static_cast<lua_Integer>(runtime(L).seed));
@@ -215,6 +233,7 @@ void open_signals(lua_State* L) {
       {"random_signal", guarded<random_signal>},
       {"disturb", guarded<disturb>},
       {"measured_motion", guarded<measured_motion>},
+      {"record_of_columns", guarded<record_of_columns>},
       {"warn_record", guarded<warn>},
       {"run_seed", guarded<run_seed>},
   };

@@ -116,6 +116,16 @@ int time_warping(lua_State* L) {
   return 1;
 }
 
+/// dtw_pairing({columns of a}, {columns of b}, band or nil) -> rows of a, rows of b (counted from 1), distance
+int pairing(lua_State* L) {
+  const MatrixXd a = check_columns_at(L, 1, "dtw"), b = check_columns_at(L, 2, "dtw");
+  const Pairing found = dtw_pairing(a, b, lua_isnoneornil(L, 3) ? -1 : check_integer(L, 3));
+  push_column(L, (found.a.array() + 1).cast<double>());
+  push_column(L, (found.b.array() + 1).cast<double>());
+  lua_pushnumber(L, found.distance);
+  return 3;
+}
+
 /// quantiles(x) against a normal distribution, or quantiles(expected, found) -> expected, found, QQCC
 int quantiles(lua_State* L) {
   const VectorXd x = check_column(L, 1);
@@ -285,6 +295,7 @@ void open_statistics(lua_State* L) {
       {"mutual_information", guarded<information>},
       {"significance_index", guarded<significance>},
       {"dtw", guarded<time_warping>},
+      {"dtw_pairing", guarded<pairing>},
       {"quantiles", guarded<quantiles>},
       {"kolmogorov_smirnov", guarded<kolmogorov_smirnov>},
       {"ljung_box", guarded<ljung_box_of>},

@@ -1,5 +1,7 @@
 #include "runtime.hpp"
 
+#include "figure/module.hpp"
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -59,7 +61,8 @@ int handle_message(lua_State* L) {
 
 }  // namespace
 
-Runtime::Runtime(const fs::path& executable) : executable_(executable), library_(find_library(executable)) {
+Runtime::Runtime(const fs::path& executable)
+    : executable_(executable), library_(find_library(executable)), figures_(std::make_unique<figure::FigureModule>()) {
   L_ = luaL_newstate();
   if (!L_) throw std::bad_alloc();
   *static_cast<Runtime**>(lua_getextraspace(L_)) = this;

@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "expr/expr.hpp"
-#include "figure/module.hpp"
 #include "ranks.hpp"
 #include "support.hpp"
+
+namespace lunid::figure {
+class FigureModule;
+}
 
 namespace lunid::lua {
 
@@ -54,7 +57,7 @@ class Runtime {
   const std::shared_ptr<Pool>& pool() const { return pool_; }
   const std::filesystem::path& library() const { return library_; }
   const std::filesystem::path& executable() const { return executable_; }
-  figure::FigureModule& figures() { return figures_; }
+  figure::FigureModule& figures() { return *figures_; }
   Ranks& ranks() { return ranks_; }
   std::atomic<bool>& cancelled() { return cancelled_; }
 
@@ -66,7 +69,7 @@ class Runtime {
 
   std::filesystem::path executable_, library_;
   std::shared_ptr<Pool> pool_ = std::make_shared<Pool>();
-  figure::FigureModule figures_;
+  std::unique_ptr<figure::FigureModule> figures_;
   Ranks ranks_;
   std::atomic<bool> cancelled_{false};
   std::vector<InputFile> inputs_;

@@ -1,7 +1,9 @@
 -- How good is this model on this record? All measures at once, each with its mode, its data and its window.
 local core = require "lunid.core"
+local distributions = require "lunid.figures.distributions"
 local figures = require "lunid.figures"
 local schema = require "lunid.schema"
+local sources = require "lunid.figures.sources"
 local simulation = require "lunid.simulation"
 local statistics = require "lunid.statistics"
 local types = schema.types
@@ -158,16 +160,11 @@ end
 function methods.figure(self)
   local points = self:qq()
   local time = { name = "time", unit = "s" }
-  local low, high = points.expected:min(), points.expected:max()
-  return figures.make { columns = 2, size = { width_cm = 24 }, panels = {
+  return figures.make { columns = 2, panels = {
     { title = ("%s: R2 %.4g"):format(mode_words[self.mode], self.r2), x = time, y = { name = self.quantity, unit = self.unit }, series = {
       { x = self.t, y = self.measured, label = "measured", role = "measured" },
       { x = self.t, y = self.predicted, label = mode_words[self.mode], role = "final", style = "dashed" } } },
-    { title = ("residual: QQCC %.4f"):format(points.qqcc), x = { name = "normal quantiles", unit = self.unit },
-      y = { name = "residual", unit = self.unit }, series = {
-        { x = core.column { low, high }, y = core.column { low, high }, label = "equality", role = "baseline",
-          style = "dashed" },
-        { x = points.expected, y = points.found, label = "residual", role = "residual", style = "points" } } },
+    distributions.qq_panel(points, { name = "residual", unit = self.unit }),
   } }
 end
 
@@ -223,12 +220,6 @@ local function text(self)
   return table.concat(lines, "\n")
 end
 
-local function minus(a, b)
-  local left, right = a:list(), b:list()
-  for i = 1, #left do left[i] = left[i] - right[i] end
-  return core.column(left)
-end
-
 local function input_of(record)
   for _, channel in ipairs(record.channels) do
     if channel.name:match "^F%d*$" then return record:column(channel.name) end
@@ -267,7 +258,7 @@ comparison.compare = schema.define({
     found = core.compare { measured = data.measured, model = data.predicted, measured_rate = data.measured_rate,
       model_rate = data.model_rate, input = input_of(record), neighbours = given.neighbours, lags = given.lags,
       band = given.band and math.floor(given.band / record.dt + 0.5), level = given.interval, draws = given.draws }
-    found.predicted, found.residual = data.predicted, minus(data.measured, data.predicted)
+    found.predicted, found.residual = data.predicted, sources.minus(data.measured, data.predicted)
   end
   local channel = record.channels[data.quantity]
   found.mode, found.data, found.record, found.quantity = data.mode, given.data, record.name, data.quantity

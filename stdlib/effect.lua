@@ -48,15 +48,39 @@ local function private_parameter(entry, row)
     fixed = row.fixed or false }
 end
 
+local function list(value)
+  return type(value) == "table" and getmetatable(value) ~= "lunid.expression" and value or { value }
+end
+
+--- What the variants are: forces, then what channels show, then what acts of what a channel shows. Of the latter two
+--- each is { field = "measures", channel = "y", form = "y + b" }.
+local function forms_of(given)
+  local forms, where = {}, "effect: " .. given.name
+  for i, form in ipairs(given.contribution and list(given.contribution) or {}) do forms[i] = { form = form } end
+  for _, field in ipairs { "measures", "acts" } do
+    local known = field == "measures" and "y" or "F"
+    local tables = given[field] or {}
+    for _, maps in ipairs(tables[1] and tables or { given[field] }) do
+      local channel, form = next(maps)
+      if channel ~= known or next(maps, channel) then
+        schema.fail(where, ("%s: expected { %s = ... }, or a list of them, got %s"):format(field, known,
+          channel == known and "several channels" or ("'%s'"):format(tostring(channel))))
+      end
+      if not text_or_expression.check(form) then
+        schema.fail(where, ("%s: %s: expected %s, got %s"):format(field, channel, text_or_expression.words, core.describe(form)))
+      end
+      forms[#forms + 1] = { field = field, channel = channel, form = form }
+    end
+  end
+  if #forms == 0 then schema.fail(where, "expected a contribution, or a channel that measures or acts") end
+  return forms
+end
+
 --- A condition "Fs >= Fc" as its two sides.
 local function condition(where, text)
   local left, right = text:match "^(.-)>=(.*)$"
   if not left then schema.fail(where, ("requires: expected 'a >= b', got '%s'"):format(text)) end
   return { text = text, left = left, right = right }
-end
-
-local function list(value)
-  return type(value) == "table" and getmetatable(value) ~= "lunid.expression" and value or { value }
 end
 
 --- The states of an entry in a fixed order, with their expressions.
@@ -84,8 +108,12 @@ return schema.define({
   fields = {
     { "name", types.string, required = true, help = "snake_case, as results will call it" },
     { "family", types.choice(families), required = true, help = "kind of physics" },
-    { "contribution", types.either(text_or_expression, types.list(text_or_expression, 1)), required = true, unit = "N",
+    { "contribution", types.either(text_or_expression, types.list(text_or_expression, 1)), unit = "N",
       help = "what it adds to the restoring force, as text or expression; a list: its mirror images" },
+    { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
+      .. "a list: the forms that it may have" },
+    { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
+      .. "and of force_rate, the rate of that; affine in F" },
     { "formula", types.string, help = "as an engineer writes it; else the text of the first contribution" },
     { "parameters", types.list(types.table, 1), required = true,
       help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess" },
@@ -119,12 +147,16 @@ return schema.define({
     own[row[1]] = core.parse(rows[i].name, where)
   end
   local states, make = take_states(given, own)
-  local forms, variants = list(given.contribution), {}
-  for i, form in ipairs(forms) do variants[i] = make(form) end
+  local forms, variants, maps = forms_of(given), {}, {}
+  for i, each in ipairs(forms) do
+    variants[i] = make(each.form)
+    maps[i] = { field = each.field, channel = each.channel }
+  end
   for i, text in ipairs(given.requires) do conditions[i] = condition(where, text) end
   given.rows, given.states, given.variants, given.conditions = rows, states, variants, conditions
+  given.maps = maps
   given.state_values = {}
   for i, state in ipairs(states) do given.state_values[i] = core.state(state) end
-  given.formula = given.formula or tostring(forms[1])
+  given.formula = given.formula or (forms[1].channel and forms[1].channel .. " -> " or "") .. tostring(forms[1].form)
   return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end, element.make)
 end)

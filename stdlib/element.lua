@@ -78,7 +78,8 @@ local function replacements(where, entry, given)
   return by
 end
 
---- The entry's force as an expression, which carries its parameters and states along.
+--- The entry's force as an expression, which carries its parameters and states along; of a faulty channel the table that
+--- the fields `measures` and `acts` of a model take.
 function element.make(entry, ...)
   local definition = element.definition(entry)
   local given, where = schema.validate(definition, ...), definition.name
@@ -90,7 +91,9 @@ function element.make(entry, ...)
       rate = core.substitute(state.rate, by), min = state.min and core.substitute(state.min, by),
       max = state.max and core.substitute(state.max, by) }
   end
-  return core.substitute(entry.variants[given.variant or 1], by, states)
+  local variant = given.variant or 1
+  local form, map = core.substitute(entry.variants[variant], by, states), entry.maps[variant]
+  return map.channel and { [map.channel] = form } or form
 end
 
 return element

@@ -10,7 +10,7 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto
 h1 { font-size: 1.5rem } h2 { font-size: 1.25rem; margin-top: 2.6rem; border-bottom: 1px solid #ccc } h3 { font-size: 1.05rem }
 table { border-collapse: collapse; margin: .8rem 0; font-size: .92rem } caption { text-align: left; color: #444 }
 th, td { padding: .25rem .7rem; text-align: left; border-bottom: 1px solid #e2e2e2; vertical-align: top }
-td.n { font-variant-numeric: tabular-nums } .scroll { overflow-x: auto }
+pre { background: #f5f5f5; padding: .7rem; overflow-x: auto } td.n { font-variant-numeric: tabular-nums } .scroll { overflow-x: auto }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(30rem, 1fr)); gap: 1rem }
 figure { margin: 0 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem } nav a { margin-right: 1rem }]]
 

@@ -6,8 +6,8 @@ local public = { version = core.version }
 
 for _, room in ipairs { "symbols", "functions", "records", "derivatives", "signals", "spectra", "models", "features",
   "constraints", "solvers", "regression", "curves", "histories", "selection", "surfaces", "excitation", "noise", "systems",
-  "simulation", "responses", "ensembles", "protocol", "catalogue", "discovery", "stages", "experiment", "figures",
-  "statistics", "comparison", "feature_ranking", "scoreboard", "study_report", "option" } do
+  "simulation", "responses", "ensembles", "protocol", "catalogue", "discovery", "stages", "experiment", "statistics",
+  "comparison", "feature_ranking", "scoreboard", "study_report", "figures.all", "option" } do
   local exported = require("lunid." .. room)
   for name, value in pairs(exported.public or exported) do
     if name ~= "public" then public[name] = value end

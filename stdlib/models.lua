@@ -26,6 +26,15 @@ types.mass = { words = "an expression or a number, a list of them, or the rows o
   return good, good and kept or types.mass.words
 end }
 
+--- { y = expression }, or several channels.
+local maps = { words = "a table { channel = expression }", check = function(value)
+  local good = type(value) == "table" and not core.is_expression(value)
+  for channel, map in pairs(good and value or {}) do
+    good = good and type(channel) == "string" and types.expression.check(map)
+  end
+  return good, good and value or "a table { channel = expression }"
+end }
+
 --- Rows of a mass matrix as the masses on its diagonal; what stands beside it joins the restoring forces.
 local function take_matrix(matrix, restoring)
   local masses = {}
@@ -68,6 +77,9 @@ models.model = schema.define({
       help = "the coordinates that a force acts on, such as { 1 }; else all" },
     { "delay", types.expression, unit = "s",
       help = "the forces act so much later than they are recorded; a number or a parameter, >= 0" },
+    { "measures", maps, help = "what displacements and velocities show in a record where it is not their true value: "
+      .. "{ y = y + b }; fits and gaps compare with that, runs give the true motion" },
+    { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, affine in F" },
     { "states", types.list(types.expression), default = {},
       help = "internal states that the restoring force does not name" },
     { "motion", types.choice { "free", "imposed" }, default = "free",
@@ -153,9 +165,14 @@ local most_coordinates = 30
 local function channel_text(model)
   local n = model.degrees
   local text = "local t, yb, vb, ab = lunid.time, lunid.base_displacement, lunid.base_velocity, lunid.base_acceleration"
+  local further = {}
+  for _, input in ipairs(model.inputs) do
+    if input:match "_" then further[#further + 1] = ("\nlocal %s = lunid.%s"):format(input, input) end
+  end
+  text = text .. table.concat(further)
   if n == 1 then
     local base = table.concat(model.inputs, " "):match "b" and "\n" .. text:gsub("t, yb", "yb", 1):gsub("lunid.time, ", "", 1)
-      or ""
+      or table.concat(further)
     return "local y, v, a, t, F = lunid.displacement, lunid.velocity, lunid.acceleration, lunid.time, lunid.force" .. base
   end
   local lines = { text }
@@ -180,6 +197,16 @@ local function forces_text(model)
   return ("\n  forces = { %s },"):format(table.concat(model.forces, ", "))
 end
 
+--- "measures = { y = y + b }," with the channels in their order.
+local function maps_text(field, maps)
+  if not maps then return "" end
+  local names, texts = {}, {}
+  for name in pairs(maps) do names[#names + 1] = name end
+  table.sort(names)
+  for i, name in ipairs(names) do texts[i] = ("%s = %s"):format(name, maps[name]:text "lua") end
+  return ("\n  %s = { %s },"):format(field, table.concat(texts, ", "))
+end
+
 --- All expressions of a model.
 local function parts_of(model)
   local parts = {}
@@ -187,6 +214,9 @@ local function parts_of(model)
     for _, row in ipairs(core.is_expression(rows) and { rows } or rows) do parts[#parts + 1] = row end
   end
   parts[#parts + 1] = model.delay
+  for _, field in ipairs { "measures", "acts" } do
+    for _, map in pairs(model[field] or {}) do parts[#parts + 1] = map end
+  end
   for _, state in ipairs(model.states) do
     for _, part in ipairs { "rate", "min", "max" } do parts[#parts + 1] = state[part] end
   end
@@ -228,7 +258,8 @@ function models.text(model)
   end
   lines[#lines + 1] = ("return lunid.model {\n  mass = %s,\n  restoring = %s,%s%s%s\n}"):format(
     row_text(model.mass), row_text(model.restoring), (model.imposed_motion and "" or forces_text(model))
-      .. (model.delay and ("\n  delay = %s,"):format(model.delay:text "lua") or ""),
+      .. (model.delay and ("\n  delay = %s,"):format(model.delay:text "lua") or "")
+      .. maps_text("measures", model.measures) .. maps_text("acts", model.acts),
     #names > 0 and ("\n  states = { %s },"):format(table.concat(names, ", ")) or "",
     model.imposed_motion and '\n  motion = "imposed",' or "")
   return table.concat(lines, "\n") .. "\n"

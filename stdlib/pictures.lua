@@ -1,6 +1,7 @@
 -- The figures of a discovery's report: name, caption and plain table of each.
 local core = require "lunid.core"
 local figures = require "lunid.figures"
+local sources = require "lunid.figures.sources"
 
 local pictures = {}
 
@@ -17,15 +18,9 @@ end
 local function run_words(found) return found.model.imposed_motion and "along the motion" or "free run" end
 
 --- Panels side by side.
-local function row_of(panels)
-  return figures.make { columns = #panels, panels = panels, size = #panels > 1 and { width_cm = 24 } or nil }
-end
+local function row_of(panels) return { columns = #panels, panels = panels, share_y = true } end
 
-local function minus(a, b)
-  local left, right = a:list(), b:list()
-  for i = 1, #left do left[i] = left[i] - right[i] end
-  return core.column(left)
-end
+local minus = sources.minus
 
 local function plus(a, b)
   local left, right = a:list(), b:list()
@@ -118,12 +113,12 @@ local function worst_part(comparison)
 end
 
 --- With imposed motion the error over the whole record is the unexplained force already.
-local function history(found, comparison)
+function pictures.history(found, comparison)
   local part = worst_part(comparison)
   local panels = part and { error_panel(found, comparison), run_panel(found, comparison, part) }
     or { run_panel(found, comparison) }
   if not (part and found.model.imposed_motion) then panels[#panels + 1] = residual_panel(found, comparison) end
-  return figures.make { panels = panels }
+  return { panels = panels }
 end
 
 local function add_histories(list, found)
@@ -131,7 +126,7 @@ local function add_histories(list, found)
   for _, comparison in ipairs(found.comparisons) do
     seen[comparison.role] = (seen[comparison.role] or 0) + 1
     list[#list + 1] = { name = ("history_%s_%d"):format(comparison.role, seen[comparison.role]),
-      figure = history(found, comparison),
+      figure = figures.make(pictures.history(found, comparison)),
       caption = ("%s (%s): measured, and the %s of %s; the force that is left unexplained along the measured motion."):format(
         comparison.record, comparison.role,
         found.model.imposed_motion and "forces along the measured motion" or "free runs, never re-initialised,",
@@ -166,7 +161,7 @@ end
 
 local function add_map(list, found)
   if #found.map.y < 2 or #found.map.v < 2 then return end
-  list[#list + 1] = { name = "residual_map", figure = pictures.residual_map(found),
+  list[#list + 1] = { name = "residual_map", figure = figures.make(pictures.residual_map(found)),
     caption = "Mean force that is left unexplained, over displacement and velocity: where the baseline fails"
       .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
 end
@@ -194,18 +189,29 @@ local function force_panel(comparison, variable, measured)
     { x = x, y = comparison.named_force, label = "named effect", role = "effect", style = "points" } } }
 end
 
-local function add_named_force(list, found)
-  local train
+local function first_training(found)
   for _, comparison in ipairs(found.comparisons) do
-    if comparison.role == "train" then train = train or comparison end
+    if comparison.role == "train" then return comparison end
   end
-  if not train or #found.effects == 0 then return end
+end
+
+--- The force of what was named, over each thing that it is a function of; nil where nothing was named.
+function pictures.named_force(found)
+  local train = first_training(found)
+  if not train or #found.effects == 0 then return nil end
   local measured = inner(plus(train.residual_after, train.named_force), lead_in(train))
   local panels = {}
   for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train, variable, measured) end
-  list[#list + 1] = { name = "named_force", figure = row_of(panels),
+  return row_of(panels)
+end
+
+local function add_named_force(list, found)
+  local fields = pictures.named_force(found)
+  if not fields then return end
+  list[#list + 1] = { name = "named_force", figure = figures.make(fields),
     caption = ("The force of %s, and what the final model would leave unexplained without it, along the measured "
-      .. "motion of %s."):format(#found.effects > 1 and "all that was named" or found.effects[1].name, train.record) }
+      .. "motion of %s."):format(#found.effects > 1 and "all that was named" or found.effects[1].name,
+      first_training(found).record) }
 end
 
 --- Name, caption and figure of each picture, in the report's order.

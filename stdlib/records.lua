@@ -80,6 +80,36 @@ records.read = schema.define({
   return given.window and record:window(given.window.from, given.window.to) or record
 end)
 
+local units = { F = "N", y = "m", v = "m/s", a = "m/s^2" }
+
+records.record = schema.define({
+  name = "record",
+  help = "A record of columns that are there already, such as forces computed from gauges. Channels t F y v a are in SI; v and a "
+    .. "are derived where absent.",
+  fields = {
+    { "channels", types.list(types.list(types.any, 2), 1), required = true, help = "entries { name, column }: { { \"F\", force }, { \"y\", y } }" },
+    { "dt", types.number { above = 0 }, required = true, unit = "s", help = "time between rows" },
+    { "start", types.number(), default = 0, unit = "s", help = "time of the first row" },
+    { "name", types.string, default = "record", help = "what messages and figures call it" },
+  },
+  returns = "record",
+  example = [[local shaft = lunid.record { channels = { { "F", force }, { "y", test:column "y" } }, dt = test.dt, start = test.start }]],
+}, function(given)
+  local list = {}
+  for i, entry in ipairs(given.channels) do
+    local name, values = entry[1], entry[2]
+    if type(name) ~= "string" then
+      schema.fail("record: channels", ("entry %d: expected { name, column }, got { %s, ... }"):format(i, core.describe(name)))
+    end
+    if type(values) == "table" and getmetatable(values) == nil then values = core.column(values) end
+    if getmetatable(values) ~= "lunid.column" then
+      schema.fail("record: channels", ("'%s': expected a column or a list of numbers, got %s"):format(name, core.describe(values)))
+    end
+    list[i] = { name = name, unit = units[name:match "^%a"] or "", values = values }
+  end
+  return core.record_of_columns(given.name, given.start, given.dt, list)
+end)
+
 records.stream = schema.define({
   name = "stream",
   help = "A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger "

@@ -1,12 +1,13 @@
--- report.html: what was found, for one who was not there. Self-contained: figures lie inside as PNG.
+-- report.html: what was found, for one who was not there. Self-contained: figures lie inside as data that a script draws,
+-- and as PNG for where scripts are off.
 local core = require "lunid.core"
 local output = require "lunid.output"
+local page_of = require "lunid.figures.page"
 local pictures = require "lunid.pictures"
 
 local report = {}
 
-local escapes = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" }
-local function escape(text) return (tostring(text):gsub('[&<>"]', escapes)) end
+local escape = page_of.escape
 
 --- 11600533039 -> "1.16005·10<sup>10</sup>"
 local function power_of_ten(text) return (text:gsub("e([+-])0*(%d+)$", function(sign, exponent)
@@ -45,19 +46,24 @@ local function p_value(p) return not p and "none" or p < 1e-4 and "below 0.0001"
 
 -- ---- figures ----
 
---- Draws all pictures; returns them with `path`, or with the reason why there are none.
+--- Draws all pictures; returns them, how many files there are, and the reason where there are none: the page shows them
+--- all the same.
 local function draw(found, prefix)
-  local drawn = {}
+  local list, why_none, count = pictures.of(found), nil, 0
   output.make_folder(prefix .. "figures")
-  for _, picture in ipairs(pictures.of(found)) do
-    local path = prefix .. "figures/" .. picture.name .. ".png"
-    local good, message = pcall(core.render_figure, picture.figure, output.place(path))
-    if not good then return drawn, "figures could not be drawn: " .. tostring(message) end
-    picture.image = core.base64(core.read_text(output.place(path)))
-    drawn[#drawn + 1] = picture
-    core.export_figure(picture.figure, output.place(prefix .. "figures/" .. picture.name .. ".csv"))
+  for _, picture in ipairs(list) do
+    local path = prefix .. "figures/" .. picture.name
+    core.export_figure(picture.figure, output.place(path .. ".csv"))
+    if not why_none then
+      local good, message = pcall(core.render_figure, picture.figure, output.place(path .. ".png"))
+      if good then
+        picture.image, count = core.base64(core.read_text(output.place(path .. ".png"))), count + 1
+      else
+        why_none = "figures could not be drawn as files: " .. tostring(message)
+      end
+    end
   end
-  return drawn
+  return list, count, why_none
 end
 
 -- ---- text ----
@@ -70,8 +76,8 @@ table { border-collapse: collapse; margin: .8rem 0 } th, td { padding: .3rem .8r
 border-bottom: 1px solid #e2e2e2; vertical-align: top } td.n { font-variant-numeric: tabular-nums }
 .verdict { font-size: 1.15rem; padding: .8rem 1rem; background: #eef4fb; border-left: .3rem solid #0072b2 }
 code, pre { font-family: ui-monospace, monospace; background: #f5f5f5 } pre { padding: .7rem; overflow-x: auto }
-figure { margin: 1.2rem 0 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem }
-.small { color: #555; font-size: .92rem }]]
+.small { color: #555; font-size: .92rem }
+]] .. page_of.style
 
 local function row(cells, tag)
   local parts = {}
@@ -142,8 +148,10 @@ end
 
 local function effect_section(effect)
   local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.name), escape(effect.sentence)) }
-  lines[#lines + 1] = ("<p>Adds <code>%s</code> to the restoring force (%s). The chance of as large a gain where it is "
-    .. "not there (p) is %s.</p>"):format(escape(effect.formula), escape(effect.family), p_value(effect.p_value))
+  local what = effect.is == "physics" and "Adds <code>%s</code> to the restoring force (%s)."
+    or "This is " .. effect.is .. ": <code>%s</code> (%s)."
+  lines[#lines + 1] = ("<p>" .. what .. " The chance of as large a gain where it is not there (p) is %s.</p>"):format(
+    escape(effect.formula), escape(effect.family), p_value(effect.p_value))
   lines[#lines + 1] = parameter_table(effect.parameters, sorted_keys(effect.parameters), {})
   lines[#lines + 1] = ("<p>With it the gap is %s on the training record and %s on the test record.</p>"):format(
     number(effect.gap_train, effect.cause), number(effect.gap_test, effect.cause))
@@ -221,11 +229,10 @@ local function removable_section(data)
 end
 
 local function figure_section(drawn, why_none)
-  local lines = { "<h2>Figures</h2>" }
+  local lines = { "<h2>Figures</h2>", '<p class="small">' .. page_of.hint .. "</p>" }
   if why_none then lines[#lines + 1] = "<p>" .. escape(why_none) .. "</p>" end
   for _, picture in ipairs(drawn) do
-    lines[#lines + 1] = ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>')
-      :format(escape(picture.caption), picture.image, escape(picture.caption))
+    lines[#lines + 1] = page_of.figure(picture.figure, picture.caption, picture.image)
   end
   return table.concat(lines, "\n")
 end
@@ -262,7 +269,7 @@ end
 --- Writes figures/ and report.html below `prefix`.
 function report.write(found, prefix)
   local data = found.data
-  local drawn, why_none = draw(found, prefix)
+  local drawn, count, why_none = draw(found, prefix)
   local page = table.concat({
     '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Lunid: ' .. escape(data.verdict)
       .. "</title><style>" .. style .. "</style></head><body>",
@@ -271,9 +278,10 @@ function report.write(found, prefix)
     "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
     named_section(data), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
-    removable_section(data), rivals_section(data), next_section(data), figure_section(drawn, why_none), warnings_section(data), provenance(data), "</body></html>\n" }, "\n")
-  return { path = output.write(prefix .. "report.html", page), count = #drawn, note = why_none,
-    folder = #drawn > 0 and output.shown(prefix .. "figures") or nil }
+    removable_section(data), rivals_section(data), next_section(data), figure_section(drawn, why_none),
+    warnings_section(data), provenance(data), page_of.script(), "</body></html>\n" }, "\n")
+  return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
+    folder = count > 0 and output.shown(prefix .. "figures") or nil }
 end
 
 return report

@@ -1,6 +1,5 @@
 -- The figure of a frequency response: stable branches solid, unstable ones dashed, special points marked.
 local core = require "lunid.core"
-local figures = require "lunid.figures"
 
 local response_figure = {}
 
@@ -52,7 +51,7 @@ local function axis_of(given)
   return { name = name, unit = quantity == "phase" and "rad" or "m", scale = given.log and "log" or nil }
 end
 
-function response_figure.make(given)
+function response_figure.of(given)
   local response, series, special = given.response, {}, {}
   for i, curve in ipairs(response.curves) do
     local x, y = curve:column "frequency", curve:column(given.quantity, given.state)
@@ -71,7 +70,11 @@ function response_figure.make(given)
     series[#series + 1] = each
   end
   for _, each in ipairs(special) do series[#series + 1] = each end
-  return figures.make { panels = { { title = given.title, x = { name = "frequency", unit = "Hz" }, y = axis_of(given),
+  if given.backbone then
+    series[#series + 1] = { x = given.backbone:column "frequency", y = given.backbone:column(given.quantity), role = "measured",
+      style = "dash_dot", label = "backbone" }
+  end
+  return { panels = { { x = { name = "frequency", unit = "Hz" }, y = axis_of(given),
     series = series } } }
 end
 

@@ -60,10 +60,13 @@ local function term_bars(lists, records, unit, axis)
     size = { width_cm = 16, height_cm = math.max(5, 1.6 + 0.55 * #names * math.max(1, #sets)) } }
 end
 
+--- The channel that drives: F, or F1.
+local function drive(record) return record:column(record.channels.F and "F" or "F1") end
+
 local function peak_force(records)
   local most = 0
   for _, record in ipairs(records) do
-    local column = record:column "F"
+    local column = drive(record)
     most = math.max(most, column:max(), -column:min())
   end
   return most
@@ -136,7 +139,7 @@ end
 
 --- Part of the test record around the place where its force begins: a tenth of it.
 local function lively(test)
-  local f, rows = test:column "F", test.rows
+  local f, rows = drive(test), test.rows
   local start = 1
   while start < rows and math.abs(f[start]) < 1e-9 do start = start + 1 end
   local width = math.max(20, rows // 10)
@@ -177,7 +180,7 @@ local function add_runs(list, board)
   local channel, rate = board.channel, board.channel:gsub("^y", "v")
   local from, to = lively(board.test)
   list[#list + 1] = { name = "test_excitation", caption = "The validation force", figure = row_of { { x = time,
-    y = { name = "force", unit = "N" }, series = { { x = board.test:column "t", y = board.test:column(board.test.channels.F and "F" or "F1"),
+    y = { name = "force", unit = "N" }, series = { { x = board.test:column "t", y = drive(board.test),
       role = "measured" } } } } }
   list[#list + 1] = { name = "test_motion", caption = "Validation: displacement and velocity of free runs where the force begins",
     figure = row_of({ motion_panel(board, channel, { name = "displacement", unit = "m" }, from, to),

@@ -1,6 +1,7 @@
 -- Measures of plain columns: lunid.statistics. lunid.compare puts them together for a model and a record.
 local core = require "lunid.core"
 local figures = require "lunid.figures"
+require "lunid.figures.distributions"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -131,13 +132,26 @@ define({
   example = [[local far = lunid.statistics.dtw({ measured:column "y" }, { run:column "y" }, 100)]],
 }, function(given) return measures.dtw(given.a, given.b, given.band) end)
 
-local function qq_figure(self)
-  local low, high = self.expected:min(), self.expected:max()
-  return figures.make { panels = { { title = ("QQCC %.4f"):format(self.qqcc), x = { name = "expected quantiles", unit = "" },
-    y = { name = "found quantiles", unit = "" }, series = {
-      { x = core.column { low, high }, y = core.column { low, high }, label = "equality", role = "baseline", style = "dashed" },
-      { x = self.expected, y = self.found, label = "quantiles", role = "residual", style = "points" } } } } }
-end
+define({
+  name = "dtw_pairing",
+  help = "The pairing of rows behind dtw: columns a and b of row numbers, counted from 1, and the distance; pairing:figure() "
+    .. "draws it.",
+  style = "arguments",
+  positional = { "a", "b", "band" },
+  fields = {
+    { "a", columns, required = true, help = "the columns of one curve, such as { y, v }, in comparable units" },
+    { "b", columns, required = true, help = "as many columns of the other; it may be longer or shorter" },
+    { "band", types.integer { min = 0 }, help = "rows that a pairing may stray from the diagonal; else any" },
+  },
+  returns = "pairing",
+  example = [[lunid.statistics.dtw_pairing({ measured:column "y" }, { run:column "y" }, 100):figure():save "dtw.png"]],
+}, function(given)
+  local found = { curves = { given.a[1], given.b[1] } }
+  found.a, found.b, found.distance = measures.dtw_pairing(given.a, given.b, given.band)
+  return schema.object("pairing", found, { figure = function(self) return figures.public.alignment(self) end }, function(self)
+    return ("%d pairs of rows, distance %.6g"):format(#self.a, self.distance)
+  end)
+end)
 
 define({
   name = "qq",
@@ -158,7 +172,7 @@ define({
   else
     points.expected, points.found, points.qqcc = measures.quantiles(given.found)
   end
-  return schema.object("quantiles", points, { figure = qq_figure }, function(self)
+  return schema.object("quantiles", points, { figure = figures.public.qq }, function(self)
     return ("%d quantiles, QQCC %.6g"):format(#self.found, self.qqcc)
   end)
 end)

@@ -58,6 +58,13 @@ function methods.text(self, text)
   self.parts[#self.parts + 1] = { text = text }
 end
 
+--- A text as it stands, line by line, such as print shows of a result.
+function methods.verbatim(self, text)
+  check_text("verbatim", text)
+  print("\n" .. text)
+  self.parts[#self.parts + 1] = { verbatim = text }
+end
+
 --- A heading.
 function methods.section(self, title)
   check_text("section", title)
@@ -113,7 +120,7 @@ local function body(self)
       lines[#lines + 1] = part.image and '<div class="figures">' or "</div>"
       in_figures = part.image ~= nil
     end
-    lines[#lines + 1] = part.text and "<p>" .. html.escape(part.text) .. "</p>"
+    lines[#lines + 1] = part.verbatim and "<pre>" .. html.escape(part.verbatim) .. "</pre>" or part.text and "<p>" .. html.escape(part.text) .. "</p>"
       or part.section and "<h3>" .. html.escape(part.section) .. "</h3>"
       or part.table and html.table(part.table) or html.figure(part.image, part.caption)
   end
@@ -143,6 +150,7 @@ study_report.public = {
   report = schema.define({
     name = "report",
     help = "What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), "
+      .. "report:verbatim(text), "
       .. "report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, "
       .. "report:progress(what, done, total), and at the end report:save().",
     fields = {

@@ -1,6 +1,5 @@
 -- Restoring force surfaces: f(y, v) = F - m*a over the plane of displacement and velocity.
 local core = require "lunid.core"
-local figures = require "lunid.figures"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -167,7 +166,7 @@ lunid.figure.lines { series = { lunid.figure.series { cut.points_place, cut.poin
 end)
 
 core.add_method("lunid.surface", "export", function(surface, path)
-  return figures.of_surface({ surface = surface, title = "" }, true):export(path)
+  return require("lunid.figures.force_surfaces").whole(surface):export(path)
 end)
 
 return surfaces

@@ -12,6 +12,10 @@ local symbols = {
   base_displacement = core.channel "yb",
   base_velocity = core.channel "vb",
   base_acceleration = core.channel "ab",
+  shaft_angle = core.channel "shaft_angle",
+  shaft_speed = core.channel "shaft_speed",
+  shaft_rate = core.channel "shaft_rate",
+  force_rate = core.channel "force_rate",
   pi = math.pi,
 }
 

@@ -2,7 +2,11 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+
+#include "discover/sensor.hpp"
+#include "simulate/measures.hpp"
 
 namespace lunid {
 
@@ -106,12 +110,31 @@ std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eige
   return out;
 }
 
+/// "N s/m" where y is an angle and F a moment: "N m s/rad".
+std::string unit_on(const Record& record, const std::string& unit) {
+  const auto stands_for = [&](const std::string& word) {
+    const std::string channel = word == "N" ? "F" : word == "m" ? "y" : "";
+    if (channel.empty() || !record.has(channel) || record.channel(channel).unit.empty()) return word;
+    return record.channel(channel).unit;
+  };
+  std::string out, word;
+  for (const char c : unit + " ") {
+    if (std::isalpha(static_cast<unsigned char>(c))) {
+      word += c;
+      continue;
+    }
+    out += stands_for(word) + c;
+    word.clear();
+  }
+  out.pop_back();
+  return out;
+}
+
 /// The baseline with the chosen effects added.
 Model extend(const Model& baseline, const Choices& choices, const RecordScales& scales,
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
   Model model = baseline;
   for (const auto& c : choices) {
-    model.restoring = model.restoring + c.effect->variants[static_cast<std::size_t>(c.variant)];
     const Ranges ranges = c.effect->range ? c.effect->range(scales, c.variant) : Ranges{};
     for (auto p : c.effect->parameters) {
       if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
@@ -121,7 +144,7 @@ Model extend(const Model& baseline, const Choices& choices, const RecordScales& 
       }
       model.parameters.push_back(p);
     }
-    for (const auto& s : c.effect->states) model.states.push_back(s);
+    add_variant(model, *c.effect, c.variant);
   }
   return complete(std::move(model));
 }
@@ -153,6 +176,8 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
     for (const auto& state : model.states)
       for (const Expr part : {state.rate, state.min, state.max})
         is_linear = is_linear && !(part.valid() && depends_on(part, p));
+    for (const auto* maps : {&model.measures, &model.acts})
+      for (const auto& [channel, map] : *maps) is_linear = is_linear && !depends_on(map, p);
     linear[i] = is_linear;
     if (is_linear) kept.push_back(p);
   }
@@ -182,7 +207,10 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
   Candidate candidate;
   candidate.choices = choices;
   Model model = extend(baseline, choices, choices.empty() ? RecordScales{} : scales(study, 0), candidate.shown);
+  for (std::size_t i = baseline.parameters.size(); i < model.parameters.size(); ++i)
+    model.parameters[i].unit = unit_on(study.full.front(), model.parameters[i].unit);
   candidate.linear = linear_parameters(model);
+  candidate.seen_by_force = can_be_undone(model);
   candidate.system = std::make_shared<const System>(model);
   if (model.imposed_motion) {
     candidate.force_system = candidate.system;
@@ -242,6 +270,7 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   candidate.starts.clear();
   for (auto& s : starts) candidate.starts.push_back(std::move(s.theta));
   candidate.force_cost = starts.empty() ? INFINITY : starts.front().cost;
+  if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
 }
 
 Model fitted(const Candidate& c) {

@@ -26,6 +26,7 @@ struct Candidate {
       shown;                            ///< parameter, and where the record can show it
   std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
+  bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
   FitResult fit;
   // Filled by the judge:
   FitResult whitened;           ///< the likeliest parameters under the noise's colour
@@ -36,6 +37,8 @@ struct Candidate {
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
+  /// Parameters and first values of internal states: all that a fit may use to explain noise.
+  int unknowns() const { return parameters() + system->states() - 2 * system->degrees(); }
   bool ran() const { return std::isfinite(fit.cost); }
   /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit.
   bool degenerate() const;

@@ -10,6 +10,7 @@
 #include "discover/naming.hpp"
 #include "discover/removable.hpp"
 #include "discover/search.hpp"
+#include "discover/sensor.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -29,13 +30,16 @@ class Spine {
  public:
   Spine(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
         const std::vector<Record>& test, const DiscoverOptions& options)
-      : options_(options), catalogue_(catalogue), model_(complete(baseline)) {
+      : options_(options), model_(complete(baseline)) {
     progress("check the data", 0.0);
     study_ = prepare(model_, train, test, options_);
     out_.warnings = study_.warnings;
     for (const auto& data : study_.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
     out_.baseline_before = model_.parameters;
+    std::vector<std::string> left;
+    catalogue_ = testable(study_, catalogue, left);
+    for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
   Discovery run() {
@@ -257,6 +261,7 @@ class Spine {
     found.chosen = found.baseline;
     found.steps.clear();
     found.ties.clear();
+    found.aliases.clear();
   }
 
   std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records) const {
@@ -342,7 +347,10 @@ class Spine {
       named.gap_train = pool_gap(runs(model, train), share).value;
       named.gap_test = pool_gap(runs(model, study_.test), share).value;
       named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
-      if (i + 1 == found.steps.size()) named.indistinguishable = found.ties;
+      if (i + 1 == found.steps.size()) {
+        named.indistinguishable = found.ties;
+        named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
+      }
       out_.effects.push_back(std::move(named));
     }
   }
@@ -363,7 +371,7 @@ class Spine {
   void show(SearchResult& found) {
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
-    out_.where = describe_residual(study_, found.baseline, found.chosen);
+    out_.where = describe_residual(study_, found.baseline, found.chosen) + sensor_hint(study_, found.baseline);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
@@ -372,8 +380,9 @@ class Spine {
     if (!found.left_aside.empty()) {
       std::string list;
       for (const auto& name : found.left_aside) list += (list.empty() ? "" : ", ") + name;
-      out_.warnings.push_back("not tried, since beside the baseline's own terms this record cannot show them: " + list);
+      out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
     }
+    if (!untested_.empty()) out_.warnings.push_back(untested_);
     check_bounds(found.chosen);
     out_.removable = removable_terms(out_.baseline, found.chosen);
     if (!found.chosen.choices.empty()) {
@@ -456,18 +465,34 @@ class Spine {
       out_.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
   }
 
+  /// Which of the named effects are faults of a sensor or of the input: "" where all are physics.
+  static std::string not_physics(const Choices& named) {
+    std::string sensors, inputs;
+    for (const auto& choice : named) {
+      if (is_physics(*choice.effect)) continue;
+      std::string& list = choice.effect->family == "sensor" ? sensors : inputs;
+      list += (list.empty() ? "" : ", ") + choice.effect->name;
+    }
+    if (sensors.empty() && inputs.empty()) return "";
+    const std::string what = inputs.empty() ? "the sensor" : sensors.empty() ? "the input" : "the sensor and the input";
+    const bool all = physics_in(named) == 0;
+    return " (" + what + ", not the physics" +
+           (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
+  }
+
   std::string sentence(const SearchResult& found) const {
     char text[160];
     if (out_.verdict == "explained" || out_.verdict == "ambiguous") {
       std::string names;
       for (const auto& e : out_.effects) names += (names.empty() ? "" : " and ") + e.name;
+      names += not_physics(found.order);
       const double excess = out_.baseline_test.value - out_.final_test.floor;
       const double share = excess > 0 ? (out_.baseline_test.value - out_.final_test.value) / excess : 0;
       std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
                     100 * std::clamp(share, 0.0, 1.0));
-      std::string out = out_.verdict == "ambiguous"
-                            ? names + " or another of equal simplicity that this record cannot tell from it"
-                            : names;
+      std::string out = names;
+      for (const std::string& tie : found.ties) out += " or " + tie;
+      if (!found.ties.empty()) out += " (of equal simplicity: this record cannot tell them apart)";
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
       if (left_.material)
@@ -496,7 +521,8 @@ class Spine {
   }
 
   const DiscoverOptions& options_;
-  const std::vector<Effect>& catalogue_;
+  std::vector<Effect> catalogue_;
+  std::string untested_;
   Model model_;
   Study study_;
   Candidate baseline_;

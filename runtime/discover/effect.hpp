@@ -17,6 +17,9 @@ struct RecordScales {
   double residual_std;         ///< of the force that the baseline leaves unexplained [N]
   double omega;                ///< dominant angular frequency of y [rad/s]
   double stiffness;            ///< force_std / y_std [N/m]
+  double interval;             ///< between samples [s]
+  double duration;             ///< of the longest record [s]
+  std::vector<double> lines;   ///< angular frequencies that stand out in what the model leaves open, strongest first
 };
 
 /// Values for an entry's nonlinear ("shape") parameters to start from; parameters absent here are linear and solved
@@ -25,12 +28,21 @@ using Guess = std::map<std::string, double>;
 /// Limits of shape parameters.
 using Ranges = std::map<std::string, std::pair<double, double>>;
 
+/// One form of an entry: what it adds to the restoring force, or what a channel shows because of it.
+struct EffectVariant {
+  Expr force;                              ///< empty: none
+  std::vector<ChannelMap> measures, acts;  ///< as Model has them, for the channels y and F
+  EffectVariant() = default;
+  EffectVariant(Expr force) : force(force) {}  // implicit: most are no more than this
+};
+
 struct Effect {
   std::string name;  ///< contract: EFFECTS.md
   std::string family;
   std::string formula;  ///< as an engineer writes it, e.g. "Fc*sign(v)"
-  /// Contribution to f, and its mirror images or signs where the entry has some (one_sided_stop). At least one.
-  std::vector<Expr> variants;
+  /// Contribution to f, and its mirror images or signs where the entry has some (one_sided_stop), or the channels whose
+  /// sensor may be at fault. At least one. States that a variant does not lead to are not part of it.
+  std::vector<EffectVariant> variants;
   std::vector<Parameter> parameters;
   std::vector<InternalState> states;
   std::vector<std::string> special_case_of, confusers, channels;

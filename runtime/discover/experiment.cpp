@@ -116,7 +116,9 @@ class Designer {
     if (!out.completed) return out;
     std::vector<Channel> channels = driven.channels();
     for (int i = 0; i < model.degrees(); ++i) {
-      channels.push_back(channel(model.channel('y', i), run.x.col(2 * i), options_.noise, Interpolation::cubic));
+      channels.push_back(channel(model.channel('y', i),
+                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)), options_.noise,
+                                 Interpolation::cubic));
       channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), 0, Interpolation::cubic));
     }
     out.record = Record(driven.name(), 0, base_.dt, std::move(channels));

@@ -28,9 +28,11 @@ double input_noise_squares(const Study& study, const System& system, const Eigen
     for (auto& f : force) f += noise * random.normal();
     const Excitation noisy(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
                            data.excitation.interpolation());
-    const Run run = simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, noisy, x0, options);
+    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+    const Run run = simulate(system, values, data.excitation.replaced("F", noisy), x0, options);
     if (!run.summary.completed) return 0;
-    squares += (run.x.col(0) - nominal.x.col(0)).tail(record.rows() - lead).squaredNorm();
+    const Eigen::VectorXd change = shown(system, values, run) - shown(system, values, nominal);
+    squares += change.tail(record.rows() - lead).squaredNorm();
   }
   return squares / draws;
 }
@@ -39,10 +41,11 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
                const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
   const double noise = data.record.channel("y").noise;
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
-  const auto sensitivities = simulate_sensitivities(system, {theta.data(), static_cast<std::size_t>(theta.size())},
-                                                    data.excitation, state.x0, options);
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const auto sensitivities = simulate_sensitivities(system, values, data.excitation, state.x0, options);
   if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
-    const Eigen::MatrixXd d = sensitivities.dy().rightCols(system.states()).bottomRows(out.rows);
+    const Eigen::MatrixXd d =
+        shown_slopes(system, values, sensitivities).rightCols(system.states()).bottomRows(out.rows);
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
     const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;
@@ -52,6 +55,21 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
     }
   }
   out.input_squares = input_noise_squares(study, system, theta, data, state.x0, run, out.lead, options);
+}
+
+/// How far internal states are from where they start, over the whole record: what a lead-in may find them to be.
+Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                                 const SimulateOptions& options) {
+  const Eigen::Index own = 2 * system.degrees();
+  if (system.states() == own) return {};
+  const Eigen::VectorXd start = measured_state(system, data.record, 0);
+  const Run run =
+      simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, start, options);
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(system.states());
+  if (!run.summary.completed) return spread;
+  for (Eigen::Index i = own; i < spread.size(); ++i)
+    spread[i] = std::sqrt((run.x.col(i).array() - start[i]).square().mean());
+  return spread;
 }
 
 void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
@@ -78,14 +96,15 @@ FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd
     force_run(system, theta, record, out);
   } else {
     const FitData data = fit_data(study, record);
-    const StateEstimate state = estimate_state(system, theta, data, 0, out.lead, substeps);
     SimulateOptions options;
     options.solver = Solver::fixed;
     options.substeps = substeps;
     options.cancelled = study.options->cancelled;
-    const Run run =
-        simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, state.x0, options);
-    out.model = run.x.col(0);
+    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+    const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
+    const StateEstimate state = estimate_state(system, theta, data, 0, out.lead, substeps, spread);
+    const Run run = simulate(system, values, data.excitation, state.x0, options);
+    out.model = shown(system, values, run);
     if (!run.summary.completed) {
       out.stopped_at = run.summary.stopped_at;
       out.cause = run.summary.cause;

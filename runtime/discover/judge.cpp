@@ -82,10 +82,10 @@ Whitening residual_colour(const Study& study, const Candidate& candidate) {
   return whitening;
 }
 
-void judge(const Study& study, Candidate& candidate, const Whitening& whitening) {
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations) {
   if (!candidate.ran()) return;
   FitOptions options;
-  options.max_iterations = 30;
+  options.max_iterations = iterations;
   options.whitening = whitening;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
@@ -137,8 +137,8 @@ void run_left_out(const Study& study, Candidate& candidate) {
 }
 
 double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
-  const double added = larger.parameters() - smaller.parameters();
-  const double freedom = static_cast<double>(larger.innovations.size()) - larger.parameters() - 2;
+  const double added = larger.unknowns() - smaller.unknowns();
+  const double freedom = static_cast<double>(larger.innovations.size()) - larger.unknowns() - 2;
   if (!(larger.likelihood_cost < smaller.likelihood_cost) || added <= 0 || freedom <= 0) return 1;
   const double f = (smaller.likelihood_cost - larger.likelihood_cost) / added / (larger.likelihood_cost / freedom);
   return f_tail(f, added, freedom);

@@ -10,7 +10,7 @@ Whitening residual_colour(const Study& study, const Candidate& candidate);
 
 /// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit
 /// becomes the whitened fit, or a plain one where the whitened free run is clearly worse.
-void judge(const Study& study, Candidate& candidate, const Whitening& whitening);
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations = 30);
 
 /// The left-out part that a row belongs to: three pieces all over the record each, so that a drift does not fall into
 /// one.

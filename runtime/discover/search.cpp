@@ -1,19 +1,21 @@
 #include "discover/search.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
+#include "discover/grow.hpp"
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
 
 namespace {
 
-constexpr int beam = 2;       // sets that grow by one more effect
-constexpr int full_fits = 6;  // sets of one size that are fitted on the trajectory
-constexpr int finalists = 3;  // sets that are judged under the common noise colour
+constexpr int finalists = 3;   // sets of one size that are judged under the common noise colour
+constexpr int most = 6;        // the same where they come near to the best
+constexpr double near = 1.15;  // in squared error
 
 class Search {
  public:
@@ -24,178 +26,26 @@ class Search {
   }
 
   SearchResult run() {
-    std::vector<Candidate> previous{result_.baseline};
-    for (int size = 1; size <= study_.options->max_effects; ++size) {
-      progress_("propose and fit, " + std::to_string(size) + (size == 1 ? " effect" : " effects"), 0.15 + 0.12 * size);
-      std::vector<Candidate> level = grow(previous, size);
-      if (level.empty()) break;
-      sort_by_cost(level);
-      const bool better = worth_growing(previous.front(), level.front());
-      for (const auto& c : level)
-        if (!c.degenerate()) all_.push_back(c);
-      const bool masked = size == 1 && rms(result_.baseline) > 1.3 * study_.sensor_noise();
-      if (!better && !masked) break;
-      previous = parents_among(level);
-    }
+    Grown grown = grow(study_, model_, result_.baseline, catalogue_, progress_);
+    all_ = std::move(grown.sets);
+    result_.left_aside = std::move(grown.left_aside);
+    result_.tried = grown.tried;
     progress_("compare", 0.7);
     decide();
     return std::move(result_);
   }
 
  private:
-  static void sort_by_cost(std::vector<Candidate>& list) {
-    std::stable_sort(list.begin(), list.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
-  }
-
-  /// The sets that grow by one more effect: the best on the trajectory, and the one that explains most of the force.
-  /// The two differ where one missing effect makes free runs drift so far that another does not show in them.
-  static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
-    std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
-    const auto by_force = std::min_element(sorted.begin(), sorted.end(), [](const Candidate& a, const Candidate& b) {
-      return a.force_cost < b.force_cost;
-    });
-    if (by_force - sorted.begin() >= beam) {
-      parents.push_back(*by_force);
-      parents.back().fit.theta = by_force->starts.front();
-    }
-    return parents;
-  }
-
-  double rms(const Candidate& c) const { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
-
-  /// Growing goes on while the error falls visibly and is not yet what the sensor alone leaves.
-  bool worth_growing(const Candidate& before, const Candidate& after) const {
-    if (!after.ran()) return false;
-    if (!before.ran()) return true;
-    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
-           rms(after) > 1.02 * study_.sensor_noise();
-  }
-
-  static bool holds(const Choices& set, const Effect* effect) {
-    return std::any_of(set.begin(), set.end(), [&](const Choice& c) { return c.effect == effect; });
-  }
-
-  static bool same(Choices a, Choices b) {
-    auto order = [](const Choice& x, const Choice& y) {
-      return std::make_pair(x.effect, x.variant) < std::make_pair(y.effect, y.variant);
-    };
-    std::sort(a.begin(), a.end(), order);
-    std::sort(b.begin(), b.end(), order);
-    return a == b;
-  }
-
-  std::vector<Guess> guesses_of(const Choice& choice, double residual_std) {
-    if (!choice.effect->guess) return {};
-    return choice.effect->guess(scales(study_, residual_std), choice.variant);
-  }
-
-  std::vector<Candidate> grow(const std::vector<Candidate>& parents, int size) {
-    std::vector<Candidate> level;
-    std::vector<const Candidate*> parent_of;
-    std::vector<std::vector<Guess>> guesses;
-    for (const auto& parent : parents)
-      for (const auto& effect : catalogue_)
-        for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
-          if (holds(parent.choices, &effect)) continue;
-          Choices set = parent.choices;
-          set.push_back({&effect, variant});
-          if (std::any_of(level.begin(), level.end(), [&](const Candidate& c) { return same(c.choices, set); }))
-            continue;
-          level.push_back(compile(study_, model_, set));
-          parent_of.push_back(&parent);
-          guesses.push_back(guesses_of({&effect, variant}, residual_force(parent)));
-          result_.tried += std::max<int>(1, static_cast<int>(guesses.back().size()));
-        }
-    parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
-      const auto k = static_cast<std::size_t>(i);
-      find_starts(study_, level[k], parent_of[k]->fit.theta, {guesses[k]});
-    });
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (level[i].starts.empty()) continue;
-      if (shows(level[i], *parent_of[i])) {
-        order.push_back(i);
-      } else if (size == 1) {
-        result_.left_aside.push_back(level[i].choices.back().effect->name);
-      }
-    }
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return level[a].force_cost < level[b].force_cost; });
-    if (size > 1 && order.size() > full_fits) order.resize(full_fits);
-    parallel_for(static_cast<int>(order.size()), study_.options->threads, [&](int i) {
-      const std::size_t k = order[static_cast<std::size_t>(i)];
-      fit_candidate(level[k], *parent_of[k]);
-    });
-    std::vector<Candidate> out;
-    for (const auto k : order)
-      if (level[k].ran()) out.push_back(std::move(level[k]));
-    return out;
-  }
-
-  double residual_force(const Candidate& parent) const {
-    double squares = 0, rows = 0;
-    for (const auto& record : study_.smooth) {
-      const Eigen::VectorXd model = imposed_force(
-          *parent.force_system, {parent.fit.theta.data(), static_cast<std::size_t>(parent.fit.theta.size())}, record);
-      const auto f = record["F"];
-      squares += (Eigen::Map<const Eigen::VectorXd>(f.data(), model.size()) - model).squaredNorm();
-      rows += static_cast<double>(model.size());
-    }
-    return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
-  }
-
-  /// False when the new parameters' force is a combination of the others' on this record (rank).
-  bool shows(const Candidate& candidate, const Candidate& parent) const {
-    const Eigen::Index before = parent.parameters(), p = candidate.parameters();
-    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
-    const Eigen::VectorXd& theta = candidate.starts.front();
-    for (const auto& data : study_.force) {
-      Eigen::MatrixXd jacobian;
-      imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian,
-                    start_substeps);
-      gram += jacobian.transpose() * jacobian;
-    }
-    if (!gram.allFinite()) return true;  // the trajectory will tell
-    // an entry without a linear parameter (elastic_slip) shows by any of its parameters
-    const bool all_shape =
-        std::none_of(candidate.linear.begin() + before, candidate.linear.end(), [](auto l) { return l; });
-    for (Eigen::Index j = before; j < p; ++j) {
-      if (!(candidate.linear[static_cast<std::size_t>(j)] || all_shape) || !(gram(j, j) > 0)) continue;
-      Eigen::VectorXd scale = gram.diagonal().head(before).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd others = scale.asDiagonal() * gram.topLeftCorner(before, before) * scale.asDiagonal();
-      const Eigen::VectorXd with = scale.asDiagonal() * gram.col(j).head(before);
-      const double left =
-          gram(j, j) - with.dot((others + 1e-12 * Eigen::MatrixXd::Identity(before, before)).ldlt().solve(with));
-      if (left > 1e-6 * gram(j, j)) return true;
-    }
-    return before == 0;
-  }
-
-  /// From the force's regression (rough start) and from the parent with the new effect at zero; the better one.
-  void fit_candidate(Candidate& candidate, const Candidate& parent) const {
-    FitOptions options;
-    options.max_iterations = 12;
-    options.tolerance = 1e-4;
-    options.cancelled = study_.options->cancelled;
-    if (parent.ran()) options.substeps = std::max(1, (result_.baseline.fit.substeps + 1) / 2);
-    if (candidate.choices.size() == 1 || !parent.ran()) {
-      fit(study_, candidate, options);
-    } else {
-      candidate.fit = fit_trajectory(*candidate.system, candidate.starts.front(), study_.train, options);
-    }
-    if (!parent.ran()) return;
-    Eigen::VectorXd warm = candidate.starts.front();
-    warm.head(parent.fit.theta.size()) = parent.fit.theta;
-    for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
-      if (candidate.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
-    FitResult again = fit_trajectory(*candidate.system, warm, study_.train, options);
-    if (again.cost < candidate.fit.cost) candidate.fit = std::move(again);
-  }
-
+  /// Those far behind the best are judged where they are, nearly: no rival of it, but a line in the report.
   void judge_all(std::vector<Candidate*> list) {
-    parallel_for(static_cast<int>(list.size()), study_.options->threads,
-                 [&](int i) { judge(study_, *list[static_cast<std::size_t>(i)], result_.whitening); });
+    double best = INFINITY;
+    for (const auto* c : list)
+      if (c->ran()) best = std::min(best, c->fit.cost);
+    parallel_for(static_cast<int>(list.size()), study_.options->threads, [&](int i) {
+      Candidate& c = *list[static_cast<std::size_t>(i)];
+      const bool rival = c.choices.empty() || c.fit.cost < 2 * best;
+      judge(study_, c, result_.whitening, rival ? 30 : 2);
+    });
   }
 
   static double bic(const Candidate& c) {
@@ -203,7 +53,6 @@ class Search {
   }
 
   void decide() {
-    sort_by_cost(all_);
     result_.chosen = result_.baseline;
     if (all_.empty()) {
       result_.whitening = residual_colour(study_, result_.baseline);
@@ -223,16 +72,34 @@ class Search {
     choose(field);
   }
 
-  /// The best sets of each size, few enough to be judged.
-  std::vector<Candidate> contenders() const {
+  /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
+  static double priced(const Candidate& c) {
+    const auto n = static_cast<double>(c.fit.rows);
+    return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
+  }
+
+  /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
+  /// the input are heard whatever physics does better.
+  std::vector<Candidate> contenders() {
+    std::stable_sort(all_.begin(), all_.end(),
+                     [](const Candidate& a, const Candidate& b) { return priced(a) < priced(b); });
     std::vector<Candidate> field;
     for (int size = 1; size <= study_.options->max_effects; ++size) {
       int taken = 0;
-      for (const auto& c : all_)
-        if (static_cast<int>(c.choices.size()) == size && taken < finalists) {
-          field.push_back(c);
-          ++taken;
-        }
+      double best = INFINITY;
+      for (const auto& c : all_) {
+        if (static_cast<int>(c.choices.size()) != size) continue;
+        best = std::min(best, c.fit.cost);
+        const bool hopeless = size > 1 && c.fit.cost > near * all_.front().fit.cost;
+        if (hopeless || taken >= (c.fit.cost < near * best ? most : finalists)) continue;
+        field.push_back(c);
+        ++taken;
+      }
+      const auto fault = std::find_if(all_.begin(), all_.end(), [&](const Candidate& c) {
+        return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
+      });
+      const auto heard = [&](const Candidate& c) { return same(c.choices, fault->choices); };
+      if (fault != all_.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
     }
     return field;
   }
@@ -253,11 +120,12 @@ class Search {
     std::vector<std::size_t> alike;
     for (std::size_t i = 0; i < field.size(); ++i)
       if (i == 0 || not_rejected(field[i], best)) alike.push_back(i);
-    // The simplest member that is not rejected; among equals the likelier.
-    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) {
-      return std::make_pair(field[a].parameters(), field[a].choices.size()) <
-             std::make_pair(field[b].parameters(), field[b].choices.size());
-    });
+    // The simplest member that is not rejected; among equals a faulty sensor or input before physics, then the
+    // likelier.
+    const auto order = [&](std::size_t i) {
+      return std::make_tuple(field[i].parameters(), field[i].choices.size(), physics_in(field[i].choices));
+    };
+    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
     std::size_t pick = alike.front();
     prune(field, pick);
     Candidate chosen = field[pick];
@@ -321,21 +189,36 @@ class Search {
     for (std::size_t drop = 0; drop < chosen.choices.size(); ++drop) {
       Choices set = chosen.choices;
       set.erase(set.begin() + static_cast<std::ptrdiff_t>(drop));
-      out.push_back(set.empty() ? result_.baseline : obtain(field, set));
+      out.push_back(set.empty() ? result_.baseline : obtain(field, set, chosen));
     }
     return out;
   }
 
-  Candidate obtain(const std::vector<Candidate>& field, const Choices& set) {
+  /// A part of a fitted set, from the field where it is there; else fitted from the parameters of that set, and from
+  /// those with the baseline's own.
+  Candidate obtain(const std::vector<Candidate>& field, const Choices& set, const Candidate& larger) {
     for (const auto& c : field)
       if (same(c.choices, set)) return c;
     Candidate c = compile(study_, model_, set);
-    std::vector<std::vector<Guess>> guesses;
-    for (const auto& choice : set) guesses.push_back(guesses_of(choice, residual_force(result_.baseline)));
-    find_starts(study_, c, result_.baseline.fit.theta, guesses);
-    if (!c.starts.empty()) fit_candidate(c, result_.baseline);
+    fit_from(c, larger);
     judge(study_, c, result_.whitening);
     return c;
+  }
+
+  void fit_from(Candidate& c, const Candidate& larger) const {
+    const auto& table = c.system->model().parameters;
+    const auto& known = larger.system->model().parameters;
+    Eigen::VectorXd start(static_cast<Eigen::Index>(table.size()));
+    for (std::size_t i = 0; i < table.size(); ++i)
+      for (std::size_t j = 0; j < known.size(); ++j)
+        if (known[j].name == table[i].name)
+          start[static_cast<Eigen::Index>(i)] = larger.fit.theta[static_cast<Eigen::Index>(j)];
+    c.starts = {start};
+    c.fit = fit_near(study_, c, start, 20, larger.fit.substeps);
+    if (!result_.baseline.ran()) return;
+    start.head(result_.baseline.fit.theta.size()) = result_.baseline.fit.theta;
+    FitResult again = fit_near(study_, c, start, 20, larger.fit.substeps);
+    if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
   }
 
   /// Orders the effects by what each adds, and keeps the models between.
@@ -347,7 +230,7 @@ class Search {
       for (std::size_t i = 0; i < rest.size(); ++i) {
         Choices set = ordered;
         set.push_back(rest[i]);
-        Candidate c = obtain(field, set);
+        Candidate c = obtain(field, set, chosen);
         if (i == 0 || c.fit.cost < best.fit.cost) {
           best = std::move(c);
           which = i;
@@ -375,12 +258,25 @@ class Search {
   }
 
   void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike, std::size_t pick) {
-    for (const auto i : alike)
-      if (i != pick && field[i].parameters() == field[pick].parameters() &&
-          !same(field[i].choices, field[pick].choices) && !related(field[i].choices, field[pick].choices) &&
-          field[i].name() != field[pick].name() && std::abs(vuong_z(field[pick], field[i])) < 2.33 &&
-          improvement_p_value(result_.baseline, field[i]) < study_.options->alpha)
-        result_.ties.push_back(field[i].name());
+    for (const auto i : alike) {
+      const Candidate &c = field[i], &chosen = field[pick];
+      if (i == pick || c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
+          related(c.choices, chosen.choices) || c.name() == chosen.name())
+        continue;
+      // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
+      if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
+        result_.aliases.push_back(c.name());
+      else if (std::abs(vuong_z(chosen, c)) < 2.33 && improvement_p_value(result_.baseline, c) < study_.options->alpha)
+        result_.ties.push_back(c.name());
+    }
+  }
+
+  /// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
+  static bool same_runs(const Candidate& a, const Candidate& b) {
+    double apart = 0;
+    for (std::size_t r = 0; r < a.fit.residual.size(); ++r)
+      apart += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
+    return apart < 1e-3 * squared_error(a.fit);
   }
 
   /// Other sets first, best first; then those that only add to the chosen one.
@@ -395,7 +291,10 @@ class Search {
       seen.push_back(c.name());
       std::string remark;
       const bool tie = std::find(result_.ties.begin(), result_.ties.end(), c.name()) != result_.ties.end();
-      if (tie)
+      const bool alias = std::find(result_.aliases.begin(), result_.aliases.end(), c.name()) != result_.aliases.end();
+      if (alias)
+        remark = "the same force as " + chosen.name() + " on this record, in another notation";
+      else if (tie)
         remark = "this record cannot tell it from " + chosen.name();
       else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
         remark = "no better than the baseline";

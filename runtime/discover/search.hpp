@@ -17,6 +17,7 @@ struct SearchResult {
   std::vector<Candidate> rivals;     ///< judged sets that were not chosen, best first
   std::vector<std::string> remarks;  ///< for each rival: why not
   std::vector<std::string> ties;     ///< rivals of equal simplicity that the record cannot tell from the chosen set
+  std::vector<std::string> aliases;  ///< rivals whose free runs are those of the chosen set: the same in other words
   std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline
   double p_value = 1;                   ///< of the chosen set against the baseline, corrected for the search
   int tried = 0;                        ///< start points over which the p-value is corrected

@@ -8,6 +8,7 @@
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
+#include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -124,7 +125,9 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
 
 std::vector<Guess> guesses_of(const Stage& stage, const Choice& choice, double residual_std) {
   if (!choice.effect->guess) return {};
-  return choice.effect->guess(scales(stage.study, residual_std), choice.variant);
+  RecordScales known = scales(stage.study, residual_std);
+  known.lines = residual_lines(stage.study, stage.baseline);
+  return choice.effect->guess(known, choice.variant);
 }
 
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
@@ -182,9 +185,11 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
   return out;
 }
 
-Proposed propose(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& records,
+Proposed propose(const Model& baseline, const std::vector<Effect>& given, const std::vector<Record>& records,
                  const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
+  std::vector<std::string> untested;
+  const std::vector<Effect> catalogue = testable(stage.study, given, untested);
   if (!stage.baseline.ran())
     throw InputError("propose: the baseline cannot be simulated over the records (" + stage.baseline.fit.stopped + ")",
                      {}, Fault::data);

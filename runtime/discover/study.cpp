@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/sensor.hpp"
+
 #include "record/spectrum.hpp"
 
 namespace lunid {
@@ -96,7 +98,14 @@ Interpolation between_samples(const Study& study, Interpolation guess) {
 
 FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
   FitData data{record, {}, {}};
-  if (!study.imposed) data.excitation = Excitation(record.start(), record.dt(), record["F"], interpolation);
+  if (study.imposed) return data;
+  const Excitation force(record.start(), record.dt(), record["F"], interpolation);
+  data.excitation = force;
+  data.excitation.offer("force_rate", rate_of(force));
+  const bool held = interpolation == Interpolation::hold;
+  for (const std::string& name : side_channels(record))
+    data.excitation.offer(
+        name, Excitation(record.start(), record.dt(), record[name], held ? Interpolation::hold : Interpolation::cubic));
   return data;
 }
 
@@ -118,7 +127,9 @@ Record thinned(const Record& record) {
   const auto rows = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * M_PI / upper / record.dt() / 40), 1, most);
   if (rows == 1) return record;
   std::vector<Channel> channels;
-  for (const char* name : {"F", "y"}) {
+  std::vector<std::string> names = side_channels(record);
+  names.insert(names.begin(), {"F", "y"});
+  for (const std::string& name : names) {
     Channel c = record.channel(name);
     const auto x = record[name];
     Eigen::VectorXd mean(record.rows() / rows);
@@ -134,6 +145,13 @@ Record thinned(const Record& record) {
 }
 
 }  // namespace
+
+std::vector<std::string> side_channels(const Record& record) {
+  std::vector<std::string> names;
+  for (const char* name : {"yb", "vb", "ab", "shaft_angle", "shaft_speed", "shaft_rate"})
+    if (record.has(name)) names.emplace_back(name);
+  return names;
+}
 
 SavitzkyGolay smoothing_kernel(const Record& record) {
   return choose_savitzky_golay(record["y"], record.channel("y").noise, 1);
@@ -155,6 +173,9 @@ Record smooth_motion(const Record& record, const SavitzkyGolay& kernel) {
   channels.push_back(channel("y", "m", savitzky_golay(y, record.dt(), 0, kernel)));
   channels.push_back(channel("v", "m/s", savitzky_golay(y, record.dt(), 1, kernel)));
   channels.push_back(channel("a", "m/s^2", savitzky_golay(y, record.dt(), 2, kernel)));
+  for (const std::string& name : side_channels(record))
+    channels.push_back(
+        channel(name.c_str(), record.channel(name).unit.c_str(), savitzky_golay(record[name], record.dt(), 0, kernel)));
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
@@ -210,7 +231,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     study.test.push_back(record);
   }
   for (const auto& record : kept) {
-    const Record moved = derive_motion(record);
+    const Record moved = with_shaft(derive_motion(record));
     study.omega = std::max(study.omega, dominant_frequency(moved["y"], moved.dt()));
     study.full.push_back(moved);
     study.train.push_back({study.imposed ? moved : thinned(moved), {}, {}});
@@ -219,7 +240,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     study.smooth.push_back(study.imposed ? own : smooth_motion(own, kernel));
     study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : kernel.half_width));
   }
-  for (auto& record : study.test) record = derive_motion(record);
+  for (auto& record : study.test) record = with_shaft(derive_motion(record));
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(record));
   set_interpolation(study, study.guesses.front());
   return study;
@@ -266,6 +287,8 @@ RecordScales scales(const Study& study, double residual_std) {
   s.residual_std = residual_std;
   s.omega = study.omega;
   s.stiffness = s.force_std / s.y_std;
+  s.interval = study.train.front().record.dt();
+  for (const auto& data : study.train) s.duration = std::max(s.duration, data.record.duration());
   return s;
 }
 

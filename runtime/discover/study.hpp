@@ -38,7 +38,10 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
 
-/// The kernel that a record's noise calls for, and y v a F of a record through one kernel.
+/// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
+std::vector<std::string> side_channels(const Record& record);
+
+/// The kernel that a record's noise calls for, and y v a F and side channels of a record through one kernel.
 SavitzkyGolay smoothing_kernel(const Record& record);
 Record smooth_motion(const Record& record, const SavitzkyGolay& kernel);
 

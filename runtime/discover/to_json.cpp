@@ -42,9 +42,16 @@ json model(const Model& m, const Gap& train, const Gap& test) {
   return out;
 }
 
+const char* what_it_is(const std::string& family) {
+  return family == "sensor"  ? "the sensor, not the physics"
+         : family == "input" ? "the input, not the physics"
+                             : "physics";
+}
+
 json effect(const NamedEffect& e) {
   json out = {{"name", e.name},
               {"family", e.family},
+              {"is", what_it_is(e.family)},
               {"formula", e.formula},
               {"parameters", parameters(e.parameters)},
               {"indistinguishable", e.indistinguishable},

@@ -82,7 +82,8 @@ bool is_identifier(std::string_view name) {
 }
 
 bool is_channel_name(std::string_view name) {
-  if (name == "t" || name == "yb" || name == "vb" || name == "ab") return true;
+  for (const char* known : {"t", "yb", "vb", "ab", "shaft_angle", "shaft_speed", "shaft_rate", "force_rate"})
+    if (name == known) return true;
   if (name.empty() || std::string_view("yvaF").find(name[0]) == std::string_view::npos) return false;
   if (name.size() == 1) return true;
   if (name[1] == '0') return false;  // degrees of freedom count from 1: F0 is a name like any other

@@ -3,6 +3,7 @@
 // left; a device scales them.
 #include <span>
 #include <string>
+#include <vector>
 
 namespace lunid::figure {
 
@@ -26,6 +27,12 @@ struct Box {
   double width() const { return right - left; }
   double height() const { return top - bottom; }
   bool holds(Point p) const { return p.x >= left && p.x <= right && p.y >= bottom && p.y <= top; }
+};
+
+/// A filled convex polygon among many.
+struct Facet {
+  std::vector<Point> corners;
+  Colour colour;
 };
 
 /// Where a text's anchor lies in it: -1 left or bottom, 0 centre, 1 right or top.
@@ -52,6 +59,10 @@ class Canvas {
   virtual void polyline(std::span<const Point> points, Colour colour, double width) = 0;
   /// A convex polygon.
   virtual void polygon(std::span<const Point> corners, Colour colour) = 0;
+  /// Many polygons in their order, later ones over earlier ones.
+  virtual void facets(std::span<const Facet> facets) {
+    for (const Facet& facet : facets) polygon(facet.corners, facet.colour);
+  }
   virtual void discs(std::span<const Point> centres, double radius, Colour colour) = 0;
   virtual void text(Point anchor, const std::string& text, const TextStyle& style) = 0;
 

@@ -120,6 +120,48 @@ Stroke thin(const Stroke& stroke, double column) {
   return kept;
 }
 
+SeenSegments::SeenSegments(const Box& box, double cell)
+    : box_(box), cell_(cell), columns_(static_cast<std::size_t>(box.width() / cell) + 2) {}
+
+bool SeenSegments::ink(Point a, Point b) {
+  const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
+  bool fresh = false;
+  for (int k = 0; k <= steps; ++k) {
+    const double share = static_cast<double>(k) / steps;
+    const double x = a.x + share * (b.x - a.x) - box_.left, y = a.y + share * (b.y - a.y) - box_.bottom;
+    const auto column = static_cast<std::size_t>(std::max(0.0, x / cell_));
+    const std::size_t place =
+        static_cast<std::size_t>(std::max(0.0, y / cell_)) * columns_ + std::min(column, columns_ - 1);
+    if (place >= inked_.size() || inked_[place]) continue;
+    inked_[place] = true;
+    fresh = true;
+  }
+  return fresh;
+}
+
+std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
+  constexpr std::size_t few = 4000;
+  if (stroke.size() < few && inked_.empty()) return {stroke};
+  if (inked_.empty()) inked_.resize(columns_ * (static_cast<std::size_t>(box_.height() / cell_) + 2));
+  std::vector<Stroke> parts;
+  Stroke current;
+  // Short segments can lie in a cell that the one before has inked at its edge: a few of them do not end a line.
+  constexpr int patience = 2;
+  int stale = 0;
+  for (std::size_t i = 1; i < stroke.size(); ++i) {
+    stale = ink(stroke[i - 1], stroke[i]) ? 0 : stale + 1;
+    if (stale == 0 && current.empty()) current.push_back(stroke[i - 1]);
+    if (stale <= patience && !current.empty()) {
+      current.push_back(stroke[i]);
+    } else if (!current.empty()) {
+      parts.push_back(std::move(current));
+      current.clear();
+    }
+  }
+  if (!current.empty()) parts.push_back(std::move(current));
+  return parts;
+}
+
 std::vector<Stroke> clip(const Stroke& stroke, const Box& box) {
   std::vector<Stroke> parts;
   Stroke current;

@@ -13,8 +13,28 @@ using Stroke = std::vector<Point>;
 /// the lowest, the highest and the last stay, in their order. Extremes are thus kept exactly.
 Stroke thin(const Stroke& stroke, double column);
 
+/// What of a long curve that runs over itself is new to the eye: a segment stays where it inks a cell of `cell` points'
+/// width that no segment before has inked. Strokes of fewer points pass through.
+class SeenSegments {
+ public:
+  SeenSegments(const Box& box, double cell);
+  std::vector<Stroke> fresh(const Stroke& stroke);
+
+ private:
+  bool ink(Point a, Point b);
+
+  Box box_;
+  double cell_;
+  std::size_t columns_;
+  std::vector<bool> inked_;  ///< cells, row by row; empty while no long stroke came
+};
+
 /// The parts of a stroke that lie within a box (Liang and Barsky 1984, for each segment).
 std::vector<Stroke> clip(const Stroke& stroke, const Box& box);
+
+/// The lines on which a map's values, linear between the centres of its cells, are `level`: in the map's own
+/// coordinates, broken where there is no data (marching squares; an ambiguous cell is cut by the mean of its corners).
+std::vector<Stroke> contour(const HeatMap& map, double level);
 
 /// Cuts strokes into the dashes of a style; `width` is the line's width, dashes scale with it. Solid styles
 /// pass through.

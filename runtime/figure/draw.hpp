@@ -24,6 +24,9 @@ void draw_figure(Canvas& canvas, TextMeter& meter, const Look& look, const Figur
 /// One planned panel: data, frame, ticks, titles, legend.
 void draw_panel(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 
+/// The colour bar beside a panel's plot, with its title.
+void draw_panel_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
+
 /// The cells of a map within the plot, and the colour bar beside it.
 void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan);
 

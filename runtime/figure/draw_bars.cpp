@@ -61,7 +61,7 @@ class BarPainter {
 
   /// Beyond the bar's end, or within the bar where the plot ends first.
   void number(double value, const Ends& bar, double y, double size) {
-    const std::string text = three_digits(value / plan_.x.factor);
+    const std::string text = few_digits(value / plan_.x.factor, 3);
     const double width = meter_.width(text, size, false) + 2.0 * look_.gap;
     int side = value < 0.0 ? 1 : -1;
     const bool leaves = side > 0 ? bar.beyond - width < plan_.plot.left : bar.beyond + width > plan_.plot.right;

@@ -26,23 +26,54 @@ void hatch(Canvas& canvas, const Look& look, const PanelPlan& plan, const Box& b
 
 bool same(const Colour& a, const Colour& b) { return a.red == b.red && a.green == b.green && a.blue == b.blue; }
 
+/// A map of at most so many cells each way: more are finer than a point of a usual figure.
+constexpr std::size_t most_cells = 250;
+
+/// Cells to draw: those of a map, or blocks of them with the value that lies farthest from the middle of the colours.
+struct Cells {
+  std::vector<double> x, y;  ///< edges
+  Eigen::MatrixXd z;
+
+  Cells(const HeatMap& map, const AxisPlan& colour, bool diverging)
+      : x(cell_edges(map.x)), y(cell_edges(map.y)), z(map.z) {
+    const auto width = static_cast<Eigen::Index>((map.x.size() + most_cells - 1) / most_cells);
+    const auto height = static_cast<Eigen::Index>((map.y.size() + most_cells - 1) / most_cells);
+    if (width == 1 && height == 1) return;
+    const auto extremity = [&](double value) { return std::abs(colour_position(colour, diverging, value) - 0.5); };
+    z = Eigen::MatrixXd::Constant((map.z.rows() + height - 1) / height, (map.z.cols() + width - 1) / width,
+                                  std::nan(""));
+    for (Eigen::Index c = 0; c < map.z.cols(); ++c)
+      for (Eigen::Index r = 0; r < map.z.rows(); ++r) {
+        double& held = z(r / height, c / width);
+        if (std::isnan(held) || extremity(map.z(r, c)) > extremity(held)) held = map.z(r, c);
+      }
+    thin(x, width);
+    thin(y, height);
+  }
+
+ private:
+  static void thin(std::vector<double>& edges, Eigen::Index step) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i + 1 < edges.size(); i += static_cast<std::size_t>(step)) kept.push_back(edges[i]);
+    kept.push_back(edges.back());
+    edges = std::move(kept);
+  }
+};
+
 class MapPainter {
  public:
   MapPainter(Canvas& canvas, const Look& look, const PanelPlan& plan)
-      : canvas_(canvas),
-        look_(look),
-        plan_(plan),
-        map_(*plan.panel->map),
-        x_(cell_edges(map_.x)),
-        y_(cell_edges(map_.y)) {}
+      : canvas_(canvas), look_(look), plan_(plan), map_(*plan.panel->map), cells_(map_, *plan.colour, map_.diverging) {}
 
   void paint() {
-    for (Eigen::Index row = 0; row < map_.z.rows(); ++row)
-      for (Run run{0, 0}; run.begin < map_.z.cols(); run.begin = run.end) {
+    for (Eigen::Index row = 0; row < cells_.z.rows(); ++row)
+      for (Run run{0, 0}; run.begin < cells_.z.cols(); run.begin = run.end) {
         run.end = run.begin + 1;
-        while (run.end < map_.z.cols() && alike(row, run.begin, run.end)) ++run.end;
-        paint(row, run);
+        while (run.end < cells_.z.cols() && alike(row, run.begin, run.end)) ++run.end;
+        place(row, run);
       }
+    canvas_.facets(facets_);
+    for (const Box& box : empty_) hatch(canvas_, look_, plan_, box);
   }
 
  private:
@@ -51,15 +82,15 @@ class MapPainter {
   }
 
   bool alike(Eigen::Index row, Eigen::Index a, Eigen::Index b) const {
-    const double u = map_.z(row, a), v = map_.z(row, b);
+    const double u = cells_.z(row, a), v = cells_.z(row, b);
     if (std::isnan(u) || std::isnan(v)) return std::isnan(u) && std::isnan(v);
     return same(colour(u), colour(v));
   }
 
-  void paint(Eigen::Index row, Run run) {
+  void place(Eigen::Index row, Run run) {
     const auto r = static_cast<std::size_t>(row);
-    const Point low = plan_.at(x_[static_cast<std::size_t>(run.begin)], y_[r]);
-    const Point high = plan_.at(x_[static_cast<std::size_t>(run.end)], y_[r + 1]);
+    const Point low = plan_.at(cells_.x[static_cast<std::size_t>(run.begin)], cells_.y[r]);
+    const Point high = plan_.at(cells_.x[static_cast<std::size_t>(run.end)], cells_.y[r + 1]);
     const Box& plot = plan_.plot;
     Box box{std::max(low.x, plot.left), std::max(low.y, plot.bottom), std::min(high.x, plot.right),
             std::min(high.y, plot.top)};
@@ -67,21 +98,19 @@ class MapPainter {
     // Cells reach a little under the next ones, right and above, so that no viewer shows seams.
     box.right = std::min(box.right + 0.3, plot.right);
     box.top = std::min(box.top + 0.3, plot.top);
-    const double value = map_.z(row, run.begin);
-    if (std::isnan(value)) {
-      canvas_.rectangle(box, look_.palette.no_data);
-      hatch(canvas_, look_, plan_, box);
-      return;
-    }
-    canvas_.rectangle(box, colour(value));
+    const double value = cells_.z(row, run.begin);
+    if (std::isnan(value)) empty_.push_back(box);
+    facets_.push_back({{{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}},
+                       std::isnan(value) ? look_.palette.no_data : colour(value)});
   }
 
   Canvas& canvas_;
   const Look& look_;
   const PanelPlan& plan_;
   const HeatMap& map_;
-  std::vector<double> x_;
-  std::vector<double> y_;
+  Cells cells_;
+  std::vector<Facet> facets_;
+  std::vector<Box> empty_;
 };
 
 void outline(Canvas& canvas, const Look& look, const Box& box) {
@@ -132,9 +161,54 @@ void draw_colour_bar(Canvas& canvas, const Look& look, const AxisPlan& axis, boo
   }
 }
 
+namespace {
+
+/// Dark ink on light cells, light on dark ones (the weights of sRGB luminance).
+Colour legible_on(const Colour& cell) {
+  const double luminance = 0.2126 * cell.red + 0.7152 * cell.green + 0.0722 * cell.blue;
+  return luminance > 140.0 ? Colour{20, 20, 20} : Colour{250, 250, 250};
+}
+
+/// The value of each cell, where it is large enough to hold one.
+void draw_numbers(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
+  const HeatMap& map = *plan.panel->map;
+  constexpr double least = 5.0;  // points: smaller is not read
+  const std::vector<double> x = cell_edges(map.x), y = cell_edges(map.y);
+  for (std::size_t row = 0; row < map.y.size(); ++row)
+    for (std::size_t column = 0; column < map.x.size(); ++column) {
+      const double value = map.z(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+      if (!std::isfinite(value)) continue;
+      const std::string text = few_digits(value / plan.colour->factor, 2);
+      const Point low = plan.at(x[column], y[row]), high = plan.at(x[column + 1], y[row + 1]);
+      const double natural = meter.width(text, look.tick_text, false);
+      const double size =
+          std::min({look.tick_text, look.tick_text * 0.9 * (high.x - low.x) / natural, 0.7 * (high.y - low.y)});
+      const Colour cell = map_colour(colour_position(*plan.colour, map.diverging, value), map.diverging);
+      if (size >= least && plan.plot.holds({0.5 * (low.x + high.x), 0.5 * (low.y + high.y)}))
+        canvas.text({0.5 * (low.x + high.x), 0.5 * (low.y + high.y)}, text,
+                    {.size = size, .colour = legible_on(cell), .across = 0, .upward = 0});
+    }
+}
+
+void draw_contours(Canvas& canvas, const Look& look, const PanelPlan& plan) {
+  for (const Tick& tick : plan.colour->ticks)
+    for (const Stroke& line : contour(*plan.panel->map, tick.value)) {
+      Stroke on_paper;
+      for (const Point& p : line) on_paper.push_back(plan.at(p.x, p.y));
+      for (const Stroke& part : clip(on_paper, plan.plot)) canvas.polyline(part, {20, 20, 20, 200}, 0.8 * look.frame);
+    }
+}
+
+}  // namespace
+
 void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
   MapPainter(canvas, look, plan).paint();
-  if (!plan.colour_bar) return;
+  if (plan.panel->map->contours) draw_contours(canvas, look, plan);
+  if (plan.panel->map->numbers) draw_numbers(canvas, meter, look, plan);
+  if (plan.colour_bar) draw_panel_colour_bar(canvas, meter, look, plan);
+}
+
+void draw_panel_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPlan& plan) {
   const Box bar = colour_bar_box(plan);
   if (plan.no_data) {
     const Box swatch{bar.left, plan.plot.bottom, bar.right, plan.plot.bottom + bar.width()};
@@ -144,7 +218,7 @@ void draw_map(Canvas& canvas, TextMeter& meter, const Look& look, const PanelPla
     canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)}, "no data",
                 {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
   }
-  draw_colour_bar(canvas, look, *plan.colour, plan.panel->map->diverging, bar);
+  draw_colour_bar(canvas, look, *plan.colour, diverging_colours(*plan.panel), bar);
   draw_colour_title(canvas, meter, look, plan, bar);
 }
 

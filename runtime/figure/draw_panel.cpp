@@ -12,6 +12,11 @@ class PanelPainter {
       : canvas_(canvas), meter_(meter), look_(look), plan_(plan), panel_(*plan.panel) {}
 
   void paint() {
+    if (plan_.view) {
+      draw_scene_axes(canvas_, meter_, look_, *plan_.view);
+      canvas_.facets(scene_facets(look_, *panel_.scene, *plan_.view));
+      return above();
+    }
     for (const Band& band : panel_.bands) shade(band);
     if (panel_.map)
       draw_map(canvas_, meter_, look_, plan_);
@@ -19,6 +24,7 @@ class PanelPainter {
       grid();
     for (const Series& s : panel_.series) points(s);
     for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
+    if (plan_.colour_bar && !panel_.map) draw_panel_colour_bar(canvas_, meter_, look_, plan_);
     if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const ReferenceLine& line : panel_.lines) rule(line);
     for (const Series& s : panel_.series) curve(s);
@@ -56,9 +62,13 @@ class PanelPainter {
     Colour colour = role_colour(r.role, look_.theme);
     colour.alpha = 90;
     const Box& plot = plan_.plot;
+    // On a log axis an area that reaches zero ends at the frame.
+    const auto low = [&](double value) {
+      return plan_.y.scale == Scale::log && value <= 0.0 ? plan_.y.range.low : value;
+    };
     const auto held = [&](Point p) { return Point{p.x, std::clamp(p.y, plot.bottom, plot.top)}; };
     for (std::size_t i = 1; i < r.x.size(); ++i) {
-      const Point corners[] = {held(plan_.at(r.x[i - 1], r.low[i - 1])), held(plan_.at(r.x[i], r.low[i])),
+      const Point corners[] = {held(plan_.at(r.x[i - 1], low(r.low[i - 1]))), held(plan_.at(r.x[i], low(r.low[i]))),
                                held(plan_.at(r.x[i], r.high[i])), held(plan_.at(r.x[i - 1], r.high[i - 1]))};
       const bool drawn = std::all_of(std::begin(corners), std::end(corners), [&](Point p) {
         return std::isfinite(p.x) && std::isfinite(p.y) && p.x >= plot.left - 1e-6 && p.x <= plot.right + 1e-6;
@@ -79,13 +89,55 @@ class PanelPainter {
 
   void curve(const Series& s) {
     const Colour colour = role_colour(s.role, look_.theme);
-    if (has_line(s.style)) ink(series_strokes(plan_, s.x, s.y), s.style, colour, look_.line * s.width);
+    if (s.style == Style::stems) return stems(s, colour);
+    if (!has_line(s.style)) return;
+    if (s.colour.empty()) return ink(series_strokes(plan_, s.x, s.y), s.style, colour, look_.line * s.width);
+    for (const ColouredStroke& part : coloured_strokes(plan_, s))
+      ink({part.stroke}, s.style, part.colour, look_.line * s.width);
+  }
+
+  /// Where zero is, or the end of the plot next to it.
+  double ground() const {
+    const double at = plan_.y.scale == Scale::log ? 0.0 : plan_.y.place(0.0);
+    return plan_.plot.bottom + std::clamp(at, 0.0, 1.0) * plan_.plot.height();
+  }
+
+  void stems(const Series& s, Colour colour) {
+    const double zero = ground();
+    std::vector<Stroke> strokes;
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      const Point top = plan_.at(s.x[i], s.y[i]);
+      if (!std::isfinite(top.x) || !std::isfinite(top.y)) continue;
+      for (Stroke& part : clip({{top.x, zero}, top}, plan_.plot)) strokes.push_back(std::move(part));
+    }
+    ink(strokes, Style::line, colour, look_.line * s.width);
+  }
+
+  void columns(const Series& s) {
+    const double zero = ground(), half = 0.5 * column_width(s);
+    Colour colour = role_colour(s.role, look_.theme);
+    colour.alpha = 170;
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      const Point left = plan_.at(s.x[i] - half, s.y[i]), right = plan_.at(s.x[i] + half, s.y[i]);
+      if (!std::isfinite(left.x + right.x + left.y)) continue;
+      const double gap = std::min(0.5, 0.1 * (right.x - left.x));  // a hair of paper between neighbours
+      const Box bar{
+          std::max(left.x + gap, plan_.plot.left), std::clamp(std::min(left.y, zero), plan_.plot.bottom, zero),
+          std::min(right.x - gap, plan_.plot.right), std::clamp(std::max(left.y, zero), zero, plan_.plot.top)};
+      if (bar.width() > 0.0 && bar.height() > 0.0) canvas_.rectangle(bar, colour);
+    }
   }
 
   /// Points lie under everything else: a cloud would hide it. Many points are smaller.
   void points(const Series& s) {
+    if (s.style == Style::columns) columns(s);
     if (!has_points(s.style)) return;
     const double radius = look_.point_radius * s.width * (s.x.size() > 1000 ? 0.67 : 1.0);
+    if (!s.colour.empty()) {
+      for (const ColouredStroke& group : coloured_points(plan_, s, radius))
+        canvas_.discs(group.stroke, radius, group.colour);
+      return;
+    }
     canvas_.discs(series_points(plan_, s, radius), radius, role_colour(s.role, look_.theme));
   }
 
@@ -107,13 +159,16 @@ class PanelPainter {
       const double x = plot.left + plan_.x.place(tick.value) * plot.width();
       const double length = tick.label.empty() ? 0.6 * full : full;
       canvas_.line({x, plot.bottom}, {x, plot.bottom - length}, look_.palette.ink, look_.frame);
-      canvas_.text({x, plot.bottom - full - gap}, tick.label, text(look_.tick_text, 0, 1));
+      if (plan_.x.bare) continue;
+      TextStyle style = text(look_.tick_text, 0, 1);
+      style.vertical = plan_.x.turned;
+      canvas_.text({x, plot.bottom - full - gap}, tick.label, style);
     }
     for (const Tick& tick : plan_.y.ticks) {
       const double y = plot.bottom + plan_.y.place(tick.value) * plot.height();
       const double length = tick.label.empty() ? 0.6 * full : full;
       canvas_.line({plot.left, y}, {plot.left - length, y}, look_.palette.ink, look_.frame);
-      canvas_.text({plot.left - full - gap, y}, tick.label, text(look_.tick_text, 1, 0));
+      if (!plan_.y.bare) canvas_.text({plot.left - full - gap, y}, tick.label, text(look_.tick_text, 1, 0));
     }
   }
 
@@ -132,14 +187,14 @@ class PanelPainter {
     const double x_size = fitting_size(meter_, plan_.x.title, look_.axis_text, plan_.cell.width());
     const double x_half = 0.5 * meter_.width(plan_.x.title, x_size, false);
     const double x_middle = centred(plot.left, plot.right, x_half, plan_.cell.left, plan_.cell.right);
-    canvas_.text({x_middle, plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
+    if (!plan_.x.bare) canvas_.text({x_middle, plan_.cell.bottom}, plan_.x.title, text(x_size, 0, -1));
     const double room = plan_.cell.height();
     const double y_size = fitting_size(meter_, plan_.y.title, look_.axis_text, room);
     const double half = 0.5 * meter_.width(plan_.y.title, y_size, false);
     const double middle = centred(plot.bottom, plot.top, half, plan_.cell.bottom, plan_.cell.top);
     TextStyle style = text(y_size, -1, 0);
     style.vertical = true;
-    canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);
+    if (!plan_.y.bare) canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);
     above();
   }
 

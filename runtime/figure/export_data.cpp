@@ -65,13 +65,25 @@ double shown(double value) { return std::isfinite(value) ? value : std::nan("");
 
 void add_curves(Table& table, std::size_t n, const Panel& panel) {
   for (const Series& s : panel.series)
-    for (std::size_t i = 0; i < s.x.size(); ++i) table.row(n, "curve", s.label, shown(s.x[i]), shown(s.y[i]));
+    for (std::size_t i = 0; i < s.x.size(); ++i)
+      table.row(n, "curve", s.label, shown(s.x[i]), shown(s.y[i]), s.colour.empty() ? absent : shown(s.colour[i]));
   for (const Ribbon& r : panel.ribbons)
     for (std::size_t i = 0; i < r.x.size(); ++i)
       table.row(n, "ribbon", r.label, shown(r.x[i]), shown(r.low[i]), shown(r.high[i]));
 }
 
+void add_scene(Table& table, std::size_t n, const Scene& scene) {
+  for (std::size_t row = 0; row < scene.grid_y.size(); ++row)
+    for (std::size_t column = 0; column < scene.grid_x.size(); ++column)
+      table.row(n, "surface", scene.z.name, scene.grid_x[column], scene.grid_y[row],
+                shown(scene.surface(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column))));
+  for (const Cloud& cloud : scene.clouds)
+    for (std::size_t i = 0; i < cloud.x.size(); ++i)
+      table.row(n, "cloud", cloud.label, shown(cloud.x[i]), shown(cloud.y[i]), shown(cloud.z[i]));
+}
+
 void add_panel(Table& table, std::size_t n, const Panel& panel) {
+  if (panel.scene) add_scene(table, n, *panel.scene);
   add_curves(table, n, panel);
   if (panel.map)
     for (std::size_t row = 0; row < panel.map->y.size(); ++row)
@@ -100,29 +112,16 @@ void export_data(const Figure& figure, const std::string& path) {
   if (!figure.title.empty()) table.comment(figure.title);
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const Panel& panel = figure.panels[i];
-    std::string text = "panel " + std::to_string(i + 1) + ": " + panel.title + "; x: " + axis_text(panel.x);
-    if (!panel.bars) text += "; y: " + axis_text(panel.y);
+    const Axis &x = panel.scene ? panel.scene->x : panel.x, &y = panel.scene ? panel.scene->y : panel.y;
+    std::string text = "panel " + std::to_string(i + 1) + ": " + panel.title + "; x: " + axis_text(x);
+    if (!panel.bars) text += "; y: " + axis_text(y);
+    if (panel.scene) text += "; z: " + axis_text(panel.scene->z);
     if (panel.map) text += "; z: " + axis_text(panel.map->colour);
+    if (!panel.map && !panel.colour.name.empty()) text += "; z: " + axis_text(panel.colour);
     table.comment(text);
   }
   table.header();
   for (std::size_t i = 0; i < figure.panels.size(); ++i) add_panel(table, i + 1, figure.panels[i]);
-  write_file_atomically(path, table.text());
-}
-
-void export_data(const SurfaceFigure& figure, const std::string& path) {
-  validate(figure);
-  Table table;
-  if (!figure.title.empty()) table.comment(figure.title);
-  table.comment("x: " + axis_text(figure.x) + "; y: " + axis_text(figure.y) + "; z: " + axis_text(figure.z));
-  table.header();
-  for (std::size_t row = 0; row < figure.grid_y.size(); ++row)
-    for (std::size_t column = 0; column < figure.grid_x.size(); ++column)
-      table.row(1, "surface", figure.z.name, figure.grid_x[column], figure.grid_y[row],
-                shown(figure.surface(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column))));
-  for (const Cloud& cloud : figure.clouds)
-    for (std::size_t i = 0; i < cloud.x.size(); ++i)
-      table.row(1, "cloud", cloud.label, shown(cloud.x[i]), shown(cloud.y[i]), shown(cloud.z[i]));
   write_file_atomically(path, table.text());
 }
 

@@ -17,8 +17,9 @@ inline constexpr double no_limit = std::numeric_limits<double>::quiet_NaN();
 /// are for curves that have no such meaning.
 enum class Role { measured, baseline, final, residual, effect, noise, first, second, third, fourth, fifth, sixth };
 
-/// How a curve is drawn. Curves that share a panel should differ in style as well as in colour.
-enum class Style { line, dashed, dotted, dash_dot, points, line_points };
+/// How a curve is drawn. Curves that share a panel should differ in style as well as in colour. `stems` stand on zero,
+/// one for each point; `columns` too, and are as wide as the points are apart: a histogram.
+enum class Style { line, dashed, dotted, dash_dot, points, line_points, stems, columns };
 
 enum class Scale { linear, log };
 
@@ -30,13 +31,15 @@ enum class Legend { automatic, top_left, top_right, bottom_left, bottom_right, a
 enum class Theme { light, dark };
 
 /// A quantity along an axis: `name` in words or as a symbol, `unit` bare ("m", "N s/m", "" for none). `min`
-/// and `max` are in the unit; NaN takes them from the data. A log axis shows only values > 0.
+/// and `max` are in the unit; NaN takes them from the data. A log axis shows only values > 0. `names`: of the places
+/// 1, 2, ..., in place of numbers.
 struct Axis {
   std::string name;
   std::string unit;
   double min = no_limit;
   double max = no_limit;
   Scale scale = Scale::linear;
+  std::vector<std::string> names = {};
 };
 
 /// A curve or a cloud of points: `x` and `y` of one length. An empty label stays out of the legend.
@@ -46,7 +49,8 @@ struct Series {
   std::vector<double> y;
   Style style = Style::line;
   Role role = Role::first;
-  double width = 1.0;  ///< factor on the usual line width or point size
+  double width = 1.0;               ///< factor on the usual line width or point size
+  std::vector<double> colour = {};  ///< empty, or for each point a value on the panel's colour axis
 };
 
 /// A filled area between two curves, such as mean +- one standard deviation of the noise.
@@ -83,6 +87,8 @@ struct HeatMap {
   Eigen::MatrixXd z;
   Axis colour;            ///< name and unit of z; min and max fix the colour range (to compare two maps)
   bool diverging = true;  ///< colours symmetric about zero (residuals); false: from low to high (counts)
+  bool numbers = false;   ///< written into the cells
+  bool contours = false;  ///< lines of equal z, at the ticks of the colour bar
 };
 
 /// One set of bars: a value for each name of the Bars; `error` is empty or a standard deviation for each.
@@ -99,8 +105,32 @@ struct Bars {
   std::vector<BarSet> set;
 };
 
-/// One pair of axes and what stands on it. With `bars`, the y axis holds the names and its limits are not
-/// used.
+/// Measured points near a surface; `x`, `y`, `z` of one length.
+struct Cloud {
+  std::string label;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> z;
+  Role role = Role::measured;
+};
+
+/// A surface `z(row, column)` over (grid_y[row], grid_x[column]), both strictly increasing, and points near it. NaN
+/// leaves a hole. Drawn in a box of its own proportions; the exported numbers are the ones given.
+struct Scene {
+  Axis x;
+  Axis y;
+  Axis z;
+  std::vector<double> grid_x;
+  std::vector<double> grid_y;
+  Eigen::MatrixXd surface;
+  std::vector<Cloud> clouds;
+  bool diverging = true;    ///< colours symmetric about zero
+  double azimuth = -130.0;  ///< degrees about the z axis, from the x axis; here a spring's surface rises to the back
+  double elevation = 28.0;  ///< degrees above the xy plane, 5 to 85
+};
+
+/// One pair of axes and what stands on it, or a scene with three axes of its own. With `bars`, the y axis holds the
+/// names and its limits are not used.
 struct Panel {
   std::string title;
   std::string note;  ///< one short line above the panel, on the right: a number to remember, such as "gap 0.05"
@@ -113,6 +143,8 @@ struct Panel {
   std::vector<ReferenceLine> lines;
   std::optional<HeatMap> map;
   std::optional<Bars> bars;
+  std::optional<Scene> scene;
+  Axis colour;          ///< of the curves that have colours
   int column_span = 1;  ///< columns of the figure's grid that the panel takes
 };
 
@@ -131,47 +163,27 @@ struct Figure {
   int rows = 0;
   Size size;
   Theme theme = Theme::light;
+  bool share_x =
+      false;  ///< panels of one column that show the same quantity have one range; only the lowest has labels
+  bool share_y = false;  ///< the same of panels side by side
   std::vector<Panel> panels;
-};
-
-/// Measured points near a surface; `x`, `y`, `z` of one length.
-struct Cloud {
-  std::string label;
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> z;
-  Role role = Role::measured;
-};
-
-/// A surface `z(row, column)` over (y[row], x[column]), both strictly increasing, and points near it. NaN
-/// leaves a hole. Drawn in a box of its own proportions; the exported numbers are the ones given.
-struct SurfaceFigure {
-  std::string title;
-  Axis x;
-  Axis y;
-  Axis z;
-  std::vector<double> grid_x;
-  std::vector<double> grid_y;
-  Eigen::MatrixXd surface;
-  std::vector<Cloud> clouds;
-  bool diverging = true;    ///< colours symmetric about zero
-  double azimuth = -130.0;  ///< degrees about the z axis, from the x axis; here a spring's surface rises to the back
-  double elevation = 28.0;  ///< degrees above the xy plane
-  Size size{16.0, 12.0, 250};
-  Theme theme = Theme::light;
 };
 
 /// Throws InputError that names the panel and the curve when lengths differ, centres do not increase, a limit
 /// is not finite, nothing is to be drawn.
 void validate(const Figure& figure);
-void validate(const SurfaceFigure& figure);
+
+/// The first surface of a figure, which export as a grid is about; throws InputError where there is none.
+const Scene& scene_of(const Figure& figure);
 
 /// Writes what the figure draws as CSV, without VTK: comment lines (`#`) with the axes and units, then
 /// `panel,kind,label,name,x,y,z`, one row per point, whose doubles read back bit for bit. Kinds: curve (x,
-/// y), ribbon (x, y low, z high), map (x, y, z), bar (name, x value, y error), band (x from, y to), vertical
+/// y, colour), ribbon (x, y low, z high), map (x, y, z), bar (name, x value, y error), band (x from, y to), vertical
 /// and horizontal (x or y); surface and cloud (x, y, z). Written whole or not at all; throws InputError with
 /// the path.
 void export_data(const Figure& figure, const std::string& path);
-void export_data(const SurfaceFigure& figure, const std::string& path);
+
+/// The figure as JSON for stdlib/web/figure.js, which draws it in a browser: no VTK, no display.
+std::string page_data(const Figure& figure);
 
 }  // namespace lunid::figure

@@ -30,7 +30,8 @@ void draw_swatch(Canvas& canvas, const Look& look, const LegendEntry& entry, dou
   if (has_points(entry.style)) {
     const double r = look.point_radius * entry.width;
     const Point centre{left + 0.5 * swatch_width, middle};
-    const Point three[] = {{centre.x - 4 * r, middle}, centre, {centre.x + 4 * r, middle}};
+    const double apart = std::min(4.0 * r, 0.5 * swatch_width - r);
+    const Point three[] = {{centre.x - apart, middle}, centre, {centre.x + apart, middle}};
     if (entry.style == Style::points)
       canvas.discs(three, r, colour);
     else
@@ -69,6 +70,7 @@ struct Obstacles {
   explicit Obstacles(const PanelPlan& plan) {
     for (const Series& s : plan.panel->series) {
       if (has_line(s.style)) add(series_strokes(plan, s.x, s.y));
+      if (stands_on_zero(s.style)) add_standing(plan, s);
       if (!has_points(s.style)) continue;
       const std::vector<Point> more = series_points(plan, s, 4.0);
       points.insert(points.end(), more.begin(), more.end());
@@ -98,6 +100,14 @@ struct Obstacles {
     for (Stroke& s : more) strokes.push_back(std::move(s));
   }
 
+  void add_standing(const PanelPlan& plan, const Series& s) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      const Point top = plan.at(s.x[i], s.y[i]), foot = plan.at(s.x[i], 0.0);
+      if (std::isfinite(top.x + top.y))
+        strokes.push_back({{top.x, std::isfinite(foot.y) ? foot.y : plan.plot.bottom}, top});
+    }
+  }
+
   /// A bar, its whisker and its number as three strokes that a legend box cannot slip between.
   void add_bars(const PanelPlan& plan) {
     const Bars& bars = *plan.panel->bars;
@@ -122,7 +132,10 @@ std::vector<LegendEntry> legend_entries(const Panel& panel) {
     if (entry.label.empty() || std::find(entries.begin(), entries.end(), entry) != entries.end()) return;
     entries.push_back(std::move(entry));
   };
-  for (const Series& s : panel.series) add({s.label, Swatch::curve, s.style, s.role, s.width});
+  if (panel.scene)
+    for (const Cloud& cloud : panel.scene->clouds) add({cloud.label, Swatch::curve, Style::points, cloud.role, 1.0});
+  for (const Series& s : panel.series)
+    add({s.label, s.style == Style::columns ? Swatch::area : Swatch::curve, s.style, s.role, s.width});
   if (panel.bars)
     for (const BarSet& set : panel.bars->set) add({set.label, Swatch::bar, Style::line, set.role, 1.0});
   for (const Ribbon& r : panel.ribbons) add({r.label, Swatch::area, Style::line, r.role, 1.0});
@@ -160,7 +173,8 @@ void place_legend(TextMeter& meter, const Look& look, PanelPlan& plan, Legend wa
     legend.place = Legend::above;
     legend.rows = legend_rows(meter, look, legend.entries, plan.cell.right - plan.plot.left);
   };
-  if (wanted == Legend::above || (wanted == Legend::automatic && plan.panel->map)) return above();
+  if (wanted == Legend::above || (wanted == Legend::automatic && (plan.panel->map || plan.panel->scene)))
+    return above();
   if (wanted != Legend::automatic) {
     legend.place = wanted;
     return settle_legend(meter, look, plan);

@@ -44,6 +44,10 @@ std::string shortened(TextMeter& meter, const std::string& text, double size, bo
 /// measured record come in any encoding, and text libraries crash on bad bytes.
 std::string printable(const std::string& text);
 
+/// The same with what single characters can show of LaTeX: Greek letters "\omega", "\dot y", powers "y^3" and "s^{-2}",
+/// indices "k_3" after a lone letter. What they cannot show stays as it is written.
+std::string typeset(const std::string& text);
+
 /// The size, not under 0.75 of `size`, at which `text` fits `width`.
 double fitting_size(TextMeter& meter, const std::string& text, double size, double width);
 

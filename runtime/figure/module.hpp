@@ -25,19 +25,17 @@ class FigureModule {
   /// extension, bad figure, no display, unwritable place, full disk.
   void render(const Figure& figure, const std::string& path);
 
-  /// Draws to `path`, .png only (a 3-D scene has no faithful vector form). Errors as above.
-  void render(const SurfaceFigure& figure, const std::string& path);
-
-  /// Writes the numbers of a surface to `path`: .vts (structured grid, no-data points blanked) or .vtp (the
-  /// cells with data, and the clouds as vertices). Arrays are doubles, named with their units. Needs no
-  /// display.
-  void export_surface(const SurfaceFigure& figure, const std::string& path);
+  /// Writes the numbers of the figure's first surface to `path`: .vts (structured grid, no-data points blanked), .vtp
+  /// (the cells with data, and the clouds as vertices), .vtu (the same as an unstructured grid) or .vtm (grid and
+  /// clouds as files in a folder of the same name). Arrays are doubles, named with their units. Needs no display.
+  void export_surface(const Figure& figure, const std::string& path);
 
   /// For `lunid doctor`: one line that says how figures are drawn here (display, VTK and OpenGL versions), or
   /// throws InputError with what is missing and which package holds it.
   std::string check();
 
  private:
+  void export_blocks(const Scene& scene, const std::string& path);
   Renderer& renderer();
   std::string path_;
   std::unique_ptr<Renderer> renderer_;

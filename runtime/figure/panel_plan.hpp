@@ -8,6 +8,7 @@
 #include "figure/curve.hpp"
 #include "figure/legend.hpp"
 #include "figure/look.hpp"
+#include "figure/scene_view.hpp"
 #include "figure/ticks.hpp"
 
 namespace lunid::figure {
@@ -22,17 +23,22 @@ struct Margins {
 
 struct PanelPlan {
   const Panel* panel = nullptr;
-  Box cell;  ///< all that the panel may use
-  Box plot;  ///< the frame round the data
+  Box cell;       ///< all that the panel may use
+  Box plot;       ///< the frame round the data
+  Range x_reach;  ///< what the axes cover
+  Range y_reach;
   AxisPlan x;
   AxisPlan y;
   std::optional<AxisPlan> colour;
   std::vector<std::string> colour_title;  ///< lines, turned, beside the colour bar
+  std::optional<SceneView> view;          ///< of a panel with a scene
   LegendPlan legend;
   std::vector<std::string> title;  ///< lines
   bool note_below = false;         ///< the note has a line of its own, under the title
   double names = 0.0;              ///< width of the names of bars
   bool colour_bar = false;         ///< beside the plot; a neighbour with the same colours may have it instead
+  bool bare_x = false;             ///< a panel below has the labels and the title of x
+  bool bare_y = false;             ///< a panel on the left has those of y
   bool no_data = false;            ///< the colour bar explains cells without data
 
   Point at(double x_value, double y_value) const {
@@ -47,7 +53,15 @@ using Hints = std::map<std::pair<std::string, std::string>, double>;
 /// The ranges of a panel's data within its limits, widened so that no curve lies on the frame.
 Range x_range(const Panel& panel);
 Range y_range(const Panel& panel, const Range& x);
-Range colour_range(const HeatMap& map);
+/// Of the panel's colour axis, which there must be.
+Range colour_range(const Panel& panel);
+
+/// What the colours of a panel stand for: its map's values, or those of its curves; null where it has no colours.
+const Axis* colour_axis(const Panel& panel);
+bool diverging_colours(const Panel& panel);
+
+/// The least distance between neighbours of a series of columns.
+double column_width(const Series& series);
 
 /// Edges of cells from their centres: halfway between neighbours; one more than centres.
 std::vector<double> cell_edges(const std::vector<double>& centres);
@@ -64,10 +78,23 @@ Margins needed_margins(TextMeter& meter, const Look& look, const PanelPlan& plan
 /// The strokes of a series in the plot, thinned and clipped, not dashed.
 std::vector<Stroke> series_strokes(const PanelPlan& plan, const std::vector<double>& x, const std::vector<double>& y);
 
+/// A stroke, or points, of one colour.
+struct ColouredStroke {
+  Stroke stroke;
+  Colour colour;
+};
+
+/// The same of a series with colours of its own, cut where the colour changes by more than the eye sees.
+std::vector<ColouredStroke> coloured_strokes(const PanelPlan& plan, const Series& series);
+
+/// The points of a series with colours of its own, by colour.
+std::vector<ColouredStroke> coloured_points(const PanelPlan& plan, const Series& series, double radius);
+
 /// The points of a series that can be told apart in the plot.
 std::vector<Point> series_points(const PanelPlan& plan, const Series& series, double radius);
 
 bool has_line(Style style);
 bool has_points(Style style);
+bool stands_on_zero(Style style);
 
 }  // namespace lunid::figure

@@ -39,6 +39,7 @@ double usual_height(const Panel& panel, double width, bool alone) {
     const double sets = static_cast<double>(std::max<std::size_t>(1, panel.bars->set.size()));
     return std::max(60.0, (sets > 1.0 ? 6.0 + 13.0 * sets : 19.0) * static_cast<double>(panel.bars->name.size()));
   }
+  if (panel.scene) return std::clamp(0.78 * width, 150.0, 340.0);
   if (panel.map) return std::clamp(0.8 * width, 110.0, 250.0);
   if (width > 300.0) return alone ? 190.0 : 118.0;
   return std::clamp(0.72 * width, 105.0, 170.0);
@@ -58,26 +59,32 @@ std::vector<LegendEntry> shared_entries(const Figure& figure) {
   return with_entries > 1 ? shared : std::vector<LegendEntry>{};
 }
 
-Hints prefix_hints(const Figure& figure) {
+Hints prefix_hints(const std::vector<PanelPlan>& panels) {
   Hints hints;
   const auto take = [&](const Axis& axis, const Range& range) {
     double& largest = hints[{axis.name, axis.unit}];
     largest = std::max({largest, std::abs(range.low), std::abs(range.high)});
   };
-  for (const Panel& panel : figure.panels) {
-    const Range x = x_range(panel);
-    take(panel.x, x);
-    if (!panel.bars) take(panel.y, y_range(panel, x));
-    if (panel.map) take(panel.map->colour, colour_range(*panel.map));
+  for (const PanelPlan& plan : panels) {
+    const Panel& panel = *plan.panel;
+    if (panel.scene) continue;
+    take(panel.x, plan.x_reach);
+    if (!panel.bars) take(panel.y, plan.y_reach);
+    if (const Axis* colour = colour_axis(panel)) take(*colour, colour_range(panel));
   }
   return hints;
 }
 
-/// Whether two maps have the same fixed colours, so that one bar does for both.
+/// Whether two panels have the same colours, so that one bar does for both.
 bool same_colours(const Panel& a, const Panel& b) {
-  if (!a.map || !b.map || a.map->diverging != b.map->diverging) return false;
-  const Axis &p = a.map->colour, &q = b.map->colour;
-  return p.name == q.name && p.unit == q.unit && p.scale == q.scale && p.min == q.min && p.max == q.max;
+  if (!colour_axis(a) || !colour_axis(b) || diverging_colours(a) != diverging_colours(b)) return false;
+  const Axis &p = *colour_axis(a), &q = *colour_axis(b);
+  const Range r = colour_range(a), s = colour_range(b);
+  return p.name == q.name && p.unit == q.unit && p.scale == q.scale && r.low == s.low && r.high == s.high;
+}
+
+bool same_axis(const Axis& a, const Axis& b) {
+  return a.name == b.name && a.unit == b.unit && a.scale == b.scale && a.names == b.names;
 }
 
 void raise(double& held, double value) { held = std::max(held, value); }
@@ -95,7 +102,6 @@ class Planner {
         look_(look),
         figure_(figure),
         places_(slots(figure)),
-        hints_(prefix_hints(figure)),
         columns_(static_cast<std::size_t>(figure.columns)),
         rows_(std::max(static_cast<std::size_t>(std::max(0, figure.rows)), places_.back().row + 1)) {}
 
@@ -110,7 +116,12 @@ class Planner {
     for (int round = 0; round < 3; ++round) arrange();
     for (PanelPlan& p : plan_.panels) place_legend(meter_, look_, p, p.panel->legend);
     arrange();
-    for (PanelPlan& p : plan_.panels) settle_legend(meter_, look_, p);
+    for (PanelPlan& p : plan_.panels) {
+      settle_legend(meter_, look_, p);
+      // A scene has its labels within its room, which is all of its cell.
+      if (const auto& scene = p.panel->scene)
+        p.view = plan_scene(meter_, look_, *scene, {p.cell.left, p.cell.bottom, p.cell.right, p.plot.top});
+    }
     return std::move(plan_);
   }
 
@@ -122,14 +133,59 @@ class Planner {
       p.panel = &figure_.panels[i];
       if (!shared && !said_before(i)) p.legend.entries = legend_entries(*p.panel);
       p.plot = {0.0, 0.0, std::max(40.0, guess), 100.0};
-      p.colour_bar = p.panel->map.has_value();
-      p.no_data = p.colour_bar && p.panel->map->z.hasNaN();
+      p.colour_bar = colour_axis(*p.panel) != nullptr;
+      p.no_data = p.panel->map && p.panel->map->z.hasNaN();
       if (i > 0 && places_[i - 1].row == places_[i].row && same_colours(figure_.panels[i - 1], *p.panel)) {
         plan_.panels.back().colour_bar = false;
         p.no_data = p.no_data || plan_.panels.back().no_data;
       }
       plan_.panels.push_back(std::move(p));
     }
+    set_reaches();
+    hints_ = prefix_hints(plan_.panels);
+  }
+
+  void set_reaches() {
+    std::vector<PanelPlan>& panels = plan_.panels;
+    for (PanelPlan& p : panels)
+      if (!p.panel->scene) p.x_reach = x_range(*p.panel);
+    if (figure_.share_x)
+      share(&Panel::x, &PanelPlan::x_reach, [&](std::size_t i, std::size_t j) {
+        return places_[i].first == places_[j].first && places_[i].last == places_[j].last && flat(i) && flat(j);
+      });
+    for (PanelPlan& p : panels)
+      if (!p.panel->scene) p.y_reach = y_range(*p.panel, p.x_reach);
+    if (figure_.share_y)
+      share(&Panel::y, &PanelPlan::y_reach, [&](std::size_t i, std::size_t j) {
+        return places_[i].row == places_[j].row && flat(i) && flat(j) && !panels[i].panel->bars &&
+               !panels[j].panel->bars;
+      });
+    for (std::size_t i = 0; i < panels.size(); ++i)
+      for (std::size_t j = i + 1; j < panels.size(); ++j) {
+        if (!flat(i) || !flat(j)) continue;
+        if (figure_.share_x && places_[i].first == places_[j].first && places_[i].last == places_[j].last &&
+            places_[j].row == places_[i].row + 1 && same_axis(panels[i].panel->x, panels[j].panel->x))
+          panels[i].bare_x = true;
+        if (figure_.share_y && places_[i].row == places_[j].row && places_[j].first == places_[i].last + 1 &&
+            same_axis(panels[i].panel->y, panels[j].panel->y) && !panels[j].panel->bars)
+          panels[j].bare_y = true;
+      }
+  }
+
+  bool flat(std::size_t i) const { return !figure_.panels[i].scene; }
+
+  /// Gives panels that show the same quantity, where `together` says so, one range.
+  template <class Together>
+  void share(Axis Panel::*axis, Range PanelPlan::*reach, Together together) {
+    std::vector<PanelPlan>& panels = plan_.panels;
+    std::vector<Range> own;
+    for (const PanelPlan& p : panels) own.push_back(p.*reach);
+    for (std::size_t i = 0; i < panels.size(); ++i)
+      for (std::size_t j = 0; j < panels.size(); ++j) {
+        if (!together(i, j) || !same_axis(panels[i].panel->*axis, panels[j].panel->*axis)) continue;
+        (panels[i].*reach).low = std::min((panels[i].*reach).low, own[j].low);
+        (panels[i].*reach).high = std::max((panels[i].*reach).high, own[j].high);
+      }
   }
 
   /// Whether an earlier panel has the same legend.

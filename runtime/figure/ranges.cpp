@@ -21,6 +21,7 @@ class Span {
 
   /// With the axis's own limits, else widened by `share` of its length at each end.
   Range range(double share) const {
+    if (!axis_.names.empty()) return {0.5, static_cast<double>(axis_.names.size()) + 0.5};
     Range r = empty_ ? Range{axis_.scale == Scale::log ? 1.0 : 0.0, axis_.scale == Scale::log ? 10.0 : 1.0}
                      : Range{low_, high_};
     if (axis_.scale == Scale::log) {
@@ -58,7 +59,9 @@ class Span {
 };
 
 /// Curves that run from left to right may touch the frame; clouds and loops may not.
-bool needs_room(const Series& s) { return has_points(s.style) || !std::is_sorted(s.x.begin(), s.x.end()); }
+bool needs_room(const Series& s) {
+  return has_points(s.style) || (s.style != Style::columns && !std::is_sorted(s.x.begin(), s.x.end()));
+}
 
 void take_bars(const Bars& bars, Span& span) {
   span.take(0.0);
@@ -84,8 +87,25 @@ Range from_zero(const Panel& panel, Range range) {
 
 }  // namespace
 
-bool has_line(Style style) { return style != Style::points; }
-bool has_points(Style style) { return style == Style::points || style == Style::line_points; }
+bool has_line(Style style) { return style <= Style::dash_dot || style == Style::line_points; }
+bool has_points(Style style) { return style == Style::points || style == Style::line_points || style == Style::stems; }
+bool stands_on_zero(Style style) { return style == Style::stems || style == Style::columns; }
+
+double column_width(const Series& series) {
+  double width = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < series.x.size(); ++i)
+    if (const double apart = std::abs(series.x[i] - series.x[i - 1]); apart > 0.0) width = std::min(width, apart);
+  return std::isfinite(width) ? width : 1.0;
+}
+
+const Axis* colour_axis(const Panel& panel) {
+  if (panel.map) return &panel.map->colour;
+  const bool any =
+      std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return !s.colour.empty(); });
+  return any ? &panel.colour : nullptr;
+}
+
+bool diverging_colours(const Panel& panel) { return panel.map && panel.map->diverging; }
 
 std::vector<double> cell_edges(const std::vector<double>& centres) {
   const std::size_t n = centres.size();
@@ -99,8 +119,13 @@ std::vector<double> cell_edges(const std::vector<double>& centres) {
 
 Range x_range(const Panel& panel) {
   Span span(panel.x);
-  for (const Series& s : panel.series)
-    for (const double value : s.x) span.take(value);
+  for (const Series& s : panel.series) {
+    const double half = s.style == Style::columns ? 0.5 * column_width(s) : 0.0;
+    for (const double value : s.x) {
+      span.take(value - half);
+      span.take(value + half);
+    }
+  }
   for (const Ribbon& r : panel.ribbons)
     for (const double value : r.x) span.take(value);
   for (const ReferenceLine& line : panel.lines)
@@ -118,9 +143,11 @@ Range y_range(const Panel& panel, const Range& x) {
   if (panel.bars) return {0.0, static_cast<double>(panel.bars->name.size())};
   Span span(panel.y);
   const auto seen = [&](double value) { return value >= x.low && value <= x.high; };
-  for (const Series& s : panel.series)
+  for (const Series& s : panel.series) {
+    if (stands_on_zero(s.style)) span.take(0.0);
     for (std::size_t i = 0; i < s.x.size(); ++i)
       if (seen(s.x[i])) span.take(s.y[i]);
+  }
   for (const Ribbon& r : panel.ribbons)
     for (std::size_t i = 0; i < r.x.size(); ++i)
       if (seen(r.x[i])) {
@@ -134,14 +161,20 @@ Range y_range(const Panel& panel, const Range& x) {
   return span.range(panel.map ? 0.0 : 0.06);
 }
 
-Range colour_range(const HeatMap& map) {
-  Span span(map.colour);
-  for (Eigen::Index i = 0; i < map.z.size(); ++i) span.take(map.z.data()[i]);
+Range colour_range(const Panel& panel) {
+  const Axis& axis = *colour_axis(panel);
+  Span span(axis);
+  if (panel.map) {
+    for (Eigen::Index i = 0; i < panel.map->z.size(); ++i) span.take(panel.map->z.data()[i]);
+  } else {
+    for (const Series& s : panel.series)
+      for (const double value : s.colour) span.take(value);
+  }
   Range r = span.range(0.0);
-  if (!map.diverging) return r;
+  if (!diverging_colours(panel)) return r;
   const double reach = std::max(std::abs(r.low), std::abs(r.high));
-  if (!std::isfinite(map.colour.min)) r.low = -reach;
-  if (!std::isfinite(map.colour.max)) r.high = reach;
+  if (!std::isfinite(axis.min)) r.low = -reach;
+  if (!std::isfinite(axis.max)) r.high = reach;
   return r;
 }
 

@@ -136,10 +136,10 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
-std::string three_digits(double value) {
+std::string few_digits(double value, int digits) {
   if (value == 0.0) return "0";
   char buffer[64];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 3).ptr;
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, digits).ptr;
   std::string text(buffer, end);
   if (text.starts_with('-')) text.replace(0, 1, "−");
   return text;
@@ -149,6 +149,12 @@ AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest) {
   AxisPlan plan;
   plan.range = range;
   plan.scale = axis.scale;
+  if (!axis.names.empty()) {
+    plan.title = axis.name;
+    for (std::size_t i = 0; i < axis.names.size(); ++i)
+      plan.ticks.push_back({static_cast<double>(i + 1), axis.names[i]});
+    return plan;
+  }
   ScaledUnit unit{1.0, with_superscripts(axis.unit)};
   const double own = std::max(std::abs(range.low), std::abs(range.high));
   if (axis.scale == Scale::linear) unit = scaled_unit(axis.unit, largest > own && largest < 1e3 * own ? largest : own);

@@ -25,6 +25,8 @@ struct AxisPlan {
   double factor = 1.0;
   std::string title;  ///< "y [mm]"
   std::vector<Tick> ticks;
+  bool turned = false;  ///< the labels of a horizontal axis stand upright: names that are too long
+  bool bare = false;    ///< a neighbour has the labels and the title
 
   /// 0 at range.low, 1 at range.high; NaN for what a log axis cannot show.
   double place(double value) const;
@@ -48,7 +50,7 @@ AxisPlan plan_axis(const Axis& axis, Range range, int wanted, double largest = 0
 /// `value` with `decimals` digits after the point and a true minus sign, in any locale.
 std::string fixed(double value, int decimals);
 
-/// `value` with three significant digits, for a label beside a bar.
-std::string three_digits(double value);
+/// `value` with so many significant digits, for a label beside a bar or in a cell.
+std::string few_digits(double value, int digits);
 
 }  // namespace lunid::figure

@@ -29,6 +29,7 @@ void check_axis(const std::string& place, const char* name, const Axis& axis) {
   const std::string where = place + ": axis " + name;
   if (std::isinf(axis.min) || std::isinf(axis.max)) fail(where, "expected finite limits, got infinity");
   if (axis.min >= axis.max) fail(where, "expected min < max");
+  if (!axis.names.empty() && axis.scale == Scale::log) fail(where, "expected a linear scale with names");
   if (axis.scale == Scale::log && (axis.min <= 0.0 || axis.max <= 0.0))
     fail(where, "expected limits > 0 on a logarithmic axis");
 }
@@ -57,14 +58,37 @@ void check_bars(const std::string& place, const Bars& bars) {
   }
 }
 
+void check_scene(const std::string& place, const Panel& panel) {
+  const Scene& scene = *panel.scene;
+  const std::string where = place + ": surface";
+  if (!panel.series.empty() || panel.map || panel.bars) fail(where, "expected nothing else in its panel");
+  increasing(where, "grid_x", scene.grid_x);
+  increasing(where, "grid_y", scene.grid_y);
+  if (scene.grid_x.size() < 2 || scene.grid_y.size() < 2) fail(where, "expected at least 2 by 2 grid points");
+  same_length(where, "columns and grid_x", static_cast<std::size_t>(scene.surface.cols()), scene.grid_x.size());
+  same_length(where, "rows and grid_y", static_cast<std::size_t>(scene.surface.rows()), scene.grid_y.size());
+  for (const auto& [name, axis] : {std::pair{"x", &scene.x}, {"y", &scene.y}, {"z", &scene.z}}) {
+    check_axis(where, name, *axis);
+    if (axis->scale == Scale::log) fail(where, std::string("axis ") + name + ": expected a linear scale");
+  }
+  for (const Cloud& cloud : scene.clouds) {
+    same_length(where + ": points " + quoted(cloud.label), "x and y", cloud.x.size(), cloud.y.size());
+    same_length(where + ": points " + quoted(cloud.label), "x and z", cloud.x.size(), cloud.z.size());
+  }
+}
+
 void check_panel(const std::string& place, const Panel& panel) {
+  if (panel.scene) return check_scene(place, panel);
   if (panel.series.empty() && panel.ribbons.empty() && !panel.map && !panel.bars)
     fail(place, "expected a curve, a map or bars, got nothing to draw");
   if (panel.map && panel.bars) fail(place, "expected a map or bars, got both");
   check_axis(place, "x", panel.x);
   check_axis(place, "y", panel.y);
-  for (const Series& s : panel.series)
+  for (const Series& s : panel.series) {
     same_length(place + ": curve " + quoted(s.label), "x and y", s.x.size(), s.y.size());
+    if (!s.colour.empty())
+      same_length(place + ": curve " + quoted(s.label), "x and colour", s.x.size(), s.colour.size());
+  }
   for (const Ribbon& r : panel.ribbons) {
     same_length(place + ": ribbon " + quoted(r.label), "x and low", r.x.size(), r.low.size());
     same_length(place + ": ribbon " + quoted(r.label), "x and high", r.x.size(), r.high.size());
@@ -84,21 +108,10 @@ void validate(const Figure& figure) {
     check_panel("figure: panel " + std::to_string(i + 1), figure.panels[i]);
 }
 
-void validate(const SurfaceFigure& figure) {
-  check_size(figure.size);
-  increasing("surface", "grid_x", figure.grid_x);
-  increasing("surface", "grid_y", figure.grid_y);
-  if (figure.grid_x.size() < 2 || figure.grid_y.size() < 2) fail("surface", "expected at least 2 by 2 grid points");
-  same_length("surface", "columns and grid_x", static_cast<std::size_t>(figure.surface.cols()), figure.grid_x.size());
-  same_length("surface", "rows and grid_y", static_cast<std::size_t>(figure.surface.rows()), figure.grid_y.size());
-  for (const auto& [name, axis] : {std::pair{"x", &figure.x}, {"y", &figure.y}, {"z", &figure.z}}) {
-    check_axis("surface", name, *axis);
-    if (axis->scale == Scale::log) fail("surface", std::string("axis ") + name + ": expected a linear scale");
-  }
-  for (const Cloud& cloud : figure.clouds) {
-    same_length("surface: points " + quoted(cloud.label), "x and y", cloud.x.size(), cloud.y.size());
-    same_length("surface: points " + quoted(cloud.label), "x and z", cloud.x.size(), cloud.z.size());
-  }
+const Scene& scene_of(const Figure& figure) {
+  for (const Panel& panel : figure.panels)
+    if (panel.scene) return *panel.scene;
+  throw InputError("the figure has no surface: only its numbers can be written, as .csv");
 }
 
 }  // namespace lunid::figure

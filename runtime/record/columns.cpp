@@ -73,6 +73,16 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
                    where, Fault::data);
 }
 
+/// A column `speed` that turns beside a displacement that does not is that of a shaft, not the velocity.
+bool turns(const std::vector<HeaderCell>& header, const HeaderCell& cell) {
+  const auto si = si_unit(cell.unit);
+  if (lower(cell.name) != "speed" || !si || (si->unit != "rad/s" && si->unit != "Hz")) return false;
+  return std::none_of(header.begin(), header.end(), [](const HeaderCell& other) {
+    const auto unit = si_unit(other.unit);
+    return likeness(meanings[2], other.name) > 0 && unit && unit->unit == "rad";
+  });
+}
+
 /// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
 std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
                                         const Meaning& meaning, const SourceSpan& where) {
@@ -81,6 +91,7 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (plans[i].required || likeness(meaning, header[i].name) != strength) continue;
       if (strength == 1 && names_its_unit(header[i])) continue;
+      if (turns(header, header[i])) continue;
       if (found)
         throw InputError("both '" + header[*found].text + "' and '" + header[i].text + "' may be channel '" +
                              std::string(meaning.channel) + "': choose with columns, such as \"" +

@@ -53,6 +53,7 @@ constexpr std::array rows{
     Row{"deg", degree, "rad"},
     Row{"rad/s", 1, "rad/s"},
     Row{"deg/s", degree, "rad/s"},
+    Row{"rpm", 2 * std::numbers::pi / 60, "rad/s"},
     Row{"rad/s^2", 1, "rad/s^2"},
     Row{"deg/s^2", degree, "rad/s^2"},
     Row{"V", 1, "V"},

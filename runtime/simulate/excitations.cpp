@@ -11,6 +11,12 @@ namespace lunid {
 
 using Eigen::Index;
 
+namespace {
+
+constexpr const char* force_rate = "force_rate";
+
+}  // namespace
+
 TimeFunction function_of_time(TimeTape tape, std::vector<double> q, int output) {
   const auto at = static_cast<std::size_t>(output);
   TimeFunction f = [tape, q, at](std::span<const double> t, std::span<double> out) {
@@ -48,6 +54,12 @@ Excitation excitation_of(const Record& record, std::optional<Interpolation> inte
   return Excitation(record.start(), record.dt(), force, channel.between, function_of_time(channel.formula));
 }
 
+Excitations& Excitations::offer(const std::string& channel, Excitation signal) {
+  add(channel, std::move(signal));
+  offered_.push_back(channel);
+  return *this;
+}
+
 Excitations& Excitations::add(const std::string& channel, Excitation signal) {
   const auto refuse = [&](const std::string& what) { throw InputError("excitation: " + channel + ": " + what); };
   if (std::find(channels_.begin(), channels_.end(), channel) != channels_.end()) refuse("given twice");
@@ -77,6 +89,7 @@ Excitations excitations_of(const System& system, const Record& record, std::opti
   for (const std::string& input : system.inputs()) {
     const bool alone = input == system.inputs().front() && !record.has(input) && record.has("F");
     const std::string name = alone ? "F" : input;  // F is the force of the first driven coordinate
+    if (input == force_rate) continue;             // follows from the force
     if (record.has(name))
       found.add(input, excitation_of(record, interpolation, name));
     else if (input[0] != 'F' || system.inputs().size() == 1)
@@ -100,6 +113,29 @@ Excitation shifted(const Excitation& signal, double delay, bool rate) {
 }
 
 }  // namespace
+
+Excitation rate_of(const Excitation& signal) {
+  const Eigen::VectorXd f = signal.samples();
+  const Index n = f.size();
+  Eigen::VectorXd rate(n);
+  for (Index i = 0; i < n; ++i) {
+    const Index before = std::max<Index>(i - 1, 0), after = std::min<Index>(i + 1, n - 1);
+    const double near = (f[after] - f[before]) / static_cast<double>(after - before);
+    rate[i] = i < 2 || i + 2 >= n ? near : (4 * near - (f[i + 2] - f[i - 2]) / 4) / 3;
+  }
+  rate /= signal.dt();
+  const bool held = signal.interpolation() == Interpolation::hold;
+  return Excitation(signal.t0(), signal.dt(), {rate.data(), static_cast<std::size_t>(n)},
+                    held ? Interpolation::hold : Interpolation::cubic);
+}
+
+Excitations Excitations::replaced(const std::string& channel, Excitation signal) const {
+  Excitations out;
+  out.offered_ = offered_;
+  for (std::size_t i = 0; i < signals_.size(); ++i)
+    if (channels_[i] != channel && channels_[i] != force_rate) out.add(channels_[i], signals_[i]);
+  return out.add(channel, std::move(signal));
+}
 
 Excitations Excitations::of(const System& system, std::span<const double> theta) const {
   Excitations all = ordered(system);
@@ -130,6 +166,7 @@ Excitations Excitations::ordered(const System& system) const {
     // F is the force of the first driven coordinate, F1 the one of a single coordinate
     if (at == inputs.end() && (channels_[i] == "F" || (channels_[i] == "F1" && system.degrees() == 1)))
       at = inputs.begin();
+    if (at == inputs.end() && std::find(offered_.begin(), offered_.end(), channels_[i]) != offered_.end()) continue;
     if (at == inputs.end()) {
       std::string words;
       for (const std::string& input : inputs) words += (words.empty() ? "" : ", ") + input;
@@ -141,10 +178,11 @@ Excitations Excitations::ordered(const System& system) const {
   }
   std::optional<Excitation> still;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    if (place[i] < 0 && !still)
+    const bool rate = place[i] < 0 && inputs[i] == force_rate && place[0] >= 0;
+    if (place[i] < 0 && !still && !rate)
       still = Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), 0.0), interpolation());
     ordered.channels_.push_back(inputs[i]);
-    ordered.signals_.push_back(place[i] < 0 ? *still : signals_[place[i]]);
+    ordered.signals_.push_back(place[i] >= 0 ? signals_[place[i]] : rate ? rate_of(signals_[place[0]]) : *still);
   }
   return ordered;
 }

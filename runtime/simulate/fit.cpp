@@ -1,5 +1,6 @@
 #include "simulate/fit_problem.hpp"
 #include "simulate/integrator.hpp"
+#include "simulate/measures.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -19,8 +20,6 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
   }
   return segments;
 }
-
-/// A measured channel that the fit looks at.
 
 /// 1.4826 times the median of |residual|: the standard deviation of the rows that are no outliers.
 double robust_scale(const FitResult& result) {
@@ -100,7 +99,7 @@ FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   const bool possible = options.solver == Solver::fixed && !system.model().imposed_motion &&
                         options.whitening.average == 1 && options.whitening.ar.empty() && options.hold < 0 &&
-                        (system.dynamics().smooth() || system.dynamics().dense());
+                        system.model().measures.empty() && (system.dynamics().smooth() || system.dynamics().dense());
   const bool better = layout.size() >= adjoint_parameters || !system.dynamics().dense();
   options.gradient = possible && better ? Gradient::adjoint : Gradient::forward;
   return options;
@@ -118,6 +117,9 @@ void check(const System& system, const Eigen::VectorXd& theta, const std::vector
                        std::to_string(system.parameters() - 1) + ", got " + std::to_string(i));
   if (!theta.allFinite()) throw InputError("fit_trajectory: theta: every first guess must be a finite number");
   if (data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
+  if (options.gradient == Gradient::adjoint && !system.model().measures.empty())
+    throw InputError(
+        "fit_trajectory: gradient: 'adjoint' is that of the states; take 'forward' where the model measures");
   for (const auto& d : data)
     if (!d.use.empty() && static_cast<Eigen::Index>(d.use.size()) != d.record.rows())
       throw InputError("fit_trajectory: use: expected one entry per row of the record");
@@ -149,6 +151,17 @@ void validate(const FitOptions& o) {
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
 }
 
+namespace {
+
+/// The first value of a state: what a channel shows of it, or that which is declared.
+double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& measured) {
+  for (const auto& [channel, map] : model.measures)
+    if (map == model.states[state].symbol) return measured[state_of(model, channel)];
+  return model.states[state].initial;
+}
+
+}  // namespace
+
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
   const Model& model = system.model();
@@ -163,7 +176,7 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
     x0[2 * i + 1] = record[v][static_cast<std::size_t>(row)];
   }
   for (std::size_t i = 0; i < model.states.size(); ++i)
-    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = model.states[i].initial;
+    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0);
   return x0;
 }
 
@@ -264,7 +277,7 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
 }
 
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                             Eigen::Index first, Eigen::Index count, int substeps) {
+                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread) {
   StateEstimate out;
   FitOptions options;
   options.substeps = substeps;
@@ -272,14 +285,28 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   Problem alone(system, one, options, substeps);
   std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first)}};
   alone.prepare(segments);
-  Normal normal = alone.evaluate(theta, segments, true);
+  const Eigen::VectorXd start = segments[0].x0;
+  const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;
+  Eigen::VectorXd known = Eigen::VectorXd::Zero(start.size());
+  for (Eigen::Index i = 0; i < spread.size(); ++i)
+    if (spread[i] > 0) known[i] = noise * noise / (spread[i] * spread[i]);
+  const auto evaluate = [&](const std::vector<FitSegment>& at) {
+    Normal normal = alone.evaluate(theta, at, true);
+    if (!std::isfinite(normal.cost)) return normal;
+    const Eigen::VectorXd off = start - at[0].x0;
+    normal.cost += off.dot(known.asDiagonal() * off);
+    normal.axx[0].diagonal() += known;
+    normal.bx[0] += known.asDiagonal() * off;
+    return normal;
+  };
+  Normal normal = evaluate(segments);
   std::vector<std::uint8_t> hold(static_cast<std::size_t>(theta.size()), 1);
   double lambda = 1e-6;
   for (int iteration = 0; iteration < 30 && std::isfinite(normal.cost); ++iteration) {
     const Step step = damped_step(normal, lambda, hold);
     auto trial = segments;
     trial[0].x0 += step.x0[0];
-    Normal next = alone.evaluate(theta, trial, true);
+    Normal next = evaluate(trial);
     if (!(next.cost < normal.cost)) {
       lambda = lambda * 10 + 1e-9;
       if (lambda > 1e6) break;

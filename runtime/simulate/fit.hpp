@@ -133,7 +133,9 @@ struct Profile {
 Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
                            const FitOptions& options, int index);
 
-/// First state estimated on the rows [first, first + count) alone with theta fixed.
+/// First state estimated on the rows [first, first + count) alone with theta fixed. `spread`: per state, how far from
+/// its start it may well be (a standard deviation beside the sensor's noise; 0 or no entry: nothing is known). Internal
+/// states that a few rows hardly show would else run away.
 struct StateEstimate {
   Eigen::VectorXd x0;
   Eigen::MatrixXd covariance;
@@ -141,7 +143,7 @@ struct StateEstimate {
   bool converged = false;
 };
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                             Eigen::Index first, Eigen::Index count, int substeps);
+                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread = {});
 
 /// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);

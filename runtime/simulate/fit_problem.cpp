@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "simulate/measures.hpp"
+
 namespace lunid {
 
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m, double tolerance) {
@@ -21,21 +23,6 @@ double spread_of(std::span<const double> x) {
   const Eigen::Map<const Eigen::ArrayXd> values(x.data(), static_cast<Eigen::Index>(x.size()));
   return std::sqrt((values - values.mean()).square().mean());
 }
-
-/// The place in the state of a channel such as y, v2; -1 when it is none.
-
-namespace {
-
-/// The place in the state of a channel such as y, v2; -1 when it is none.
-int state_of(const Model& model, const std::string& channel) {
-  for (int i = 0; i < model.degrees(); ++i) {
-    if (channel == model.channel('y', i)) return 2 * i;
-    if (channel == model.channel('v', i)) return 2 * i + 1;
-  }
-  return -1;
-}
-
-}  // namespace
 
 std::vector<Output> outputs_of(const Model& model, const Record& record, const std::vector<std::string>& channels) {
   std::vector<Output> outputs;

@@ -179,18 +179,19 @@ class Problem {
     const std::vector<Output>& outputs = outputs_[static_cast<std::size_t>(segment.record)];
     if (derivatives) {
       std::vector<int> wanted;
-      for (const Output& o : outputs) wanted.push_back(o.state);
+      for (const Output& o : outputs)
+        for (const int state : shown_states(system_, o.channel)) wanted.push_back(state);
       SensitivityRun r =
           simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_, wanted);
       if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
-      error = difference(data.record, segment, outputs, r.run);
-      if (outputs.size() == 1) {
+      error = difference(data.record, segment, outputs, parameters, r.run);
+      if (outputs.size() == 1 && !system_.measure(outputs[0].channel)) {
         jacobian = std::move(r.dx[static_cast<std::size_t>(outputs[0].state)]);
       } else {
         jacobian.resize(error.size(), theta.size() + system_.states());
         Eigen::Index row = 0;
         for (const Output& o : outputs) {
-          jacobian.middleRows(row, segment.count) = o.weight * r.dx[static_cast<std::size_t>(o.state)];
+          jacobian.middleRows(row, segment.count) = o.weight * shown_slopes(system_, parameters, r, o.channel);
           row += segment.count;
         }
       }
@@ -198,19 +199,22 @@ class Problem {
     } else {
       const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
       if (!r.summary.completed) return fail(normal, r.summary.cause);
-      error = difference(data.record, segment, outputs, r);
+      error = difference(data.record, segment, outputs, parameters, r);
     }
     return true;
   }
 
   /// Measured - model, weighted, channel after channel.
-  static Eigen::VectorXd difference(const Record& record, const FitSegment& segment, const std::vector<Output>& outputs,
-                                    const Run& run) {
+  Eigen::VectorXd difference(const Record& record, const FitSegment& segment, const std::vector<Output>& outputs,
+                             std::span<const double> theta, const Run& run) const {
     Eigen::VectorXd error(segment.count * static_cast<Eigen::Index>(outputs.size()));
     Eigen::Index row = 0;
     for (const Output& o : outputs) {
       const Eigen::Map<const Eigen::VectorXd> measured(record[o.channel].data() + segment.first, segment.count);
-      error.segment(row, segment.count) = o.weight * (measured - run.x.col(o.state));
+      if (system_.measure(o.channel))
+        error.segment(row, segment.count) = o.weight * (measured - shown(system_, theta, run, o.channel));
+      else
+        error.segment(row, segment.count) = o.weight * (measured - run.x.col(o.state));
       row += segment.count;
     }
     return error;

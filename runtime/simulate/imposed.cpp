@@ -30,6 +30,7 @@ class ForceSink : public RowSink {
         tape_(dforce ? system.force_with_derivatives() : system.force()),
         z_(system.states() - 2),
         p_(system.parameters()),
+        sides_(side_inputs(system, record)),
         in_(tape_.inputs(), 0.0),
         out_(tape_.outputs()),
         scratch_(tape_.registers() + 1) {
@@ -42,17 +43,27 @@ class ForceSink : public RowSink {
     in_[2] = motion_[0][row];
     in_[3] = motion_[1][row];
     std::copy_n(z, z_, in_.begin() + 4);
+    for (std::size_t i = 0; i < sides_.size(); ++i)
+      in_[4 + static_cast<std::size_t>(z_) + i] = sides_[i][static_cast<std::size_t>(row)];
     tape_.run_point(in_.data(), out_.data(), scratch_.data());
     force_[row] = out_[0];
     if (!dforce_) return;
     for (int c = 0; c < p_; ++c) {
-      double slope = out_[1 + z_ + c];
+      double slope = out_[1 + z_ + sides_.size() + c];
       for (int i = 0; i < z_; ++i) slope += out_[1 + i] * s[i * (p_ + z_) + c];
       (*dforce_)(row, c) = slope;
     }
   }
 
  private:
+  /// The motion of base or shaft that the force follows.
+  static std::vector<std::span<const double>> side_inputs(const System& system, const Record& record) {
+    std::vector<std::span<const double>> sides;
+    for (const std::string& input : system.inputs())
+      if (input[0] != 'F' && input != "force_rate") sides.push_back(record[input]);
+    return sides;
+  }
+
   const System& system_;
   const Record& record_;
   const std::array<std::span<const double>, 3>& motion_;
@@ -60,6 +71,7 @@ class ForceSink : public RowSink {
   Eigen::MatrixXd* dforce_;
   const Tape& tape_;
   int z_, p_;
+  std::vector<std::span<const double>> sides_;
   std::vector<double> in_, out_, scratch_;
 };
 

@@ -18,7 +18,7 @@ std::string number(double x) {
 struct Part {
   Expr expression;
   std::string where;
-  std::string_view quantities;  ///< of "y v a F" and t; b: the motion of the base
+  std::string_view quantities;  ///< of "y v a F" and t; b: the motion of base and shaft; r: force_rate
 };
 
 std::vector<Part> parts_of(const Model& model) {
@@ -30,6 +30,8 @@ std::vector<Part> parts_of(const Model& model) {
     parts.push_back({restoring, "restoring" + which, "yvatb"});
   }
   if (model.delay.valid()) parts.push_back({model.delay, "delay", ""});
+  for (const auto& [channel, map] : model.measures) parts.push_back({map, "measures: " + channel, "yvt"});
+  for (const auto& [channel, map] : model.acts) parts.push_back({map, "acts: " + channel, "Ftr"});
   for (const InternalState& z : model.states) {
     const std::string name = "state '" + z.symbol.name() + "'";
     parts.push_back({z.rate, name + ": rate", "yvaFtb"});
@@ -46,6 +48,8 @@ std::string channel_words(const Model& model, std::string_view quantities) {
   for (const char quantity : quantities) {
     if (quantity == 'b')
       add("yb vb ab");
+    else if (quantity == 'r')
+      add("force_rate");
     else if (quantity == 't')
       add("t");
     else if (model.degrees() > 2)
@@ -56,11 +60,19 @@ std::string channel_words(const Model& model, std::string_view quantities) {
   return words;
 }
 
-bool is_base(const std::string& name) { return name == "yb" || name == "vb" || name == "ab"; }
+constexpr const char* force_rate = "force_rate";
+
+/// What else than forces can drive a model.
+constexpr const char* side_inputs[] = {"yb", "vb", "ab", "shaft_angle", "shaft_speed", "shaft_rate"};
+
+bool is_side_input(const std::string& name) {
+  return std::find(std::begin(side_inputs), std::end(side_inputs), name) != std::end(side_inputs);
+}
 
 /// The channels that an expression of this model may hold: those of these quantities.
 bool may_hold(const Model& model, const std::string& name, std::string_view quantities) {
-  if (is_base(name)) return quantities.find('b') != std::string_view::npos && !model.imposed_motion;
+  if (is_side_input(name)) return quantities.find('b') != std::string_view::npos;
+  if (name == force_rate) return quantities.find('r') != std::string_view::npos && model.degrees() == 1;
   if (quantities.find(name[0]) == std::string_view::npos) return false;
   if (name == "t" || model.degrees() == 1) return name.size() == 1;
   return name.size() > 1 && std::stol(name.substr(1, 9)) <= model.degrees();
@@ -75,6 +87,11 @@ void drop_numbers(Model& model) {
   const auto rename = [&](Expr& f) {
     if (f.valid()) f = substitute(f, names);
   };
+  for (auto* maps : {&model.measures, &model.acts})
+    for (auto& [channel, map] : *maps) {
+      if (channel == "y1" || channel == "v1" || channel == "F1") channel.pop_back();
+      rename(map);
+    }
   rename(model.mass);
   rename(model.restoring);
   for (InternalState& z : model.states) {
@@ -116,6 +133,35 @@ void check_states(const Model& model) {
   }
 }
 
+/// Each channel once, and one that is there; forces affine in their channels, so that they can be undone.
+void check_maps(const Model& model) {
+  const auto check = [&](const std::vector<ChannelMap>& maps, const char* field, std::string_view quantities,
+                         const char* expected) {
+    std::vector<std::string> known, given;
+    for (const char quantity : quantities)
+      for (int i = 0; i < model.degrees(); ++i) known.push_back(model.channel(quantity, i));
+    for (const auto& [channel, map] : maps) {
+      const std::string where = std::string("model: ") + field + ": ";
+      if (std::find(known.begin(), known.end(), channel) == known.end())
+        throw InputError(where + "expected " + expected + " of the model, got '" + channel + "'");
+      if (std::find(given.begin(), given.end(), channel) != given.end())
+        throw InputError(where + "channel '" + channel + "' is given twice");
+      given.push_back(channel);
+      if (!map.valid()) throw InputError(where + channel + ": no expression is given");
+    }
+  };
+  check(model.measures, "measures", "yv", "a displacement or velocity");
+  check(model.acts, "acts", "F", "a force");
+  for (const auto& [channel, map] : model.acts) {
+    const Expr slope = derivative(map, model.pool->channel(channel));
+    if (slope.is_constant(0) || depends_on(slope, model.pool->channel(channel)))
+      throw InputError("model: acts: " + channel + ": expected a force that is affine in " + channel + ", got " +
+                       to_text(map));
+    if (model.delay.valid() && depends_on(map, model.pool->channel(force_rate)))
+      throw InputError("model: acts: " + channel + ": holds force_rate, which does not go with a delay");
+  }
+}
+
 /// A bound may follow the motion, but not another bounded state: which of the two holds first would be undecided.
 void check_bound(const Model& model, const InternalState& z, Expr bound, const char* side) {
   if (!bound.valid()) return;
@@ -129,7 +175,6 @@ void check_symbols(const Model& model, const Part& part) {
   for (const Expr& symbol : symbols(part.expression)) {
     if (symbol.kind() == SymbolKind::channel && !may_hold(model, symbol.name(), part.quantities)) {
       std::string_view allowed = part.quantities;
-      if (model.imposed_motion && allowed.ends_with('b')) allowed.remove_suffix(1);
       throw InputError("model: " + part.where + ": cannot hold the channel '" + symbol.name() + "' (it may hold " +
                        (allowed.empty() ? "parameters alone" : channel_words(model, allowed)) + ")");
     }
@@ -229,20 +274,32 @@ std::string state_line(const InternalState& z, Format format) {
   return line;
 }
 
+/// The force on a coordinate, of what its channel shows.
+std::string acting_text(const Model& model, int i, Format format) {
+  const std::string channel = model.channel('F', i);
+  for (const auto& acting : model.acts)
+    if (acting.channel == channel) return to_text(acting.map, format);
+  return to_text(model.pool->channel(channel), format);
+}
+
 }  // namespace
 
 std::vector<std::string> Model::inputs() const {
   std::vector<std::string> channels;
-  if (imposed_motion) return channels;
-  for (const int i : driven) channels.push_back(channel('F', i));
+  for (const int i : driven)
+    if (!imposed_motion) channels.push_back(channel('F', i));
   std::vector<Expr> parts;
   for (int i = 0; i < degrees(); ++i) parts.push_back(coordinate(i).restoring);
   for (const InternalState& z : states) parts.push_back(z.rate);
-  for (const char* base : {"yb", "vb", "ab"}) {
-    const Expr symbol = pool->channel(base);
+  const auto add = [&](const char* name) {
+    const Expr symbol = pool->channel(name);
     if (std::any_of(parts.begin(), parts.end(), [&](Expr f) { return depends_on(f, symbol); }))
-      channels.emplace_back(base);
-  }
+      channels.emplace_back(name);
+  };
+  for (const char* name : side_inputs) add(name);
+  parts.clear();
+  for (const auto& acting : acts) parts.push_back(acting.map);
+  if (!imposed_motion) add(force_rate);
   return channels;
 }
 
@@ -284,11 +341,13 @@ std::string Model::equation(Format format) const {
         for (const Expr& term : summands(restoring)) left = plus(left, term);
     }
     const bool forced = driven.empty() || std::find(driven.begin(), driven.end(), i) != driven.end();
-    text += (i > 0 ? "\n" : "") + to_text(left, format) + " = " +
-            (forced ? to_text(pool->channel(channel('F', i)), format) : "0");
+    text += (i > 0 ? "\n" : "") + to_text(left, format) + " = " + (forced ? acting_text(*this, i, format) : "0");
     if (forced && delay.valid()) text += "(t - " + to_text(delay, format) + ")";
   }
   for (const InternalState& z : states) text += "\n" + state_line(z, format);
+  for (const auto& [name, map] : measures)
+    text += "\n" + (format == Format::latex ? name + "_{\\text{measured}}" : name + " measured") + " = " +
+            to_text(map, format);
   return text;
 }
 
@@ -304,6 +363,7 @@ Model complete(Model model) {
   drop_numbers(model);
   check_driven(model);
   check_states(model);
+  check_maps(model);
   const std::vector<Part> parts = parts_of(model);
   for (const Part& part : parts) check_symbols(model, part);
   inertia_rows(model);

@@ -38,8 +38,15 @@ struct Coordinate {
   Expr restoring;  ///< may be affine in the accelerations: such terms join the mass matrix
 };
 
+/// A channel and what is known of it.
+struct ChannelMap {
+  std::string channel;
+  Expr map;
+};
+
 /// An equation of motion with internal states. One degree of freedom is written in y v a F; several in y1 v1 a1 F1,
-/// y2 ... All may hold the motion of a base, yb vb ab. `motion imposed`: y and v are inputs, the output is the force.
+/// y2 ... All may hold the motion of a base, yb vb ab, and that of a shaft, shaft_angle shaft_speed shaft_rate. `motion
+/// imposed`: y and v are inputs, the output is the force.
 struct Model {
   std::shared_ptr<Pool> pool;
   Expr mass;                        ///< of the first coordinate; see Coordinate
@@ -48,6 +55,12 @@ struct Model {
   std::vector<int> driven;          ///< coordinates that a force acts on, from 0; empty: all
   Expr delay;                       ///< [s] >= 0, of parameters alone: the forces act so much later; empty: none
   std::vector<InternalState> states;
+  /// What displacements and velocities show in a record, where it is not their true value: {"y", y + b}. Of t, all y v
+  /// z, and parameters.
+  std::vector<ChannelMap> measures;
+  /// The forces that act, where they are not what their channels show: {"F", g*F}. Of t, parameters, the channel, in
+  /// which it is affine, and force_rate, the channel's time derivative (one degree of freedom).
+  std::vector<ChannelMap> acts;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;
 
@@ -56,8 +69,8 @@ struct Model {
   /// "y" with one degree of freedom, else "y1", "y2" ...; the same for v, a, F. i counts from 0.
   std::string channel(char quantity, int i) const;
 
-  /// The channels that drive it: the forces of the driven coordinates, then those of yb vb ab that it holds. Of a
-  /// complete model (complete()).
+  /// The channels that drive it: the forces of the driven coordinates, then those of a base, of a shaft and of
+  /// force_rate that it holds. Of a complete model (complete()). With imposed motion those of base and shaft alone.
   std::vector<std::string> inputs() const;
 
   const Parameter* find(std::string_view name) const;
@@ -88,8 +101,9 @@ class System {
   int states() const { return n_; }  ///< 2 per coordinate + internal states
   int degrees() const { return degrees_; }
   int parameters() const { return p_; }
-  /// The channels that drive the model, in the order of the inputs u: "F", or "F1" "F2" ..., then "yb" "vb" "ab". With
-  /// a delay the rates of the forces and the delay itself stand behind them (Excitations::of).
+  /// The channels that drive the model, in the order of the inputs u: "F", or "F1" "F2" ..., then "yb" "vb" "ab" and
+  /// further ones (Model::inputs). With a delay the rates of the forces and the delay itself stand behind them
+  /// (Excitations::of).
   const std::vector<std::string>& inputs() const { return inputs_; }
   const Model& model() const { return *model_; }
 
@@ -111,8 +125,12 @@ class System {
   /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base
   /// motion that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }
-  /// outputs: that force, its derivatives by each z and by each theta; inputs as force()
+  /// outputs: that force, its derivatives by each z and by each theta; inputs as force(). With imposed motion both are
+  /// of the channels as they show it (undo_measures, undo_acts).
   const Tape& force_with_derivatives() const { return force_with_derivatives_; }
+  /// What a channel of the motion shows where it is not its state (Model::measures): the value, its derivatives by each
+  /// state and by each theta; inputs (t, x..., theta...). nullptr: it shows its state.
+  const Tape* measure(std::string_view channel) const;
   /// output: per coordinate the mass that multiplies its a, terms of the restoring force included; inputs as force()
   const Tape& inertia() const { return inertia_; }
   /// A summand of the restoring force of a coordinate.
@@ -129,6 +147,7 @@ class System {
  private:
   std::shared_ptr<const Model> model_;
   void compile_forces(const std::vector<InertiaRow>& rows, const std::vector<Expr>& inputs);
+  void compile_measures();
 
   int n_ = 2, degrees_ = 1, p_ = 0;
   std::vector<std::string> inputs_;
@@ -136,6 +155,7 @@ class System {
   DynamicsSource equations_;
   std::shared_ptr<const Dynamics> free_, imposed_;
   Tape force_, force_with_derivatives_, inertia_, term_values_;
+  std::vector<std::pair<std::string, Tape>> measures_;
   std::vector<Term> terms_;
   bool needs_acceleration_ = true;
 };

@@ -94,9 +94,14 @@ class Excitations {
  public:
   Excitations() = default;
   Excitations(Excitation force) { add("F", std::move(force)); }  // implicit: one force is the usual case
-  /// Channels: "F", "F1" "F2" ..., "yb" "vb" "ab". Throws InputError when the channel is there, when the time base
-  /// differs from that of the first, or when a held signal meets one that is not.
+  /// Channels: "F", "F1" "F2" ..., and what else drives models (Model::inputs). Throws InputError when the channel is
+  /// there, when the time base differs from that of the first, or when a held signal meets one that is not.
   Excitations& add(const std::string& channel, Excitation signal);
+  /// The same, and no error where a model does not hold the channel.
+  Excitations& offer(const std::string& channel, Excitation signal);
+
+  /// The same with another signal for a channel; force_rate is left out, so that it follows from the force anew.
+  Excitations replaced(const std::string& channel, Excitation signal) const;
 
   bool empty() const { return signals_.empty(); }
   Eigen::Index rows() const { return empty() ? 0 : signals_[0].rows(); }
@@ -108,16 +113,21 @@ class Excitations {
   const std::string& channel(int i) const { return channels_[static_cast<std::size_t>(i)]; }
   /// Rows [first, first + count) of all. Throws InputError outside the rows.
   Excitations part(Eigen::Index first, Eigen::Index count) const;
-  /// One for each input of the system, in its order. Throws InputError naming a channel that is no input of it.
+  /// One for each input of the system, in its order; force_rate follows from F. Throws InputError naming a channel that
+  /// is no input of it.
   Excitations ordered(const System& system) const;
   /// The same as the system takes them at these parameters: forces shifted by its delay (constant before they begin),
   /// then their rates and the delay. The errors of ordered() and of System::delay.
   Excitations of(const System& system, std::span<const double> theta) const;
 
  private:
-  std::vector<std::string> channels_;
+  std::vector<std::string> channels_, offered_;
   std::vector<Excitation> signals_;
 };
+
+/// The time derivative of a signal by central differences of its samples, of fourth order but at the ends; held where
+/// the signal is.
+Excitation rate_of(const Excitation& signal);
 
 /// The channels of a record that drive the system, each as excitation_of gives it. Throws InputError naming the channel
 /// that it lacks: the forces may be absent where others drive, but not all inputs.
@@ -195,6 +205,15 @@ struct SensitivityRun {
   const Eigen::MatrixXd& dy() const { return dx[0]; }  ///< of the first displacement
   const Eigen::MatrixXd& dv() const { return dx[1]; }  ///< of the first velocity
 };
+/// What a channel shows of a run: the state that it is named after, or what the model makes of it (Model::measures).
+Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run,
+                      std::string_view channel = "y");
+/// Its derivatives to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states().
+Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const SensitivityRun& run,
+                             std::string_view channel = "y");
+/// The states that a channel shows, from 0. Throws InputError for a channel that is no displacement or velocity.
+std::vector<int> shown_states(const System& system, std::string_view channel);
+
 /// By the fixed path, or by CVODES (solver bdf or adams, and automatic where that is stiff), which holds them to rtol
 /// of what a parameter of its own size makes. `wanted`: the states whose sensitivities are kept, from 0; empty: all.
 /// Throws InputError as simulate() does, for a solver of ARKODE, and for more than Dynamics::dense_limit states.

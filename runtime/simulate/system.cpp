@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "simulate/inertia.hpp"
+#include "simulate/measures.hpp"
 #include "simulate/model.hpp"
 
 namespace lunid {
@@ -30,13 +31,23 @@ Expr input_rate(Pool& pool, const std::vector<std::string>& inputs, const std::s
   return there ? pool.channel(rate) : Expr();
 }
 
-/// What acts on the driven coordinates. A delayed force is an input that is shifted already; F + F' (shifted - delay),
-/// with its rate and the shift as further inputs, has that value and the exact derivative by the delay.
+/// What acts on the driven coordinates, of what their channels show. A delayed force is an input that is shifted
+/// already; F + F' (shifted - delay), with its rate and the shift as further inputs, has that value and the exact
+/// derivative by the delay.
 std::vector<Expr> delayed_forces(const Model& model, DynamicsSource& source) {
   Pool& pool = *model.pool;
   std::vector<Expr> forces(source.exogenous.begin(),
                            source.exogenous.begin() + static_cast<std::ptrdiff_t>(model.driven.size()));
-  if (!model.delay.valid()) return forces;
+  const auto acting = [&] {
+    for (const auto& [channel, map] : model.acts)
+      for (std::size_t i = 0; i < model.driven.size(); ++i) {
+        if (channel != model.channel('F', model.driven[i])) continue;
+        const std::pair<Expr, Expr> replacement[] = {{pool.channel(channel), forces[i]}};
+        forces[i] = substitute(map, replacement);
+      }
+    return forces;
+  };
+  if (!model.delay.valid()) return acting();
   const Expr shifted = pool.state("delay_now");
   for (Expr& force : forces) {
     const Expr rate = pool.state("rate_of_" + force.name());
@@ -46,7 +57,7 @@ std::vector<Expr> delayed_forces(const Model& model, DynamicsSource& source) {
   }
   source.exogenous.push_back(shifted);
   source.exogenous_rates.emplace_back();
-  return forces;
+  return acting();
 }
 
 /// y' = v, v' = M^-1 (F - f) with the terms in a moved to the mass; a in a state's rate is that same v'.
@@ -93,21 +104,27 @@ DynamicsSource imposed_motion(const Model& model) {
   source.exogenous = {pool.channel("y"), pool.channel("v"), pool.channel("a")};
   source.exogenous_rates = {pool.channel("v"), pool.channel("a"), Expr()};
   add_internal_states(source, model);
+  if (const auto undone = undo_measures(model); model.imposed_motion && !undone.empty()) {
+    for (Expr& rate : source.rates) rate = substitute(rate, undone);
+    for (auto& bound : source.bounds) bound.bound = substitute(bound.bound, undone);
+  }
   source.parameters = parameter_symbols(model);
   return source;
 }
 
-/// True when the states follow more than the motion: F, or the motion of a base.
+/// True when the states of one coordinate follow more than its motion: F, or the motion of a base.
 bool rates_hold_input(const Model& model) {
   for (const InternalState& z : model.states)
-    for (const char* input : {"F", "yb", "vb", "ab"})
-      if (depends_on(z.rate, model.pool->channel(input))) return true;
+    for (const Expr& symbol : symbols(z.rate, SymbolKind::channel))
+      if (std::string_view("yvat").find(symbol.name()) == std::string_view::npos) return true;
   return false;
 }
 
 }  // namespace
 
-System::System(const Model& given) : model_(std::make_shared<const Model>(complete(given))) {
+System::System(const Model& given)
+    : model_(std::make_shared<const Model>(given.imposed_motion ? without_unfelt_states(complete(given))
+                                                                : complete(given))) {
   const Model& model = *model_;
   Pool& pool = *model.pool;
   degrees_ = model.degrees();
@@ -117,8 +134,8 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
 
   if (degrees_ == 1 && !rates_hold_input(model))
     imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
+  inputs_ = model.inputs();
   if (!model.imposed_motion) {
-    inputs_ = model.inputs();
     equations_ = free_motion(model, rows, inputs_);
     free_ = std::make_shared<const Dynamics>(compile(equations_));
   } else if (!imposed_) {
@@ -135,9 +152,29 @@ System::System(const Model& given) : model_(std::make_shared<const Model>(comple
   }
   for (const InternalState& z : model.states) inputs.push_back(z.symbol);
   for (const std::string& input : inputs_)
-    if (input[0] != 'F') inputs.push_back(pool.channel(input));
+    if (input[0] != 'F' && input != "force_rate") inputs.push_back(pool.channel(input));
   for (const Expr& theta : parameter_symbols(model)) inputs.push_back(theta);
   compile_forces(rows, inputs);
+  compile_measures();
+}
+
+void System::compile_measures() {
+  const Model& model = *model_;
+  if (model.imposed_motion) return;
+  std::vector<Expr> inputs{model.pool->channel("t")};
+  inputs.insert(inputs.end(), equations_.states.begin(), equations_.states.end());
+  inputs.insert(inputs.end(), equations_.parameters.begin(), equations_.parameters.end());
+  for (const auto& [channel, map] : model.measures) {
+    std::vector<Expr> outputs{map};
+    for (std::size_t i = 1; i < inputs.size(); ++i) outputs.push_back(derivative(map, inputs[i]));
+    measures_.emplace_back(channel, Tape(outputs, inputs));
+  }
+}
+
+const Tape* System::measure(std::string_view channel) const {
+  for (const auto& [name, tape] : measures_)
+    if (name == channel) return &tape;
+  return nullptr;
 }
 
 double System::delay(std::span<const double> theta) const {
@@ -163,6 +200,10 @@ void System::compile_forces(const std::vector<InertiaRow>& rows, const std::vect
       terms_.push_back({i, term});
       terms.push_back(term);
     }
+  }
+  if (model.imposed_motion) {
+    const auto undone = undo_measures(model);
+    whole[0] = undo_acts(model, undone.empty() ? whole[0] : substitute(whole[0], undone));
   }
   force_ = Tape(whole, inputs);
   inertia_ = Tape(masses, inputs);

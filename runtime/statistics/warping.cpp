@@ -107,6 +107,68 @@ double dtw(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>
   return std::min(bound, table.cost({a.rows(), b.rows(), widest}, bound));
 }
 
+namespace {
+
+/// Where the best way to a pair of rows comes from.
+enum class From : unsigned char { both, row, column };
+
+/// The table with its ways, row after row, each from its band's first column on.
+class Ways {
+ public:
+  Ways(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b, const Band& band) : band_(band) {
+    double pairs = 0;
+    for (Index i = 0; i < band.rows; ++i) pairs += static_cast<double>(band.last(i) - band.first(i) + 1);
+    if (pairs > 4e8)
+      throw InputError("dtw: the pairing of " + std::to_string(a.rows()) + " and " + std::to_string(b.rows()) +
+                       " rows takes more than 4e8 pairs: give a narrower band, or every n-th row");
+    Eigen::ArrayXd before = Eigen::ArrayXd::Constant(b.rows(), infinite), here = before;
+    for (Index i = 0; i < band.rows; ++i) {
+      const Index first = band.first(i), last = band.last(i);
+      std::vector<From>& from = from_.emplace_back(static_cast<std::size_t>(last - first + 1), From::both);
+      here.setConstant(infinite);
+      for (Index j = first; j <= last; ++j) {
+        const double diagonal = i > 0 && j > 0 ? before[j - 1] : i == 0 && j == 0 ? 0 : infinite;
+        const double up = i > 0 ? before[j] : infinite, left = j > first ? here[j - 1] : infinite;
+        const double best = std::min(diagonal, std::min(up, left));
+        from[static_cast<std::size_t>(j - first)] = best == diagonal ? From::both
+                                                    : best == up     ? From::row
+                                                                     : From::column;
+        here[j] = (a.row(i) - b.row(j)).norm() + best;
+      }
+      before.swap(here);
+    }
+    cost_ = before[b.rows() - 1];
+  }
+
+  Pairing back() const {
+    std::vector<Index> rows, columns;
+    for (Index i = band_.rows - 1, j = band_.columns - 1; i >= 0 && j >= 0;) {
+      rows.push_back(i);
+      columns.push_back(j);
+      const From from = from_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j - band_.first(i))];
+      if (from != From::column) --i;
+      if (from != From::row) --j;
+    }
+    const auto turned = [](const std::vector<Index>& list) {
+      return Eigen::VectorX<Index>(
+          Eigen::Map<const Eigen::VectorX<Index>>(list.data(), static_cast<Index>(list.size())).reverse());
+    };
+    return {turned(rows), turned(columns), cost_};
+  }
+
+ private:
+  Band band_;
+  std::vector<std::vector<From>> from_;
+  double cost_ = infinite;
+};
+
+}  // namespace
+
+Pairing dtw_pairing(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b, Index band) {
+  check(a, b);
+  return Ways(a, b, {a.rows(), b.rows(), band < 0 ? std::max(a.rows(), b.rows()) : band}).back();
+}
+
 double phase_portrait_distance(std::span<const double> y, std::span<const double> v, std::span<const double> model_y,
                                std::span<const double> model_v, Index band) {
   check_columns("dtw", {y, v});

@@ -15,6 +15,16 @@ namespace lunid {
 double dtw(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
            Eigen::Index band = -1);
 
+/// A pairing of rows whose sum of distances is that of dtw(): rows of a and of b, each never falling, from the first of
+/// both to the last of both. Of equals the step on in both comes first, then that in a. Takes a byte for each pair of
+/// rows within the band; throws InputError beyond 4e8 of them.
+struct Pairing {
+  Eigen::VectorX<Eigen::Index> a, b;
+  double distance = 0;
+};
+Pairing dtw_pairing(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
+                    Eigen::Index band = -1);
+
 /// DTW of two phase portraits, displacement and velocity each over its measured standard deviation, per measured row:
 /// so many deviations lie between the two on the mean. The thesis has the sum in physical units.
 double phase_portrait_distance(std::span<const double> y, std::span<const double> v, std::span<const double> model_y,

@@ -5,10 +5,10 @@ return function(effect)
     contribution = "Ac*cos(w*t) + As*sin(w*t)",
     formula = "Ac*cos(w*t) + As*sin(w*t): the negative of what the recorded force lacks",
     parameters = { { "Ac", unit = "N" }, { "As", unit = "N" }, { "w", min = 0, unit = "rad/s" } },
-    guess = function(scale)  -- steps that a record of some twenty periods cannot step over
+    guess = function(scale)
       local guesses = {}
-      for i = 1, 80 do guesses[i] = { w = i / 16 * scale.omega } end
-      return guesses
+      for i, w in ipairs(scale.lines) do guesses[i] = { w = w } end
+      return #guesses > 0 and guesses or { { w = scale.omega } }
     end,
     range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,
     passive = false,

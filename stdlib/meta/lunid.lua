@@ -1,7 +1,7 @@
 ---@meta
 -- Written from the schemas by `lunid help stubs`; a test compares it with them.
 ---@class lunid
-local lunid = { effects = {}, derivative = {}, figure = {}, excitation = {}, noise = {}, systems = {}, statistics = {} }
+local lunid = { effects = {}, derivative = {}, excitation = {}, noise = {}, systems = {}, figure = {}, statistics = {} }
 ---@class lunid.record
 local record = {}
 
@@ -29,6 +29,16 @@ function lunid.option(fields) end
 ---@param fields lunid.read.fields
 ---@return lunid.record
 function lunid.read(fields) end
+
+---A record of columns that are there already, such as forces computed from gauges. Channels t F y v a are in SI; v and a are derived where absent.
+---@class lunid.record.fields
+---@field channels table # entries { name, column }: { { "F", force }, { "y", y } }
+---@field dt number # time between rows
+---@field start? number # time of the first row
+---@field name? string # what messages and figures call it
+---@param fields lunid.record.fields
+---@return lunid.record
+function lunid.record(fields) end
 
 ---A record that stays in its file (CSV, HDF5, MAT of version 7.3) and is read block by block, for files larger than memory. lunid.regress takes it as it takes a record, with the same result; what needs all rows at once does not. The file is looked through twice when it is opened, and read again for each pass of a regression.
 ---@class lunid.stream.fields
@@ -767,58 +777,6 @@ function lunid.history_model(fields) end
 ---@return lunid.selection
 function lunid.select(fields) end
 
----A curve or a cloud of points, for figure.lines.
----@class lunid.figure.series.fields
----@field x any # a column, such as record:column "t", or a list
----@field y any # of the same length
----@field label? string # in the legend
----@field role? "measured"|"baseline"|"final"|"residual"|"effect"|"noise"|"first"|"second"|"third"|"fourth"|"fifth"|"sixth" # what it means; decides its colour
----@field style? "line"|"dashed"|"dotted"|"dash_dot"|"points"|"line_points" # how it is drawn
----@param fields lunid.figure.series.fields
----@return lunid.series
-function lunid.figure.series(fields) end
-
----A chart of curves over common axes.
----@class lunid.figure.lines.fields
----@field series table # its curves
----@field title? string # above the chart
----@field x? string # axis with its unit: "time [s]"
----@field y? string # axis with its unit: "displacement [m]"
----@field note? string # one short line above the chart, on the right
----@param fields lunid.figure.lines.fields
----@return lunid.figure
-function lunid.figure.lines(fields) end
-
----A restoring force surface over displacement and velocity, with the measured points near it.
----@class lunid.figure.surface.fields
----@field surface lunid.surface # what to draw
----@field title? string # above the figure
----@field points? boolean # draw the measured points too
----@field azimuth? number # where it is seen from, about the force axis
----@field elevation? number # where it is seen from, above the plane
----@param fields lunid.figure.surface.fields
----@return lunid.figure
-function lunid.figure.surface(fields) end
-
----Where baseline and final model leave force unexplained, over displacement and velocity.
----@class lunid.figure.residual_map.fields
----@field discovery lunid.discovery # what was found
----@param fields lunid.figure.residual_map.fields
----@return lunid.figure
-function lunid.figure.residual_map(fields) end
-
----A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.
----@class lunid.figure.response.fields
----@field response lunid.response # what to draw
----@field quantity? string # a column of the response, such as "amplitude_3" or "phase_1"
----@field state? string # whose motion; else the first displacement
----@field series? table # curves to compare with
----@field log? boolean # logarithmic axis of the quantity
----@field title? string # above the chart
----@param fields lunid.figure.response.fields
----@return lunid.figure
-function lunid.figure.response(fields) end
-
 ---Bilinear interpolation between the corners of equal cells; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
@@ -1437,6 +1395,94 @@ function lunid.rank(fields) end
 ---@return lunid.experiment_design
 function lunid.design_experiment(fields) end
 
+---A curve or a cloud of points.
+---@class lunid.figure.series.fields
+---@field x any # a column, such as record:column "t", or a list
+---@field y any # of the same length
+---@field label? string # in the legend
+---@field role? "measured"|"baseline"|"final"|"residual"|"effect"|"noise"|"first"|"second"|"third"|"fourth"|"fifth"|"sixth" # what it means; decides its colour
+---@field style? "line"|"dashed"|"dotted"|"dash_dot"|"points"|"line_points"|"stems"|"columns" # how it is drawn
+---@field colour? any # a value for each point, shown by colour and a bar beside the chart
+---@param fields lunid.figure.series.fields
+---@return lunid.series
+function lunid.figure.series(fields) end
+
+---A chart of curves over common axes.
+---@class lunid.figure.lines.fields
+---@field series table # its curves
+---@field x? string # axis with its unit: "time [s]"
+---@field y? string # axis with its unit: "displacement [m]"
+---@field x_scale? "linear"|"log" # 'log' shows positive values only
+---@field y_scale? "linear"|"log" # the same
+---@field colour? string # what the colours of its curves stand for, with its unit
+---@field note? string # one short line above the chart, on the right
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.lines.fields
+---@return lunid.figure
+function lunid.figure.lines(fields) end
+
+---The panels of several figures in one, row by row.
+---@class lunid.figure.grid.fields
+---@field figures table # whose panels it takes
+---@field columns? integer # of panels
+---@field share_x? boolean # panels of one column that show the same quantity have one range, and labels under the lowest
+---@field share_y? boolean # the same of panels side by side
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.grid.fields
+---@return lunid.figure
+function lunid.figure.grid(fields) end
+
+---Quantiles of a residual, or of any column, over those of a normal distribution or of another column.
+---@class lunid.figure.qq.fields
+---@field of any # a column, a comparison or the points of lunid.statistics.qq
+---@field expected? any # a sample to compare with; else a normal distribution
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.qq.fields
+---@return lunid.figure
+function lunid.figure.qq(fields) end
+
+---How often values occur, as a density, with the normal distribution of the same mean and deviation.
+---@class lunid.figure.histogram.fields
+---@field of any # a column, or a comparison, whose residual is shown
+---@field bins? integer # else by the rule of Freedman and Diaconis
+---@field normal? boolean # draw the normal distribution
+---@field axis? string # what the values are, with their unit
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.histogram.fields
+---@return lunid.figure
+function lunid.figure.histogram(fields) end
+
+---Autocorrelations of a column, or its correlations with an input, over the lag, beside their 95 % bounds.
+---@class lunid.figure.correlogram.fields
+---@field of any # a column, a comparison or a test of lags
+---@field input? any # what the column may follow; else it is compared with itself
+---@field lags? integer # largest lag, rows
+---@field dt? number # between rows: shows the lag in seconds
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.correlogram.fields
+---@return lunid.figure
+function lunid.figure.correlogram(fields) end
+
 ---Root of the mean squared error, in the unit of the columns.
 ---@param measured any # what was measured
 ---@param model any # what the model says, row by row
@@ -1507,6 +1553,13 @@ function lunid.statistics.significance_index(information, coefficient, feature) 
 ---@param band? integer # rows that a pairing may stray from the diagonal; else any
 ---@return number
 function lunid.statistics.dtw(a, b, band) end
+
+---The pairing of rows behind dtw: columns a and b of row numbers, counted from 1, and the distance; pairing:figure() draws it.
+---@param a table # the columns of one curve, such as { y, v }, in comparable units
+---@param b table # as many columns of the other; it may be longer or shorter
+---@param band? integer # rows that a pairing may stray from the diagonal; else any
+---@return lunid.pairing
+function lunid.statistics.dtw_pairing(a, b, band) end
 
 ---The points of a quantile-quantile plot: against the normal distribution of the column's own mean and deviation, or against another column. Fields expected, found, qqcc; qq:figure() draws it.
 ---@param found any # such as a residual
@@ -1631,11 +1684,461 @@ function lunid.rank_features(fields) end
 ---@return lunid.scoreboard
 function lunid.scoreboard(fields) end
 
----What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
+---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:verbatim(text), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
 ---@class lunid.report.fields
 ---@field title string # above the page
 ---@param fields lunid.report.fields
 ---@return lunid.report
 function lunid.report(fields) end
+
+---Channels over time, the whole above and parts of it enlarged below.
+---@class lunid.figure.history.fields
+---@field of any # records, runs, comparisons or series of plain columns: one or a list
+---@field channels? table # one panel for each
+---@field window? lunid.window # part of the time that is shown
+---@field zoom? any # parts that are enlarged
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.history.fields
+---@return lunid.figure
+function lunid.figure.history(fields) end
+
+---Velocity over displacement, or any channel over another; a lone record or run is coloured by its cycles.
+---@class lunid.figure.phase_portrait.fields
+---@field of any # records, runs, comparisons or series of plain columns: one or a list
+---@field x? string # channel across
+---@field y? string # channel upward
+---@field window? lunid.window # part of the records
+---@field cycles? boolean # colour a lone curve by its cycles
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.phase_portrait.fields
+---@return lunid.figure
+function lunid.figure.phase_portrait(fields) end
+
+---The loops of force over displacement and over velocity; those of a lone record or run are coloured by their cycles.
+---@class lunid.figure.loop.fields
+---@field of any # records, runs, comparisons or series of plain columns: one or a list
+---@field mass? number # shows the restoring force F - m*a; else the force itself
+---@field force? string # channel of the force
+---@field over? table # channels across, one panel for each
+---@field window? lunid.window # part of the records
+---@field cycles? boolean # colour a lone curve by its cycles
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.loop.fields
+---@return lunid.figure
+function lunid.figure.loop(fields) end
+
+---A Poincare section: the states once per period of the excitation.
+---@class lunid.figure.poincare.fields
+---@field of any # what to draw
+---@field x? string # column across
+---@field y? string # column upward
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.poincare.fields
+---@return lunid.figure
+function lunid.figure.poincare(fields) end
+
+---Which rows of two curves dynamic time warping pairs: the curves one above the other with links, and the pairing itself, straight where the paces are alike.
+---@class lunid.figure.alignment.fields
+---@field of lunid.pairing # what to draw
+---@field dt? number # between rows: shows seconds in place of rows
+---@field labels? table # of the two curves
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.alignment.fields
+---@return lunid.figure
+function lunid.figure.alignment(fields) end
+
+---Power spectral densities by Welch's method; a lone one with its 95 % limits.
+---@class lunid.figure.spectrum.fields
+---@field of any # records or spectra: one or a list
+---@field channel? string # of the records
+---@field labels? table # of each; else the records' names
+---@field log_frequency? boolean # logarithmic axis of the frequency
+---@field length? integer # of a segment; else as the record's method says
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.spectrum.fields
+---@return lunid.figure
+function lunid.figure.spectrum(fields) end
+
+---Power spectral density over frequency and time.
+---@class lunid.figure.spectrogram.fields
+---@field of any # a record or its spectrogram
+---@field channel? string # of the record
+---@field length? integer # of a segment; else as the record's method says
+---@field to? number # highest frequency shown; else all
+---@field decades? number # of density below the largest that are shown
+---@field ridge? boolean # mark the frequency of the largest density
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.spectrogram.fields
+---@return lunid.figure
+function lunid.figure.spectrogram(fields) end
+
+---The part of an output that follows an input linearly, over frequency.
+---@class lunid.figure.coherence.fields
+---@field of any # a record or its transfer function
+---@field input? string # channel that drives
+---@field output? string # channel that answers
+---@field length? integer # of a segment; else as the record's method says
+---@field to? number # highest frequency shown; else all
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.coherence.fields
+---@return lunid.figure
+function lunid.figure.coherence(fields) end
+
+---A measured frequency response: magnitude with its 95 % limits, phase and coherence.
+---@class lunid.figure.transfer.fields
+---@field of any # a record or its transfer function
+---@field input? string # channel that drives
+---@field output? string # channel that answers
+---@field length? integer # of a segment; else as the record's method says
+---@field to? number # highest frequency shown; else all
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.transfer.fields
+---@return lunid.figure
+function lunid.figure.transfer(fields) end
+
+---A frequency response: stable branches solid, unstable ones dashed, folds and bifurcations marked.
+---@class lunid.figure.response.fields
+---@field response lunid.response # what to draw
+---@field quantity? string # a column of the response, such as "amplitude_3" or "phase_1"
+---@field state? string # whose motion; else the first displacement
+---@field backbone? lunid.backbone # drawn with it
+---@field series? table # curves to compare with
+---@field log? boolean # logarithmic axis of the quantity
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.response.fields
+---@return lunid.figure
+function lunid.figure.response(fields) end
+
+---A restoring force surface over displacement and velocity, with the measured points near it.
+---@class lunid.figure.surface.fields
+---@field surface lunid.surface # what to draw
+---@field points? boolean # draw the measured points too
+---@field azimuth? number # where it is seen from, about the upright axis
+---@field elevation? number # where it is seen from, above the plane
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.surface.fields
+---@return lunid.figure
+function lunid.figure.surface(fields) end
+
+---Any numbers on a grid as a surface in space.
+---@class lunid.figure.relief.fields
+---@field x any # increasing, one for each column of z
+---@field y any # increasing, one for each row of z
+---@field z table # rows; what is not a number is no data
+---@field x_axis? string # axis with its unit
+---@field y_axis? string # axis with its unit
+---@field z_axis? string # axis with its unit
+---@field diverging? boolean # colours on both sides of 0; else from low to high
+---@field azimuth? number # where it is seen from, about the upright axis
+---@field elevation? number # where it is seen from, above the plane
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.relief.fields
+---@return lunid.figure
+function lunid.figure.relief(fields) end
+
+---Any numbers on a grid by colour, seen from above; cells without data are hatched.
+---@class lunid.figure.map.fields
+---@field x any # increasing, one for each column of z
+---@field y any # increasing, one for each row of z
+---@field z table # rows; what is not a number is no data
+---@field x_axis? string # axis with its unit
+---@field y_axis? string # axis with its unit
+---@field z_axis? string # axis with its unit
+---@field diverging? boolean # colours on both sides of 0; else from low to high
+---@field contours? boolean # lines of equal z
+---@field numbers? boolean # written into the cells
+---@field z_scale? "linear"|"log" # of the colours
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.map.fields
+---@return lunid.figure
+function lunid.figure.map(fields) end
+
+---A restoring force surface from above: lines of equal force, and hatched where there are no data.
+---@class lunid.figure.contour.fields
+---@field surface lunid.surface # what to draw
+---@field points? boolean # draw the measured points too
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.contour.fields
+---@return lunid.figure
+function lunid.figure.contour(fields) end
+
+---A restoring force surface from both sides: all measured points over displacement and over velocity, coloured by the other, and the range of the surface behind them.
+---@class lunid.figure.side_views.fields
+---@field surface lunid.surface # what to draw
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.side_views.fields
+---@return lunid.figure
+function lunid.figure.side_views(fields) end
+
+---Cuts through a restoring force surface with the measured points near them.
+---@class lunid.figure.sections.fields
+---@field surface lunid.surface # what to draw
+---@field v? table # cuts along displacement at these velocities
+---@field y? table # cuts along velocity at these displacements
+---@field half_width? number # of the band from which points come; else a twentieth of the range
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.sections.fields
+---@return lunid.figure
+function lunid.figure.sections(fields) end
+
+---The coefficients of a lasso, each over its largest size, as the penalty falls; below, the error on left-out blocks.
+---@class lunid.figure.coefficient_path.fields
+---@field of lunid.regression # fitted by lunid.lasso or lunid.elastic_net
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.coefficient_path.fields
+---@return lunid.figure
+function lunid.figure.coefficient_path(fields) end
+
+---A score over the number of terms: the steps of a stepwise regression, or the free runs of a selection.
+---@class lunid.figure.score.fields
+---@field of any # a regression that went step by step, a selection, or series of terms and scores
+---@field y? string # axis of plain series, with its unit
+---@field log? boolean # logarithmic axis of the score
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.score.fields
+---@return lunid.figure
+function lunid.figure.score(fields) end
+
+---Candidates by two costs, both better when smaller, and the front of those that none beats in both.
+---@class lunid.figure.pareto.fields
+---@field of any # a selection, or a series of two costs
+---@field x? string # axis across, with its unit
+---@field y? string # axis upward, with its unit
+---@field log? boolean # logarithmic axis upward
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.pareto.fields
+---@return lunid.figure
+function lunid.figure.pareto(fields) end
+
+---What each term contributes to the restoring force, in per cent of its rms, the largest on top.
+---@class lunid.figure.contributions.fields
+---@field of any # a regression, or a list of { name, per cent }
+---@field cut_off? number # drawn as a line
+---@field axis? string # what the bars are, with their unit
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.contributions.fields
+---@return lunid.figure
+function lunid.figure.contributions(fields) end
+
+---Parameters of one fit or of several with their 95 % intervals, each as its deviation from the truth, or from the first fit's value; terms that are not there in truth by themselves, in per cent of their value.
+---@class lunid.figure.intervals.fields
+---@field of any # regressions, models or trajectory fits
+---@field truth? lunid.table # true values by name: { k = 2e4 }; 0 for a term that is not there
+---@field labels? table # of each fit
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.intervals.fields
+---@return lunid.figure
+function lunid.figure.intervals(fields) end
+
+---What each channel or feature tells about each other, as a matrix of mutual information.
+---@class lunid.figure.information_matrix.fields
+---@field of any # a record, or a list of { name, column }
+---@field channels? table # of the record
+---@field features? table # functions of its channels beside them
+---@field rows? integer # of a longer record, every n-th is taken
+---@field neighbours? integer # of the estimate
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.information_matrix.fields
+---@return lunid.figure
+function lunid.figure.information_matrix(fields) end
+
+---The correlations between the parameters of a fit: near 1 or -1, the data do not tell two apart.
+---@class lunid.figure.correlation_matrix.fields
+---@field of lunid.trajectory # a fit of one record
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.correlation_matrix.fields
+---@return lunid.figure
+function lunid.figure.correlation_matrix(fields) end
+
+---Where a model leaves force unexplained: over displacement and velocity, or over slow time. Of a discovery, the map before and after.
+---@class lunid.figure.residual_map.fields
+---@field discovery? lunid.discovery # what was found; or else record and model, or columns
+---@field record? lunid.record # a measured record
+---@field model? lunid.model # whose residual F - m*a - f(y, v, t) is shown
+---@field residual? any # plain columns: the residual, and displacement, velocity and time
+---@field y? any # displacement
+---@field v? any # velocity
+---@field t? any # time; else the rows' numbers
+---@field over? "phase_plane"|"time" # 'time': displacement over slow time
+---@field cells? integer # along each axis
+---@field least_count? integer # rows in a cell; others have no data
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.residual_map.fields
+---@return lunid.figure
+function lunid.figure.residual_map(fields) end
+
+---The gap of free runs after each named effect, on train and test, against what noise alone leaves.
+---@class lunid.figure.gaps.fields
+---@field discovery lunid.discovery # what was found
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.gaps.fields
+---@return lunid.figure
+function lunid.figure.gaps(fields) end
+
+---The gap of each rival over left-out blocks, beside the baseline and what was named.
+---@class lunid.figure.rivals.fields
+---@field discovery lunid.discovery # what was found
+---@field most? integer # rivals that are shown
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.rivals.fields
+---@return lunid.figure
+function lunid.figure.rivals(fields) end
+
+---Measured, baseline and final run over time: the errors over the whole record, the runs where the baseline is worst, and the force that is left.
+---@class lunid.figure.failures.fields
+---@field discovery lunid.discovery # what was found
+---@field record? integer # which of the training and test records
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.failures.fields
+---@return lunid.figure
+function lunid.figure.failures(fields) end
+
+---The force of what was named over what it is a function of, against what the rest of the model would leave.
+---@class lunid.figure.named_force.fields
+---@field discovery lunid.discovery # what was found
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.named_force.fields
+---@return lunid.figure
+function lunid.figure.named_force(fields) end
+
+---A surface that turns once about its upright axis, as PNG frames: animation:save "folder".
+---@class lunid.figure.turn.fields
+---@field figure lunid.figure # with a surface in its first panel
+---@field frames? integer # PNG files, frame_0001.png and so on
+---@param fields lunid.figure.turn.fields
+---@return lunid.animation
+function lunid.figure.turn(fields) end
+
+---A motion that runs along its phase portrait and its history, as PNG frames: animation:save "folder".
+---@class lunid.figure.motion.fields
+---@field of any # a record or a run
+---@field window? lunid.window # part of a record
+---@field x? string # channel across
+---@field y? string # channel upward
+---@field frames? integer # PNG files, frame_0001.png and so on
+---@param fields lunid.figure.motion.fields
+---@return lunid.animation
+function lunid.figure.motion(fields) end
+
+---Figures on one page of HTML on which charts zoom and surfaces turn, without a network: page:save "figures.html".
+---@class lunid.figure.page.fields
+---@field figures table # in their order
+---@field title? string # above them
+---@field captions? table # one under each
+---@param fields lunid.figure.page.fields
+---@return lunid.page
+function lunid.figure.page(fields) end
 
 return lunid

@@ -26,4 +26,7 @@ return {
   added_mass = { ma = 0.3 }, velocity_dependent_mass = { m1 = 0.2 }, displacement_dependent_mass = { m1 = 80 },
   stiffness_drift = { k1 = 40 }, damping_drift = { c1 = 0.5 }, parametric_stiffness = { ac = 60, as = 30, w = 30 },
   hidden_mode = { mh = 0.2, kh = 50, ch = 0.3 }, missing_harmonic = { Ac = 2, As = 1, w = 45 }, base_motion = { mb = 1 },
+  rotating_unbalance = { me = 0.02, phi = 0.4 }, force_gain = { g = 1.2 }, sensor_lag = { tau = 0.02 },
+  displacement_offset = { b = 0.004 }, sensor_drift = { b = 0.001, d = 0.002, q = 5e-4 }, sensor_gain = { g = 0.8 },
+  clipping = { level = 0.03 },
 }

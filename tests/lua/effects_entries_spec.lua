@@ -13,13 +13,11 @@ end
 
 -- ---- what an entry carries ----
 
--- Rows of the list of effects that are no entries yet: faults of sensors and what is said of the input elsewhere.
-local later = { displacement_offset = true }
-
 spec.case("there is an entry for each row, in the list's order", function()
-  spec.equal(#names, 54)
+  spec.equal(#names, 61)
   spec.equal(names[1], "linear_stiffness")
   spec.equal(names[54], "base_motion")
+  spec.equal(names[61], "clipping")
   for _, name in ipairs(names) do
     spec.equal(effects[name].name, name)
     assert(samples[name], "no sample of " .. name)
@@ -38,7 +36,7 @@ spec.case("every entry carries what the catalogue promises", function()
     assert(#entry.confusers > 0, name .. " has no confusers")
     for _, list in ipairs { "confusers", "special_case_of", "acts_on" } do
       for _, other in ipairs(entry[list]) do
-        assert(is_entry[other] or later[other], ("%s: %s: no entry '%s'"):format(name, list, other))
+        assert(is_entry[other], ("%s: %s: no entry '%s'"):format(name, list, other))
         assert(other ~= name, name .. " names itself")
       end
     end
@@ -50,7 +48,8 @@ local function scale(length, frequency, mass)
   local w = 2 * math.pi * frequency
   local force = mass * w ^ 2 * length
   return { y_max = 1.3 * length, y_min = -1.1 * length, y_std = 0.7 * length, v_max = 1.2 * w * length,
-    v_std = 0.7 * w * length, force_std = 0.7 * force, residual_std = 0.1 * force, omega = w, stiffness = mass * w ^ 2 }
+    v_std = 0.7 * w * length, force_std = 0.7 * force, residual_std = 0.1 * force, omega = w, stiffness = mass * w ^ 2,
+    interval = 0.02 / frequency, duration = 10 / frequency, lines = { 0.4 * w, 3 * w } }
 end
 local scales = { scale(2e-6, 3000, 0.01), scale(3e-3, 25, 40), scale(0.8, 0.3, 9000) }
 
@@ -126,9 +125,11 @@ spec.case("every parameter has its unit: in other units of length, time and forc
     local entry, given = effects[name], samples[name]
     local base = { N = 7, m = 3, s = 0.6 }
     if name == "vibro_liquefaction" then base.m = base.s ^ 2 end  -- the acceleration of gravity keeps its value
-    local one = { y = 0.031, v = 0.4, a = 5, t = 0.7, ab = 2 }
+    local one = { y = 0.031, v = 0.4, a = 5, t = 0.7, ab = 2, F = 11, force_rate = 90, shaft_angle = 0.8, shaft_speed = 30,
+      shaft_rate = 70 }
     local other = { y = one.y * base.m, v = one.v * base.m / base.s, a = one.a * base.m / base.s ^ 2, t = one.t * base.s,
-      ab = one.ab * base.m / base.s ^ 2 }
+      ab = one.ab * base.m / base.s ^ 2, F = one.F * base.N, force_rate = one.force_rate * base.N / base.s,
+      shaft_angle = one.shaft_angle, shaft_speed = one.shaft_speed / base.s, shaft_rate = one.shaft_rate / base.s ^ 2 }
     for i, row in ipairs(entry.parameters) do
       one[entry.rows[i].name] = given[row[1]]
       other[entry.rows[i].name] = given[row[1]] * size_of(row.unit or "", base, given)
@@ -142,7 +143,10 @@ spec.case("every parameter has its unit: in other units of length, time and forc
       assert(math.abs(expression:at(other) / expected - 1) < 1e-9 or expected == 0 and expression:at(other) == 0,
         ("%s: %s: %g is not %g"):format(name, words, expression:at(other), expected))
     end
-    for _, variant in ipairs(entry.variants) do check("the force", variant, base.N) end
+    for i, variant in ipairs(entry.variants) do
+      local channel = entry.maps[i].channel
+      check(channel or "the force", variant, channel == "y" and base.m or base.N)
+    end
     for _, state in ipairs(entry.states) do
       local unit = size_of(state.unit, base, given)
       check(state.own, state.rate, unit / base.s)
@@ -194,6 +198,15 @@ local by_hand = {
   parametric_stiffness = function(p, m) return (p.ac * math.cos(p.w * m.t) + p.as * math.sin(p.w * m.t)) * m.y end,
   missing_harmonic = function(p, m) return p.Ac * math.cos(p.w * m.t) + p.As * math.sin(p.w * m.t) end,
   base_motion = function(p, m) return p.mb * m.ab end,
+  rotating_unbalance = function(p, m)  -- the centre of gravity goes round: x = e cos(th), its second derivative by hand
+    local th = m.shaft_angle + p.phi
+    return p.me * (-m.shaft_speed ^ 2 * math.cos(th) - m.shaft_rate * math.sin(th))
+  end,
+  force_gain = function(p, m) return p.g * m.F end,
+  displacement_offset = function(p, m) return m.y + p.b end,
+  sensor_drift = function(p, m) return m.y + p.b + (p.d + p.q * m.t) * m.t end,
+  sensor_gain = function(p, m) return p.g * m.y end,
+  clipping = function(p, m) return math.abs(m.y) > p.level and p.level * sgn(m.y) or m.y end,
 }
 
 spec.case("every entry without memory is its formula", function()
@@ -202,12 +215,14 @@ spec.case("every entry without memory is its formula", function()
     assert(#entry.states > 0 or by_hand[name], name .. " is not written out")
     if by_hand[name] then
       local force = entry(samples[name])
+      force = entry.maps[1].channel and force[entry.maps[1].channel] or force
       for i = 1, 60 do  -- all signs of y and v
         local m = { y = 0.05 * math.sin(2.1 * i), v = math.cos(1.3 * i), a = 9 * math.sin(0.7 * i), t = 0.1 * i,
-          ab = math.cos(i) }
+          ab = math.cos(i), F = 3 * math.cos(2 * i), shaft_angle = 0.9 * i, shaft_speed = 5 + math.sin(i),
+          shaft_rate = math.cos(i) }
         local expected = by_hand[name](samples[name], m)
         spec.near(force:at(m), expected, 1e-12 * (1 + math.abs(expected)))
-        if #entry.variants > 1 and name ~= "sinusoidal_stiffness" then  -- the mirror image: f(-y, -v) = -f(y, v)
+        if #entry.variants > 1 and name ~= "sinusoidal_stiffness" and not entry.maps[1].channel then  -- the mirror image: f(-y, -v) = -f(y, v)
           local given = { variant = 2 }
           for key, value in pairs(samples[name]) do given[key] = value end
           local mirrored = entry(given)
@@ -216,6 +231,28 @@ spec.case("every entry without memory is its formula", function()
       end
     end
   end
+end)
+
+spec.case("the further forms of a faulty channel", function()
+  local above, below = effects.clipping { level = 0.03, variant = 2 }.y, effects.clipping { level = 0.03, variant = 3 }.y
+  for _, y in ipairs { -0.05, -0.02, 0, 0.02, 0.05 } do
+    spec.equal(above:at { y = y }, math.min(y, 0.03))
+    spec.equal(below:at { y = y }, math.max(y, -0.03))
+  end
+  spec.equal(effects.sensor_lag { tau = 0.5, variant = 2 }.F:at { F = 3, force_rate = 4 }, 5.0)
+end)
+
+spec.case("an entry says what it is of a channel, or is refused", function()
+  local function refused(text, fields)
+    fields.name, fields.family, fields.parameters = "odd", "sensor", { { "b" } }
+    spec.equal(spec.message_of(function() lunid.effect(fields) end), "effect: odd: " .. text)
+  end
+  refused("expected a contribution, or a channel that measures or acts", {})
+  refused("measures: expected { y = ... }, or a list of them, got 'F'", { measures = { F = "b*F" } })
+  refused("acts: expected { F = ... }, or a list of them, got 'y'", { acts = { y = "b*y" } })
+  refused("measures: y: expected a string or an expression or a number, got true", { measures = { y = true } })
+  spec.equal(lunid.effect({ name = "odd", family = "sensor", measures = { y = "y + b" }, parameters = { { "b" } } }).formula,
+    "y -> y + b")
 end)
 
 spec.clean()

@@ -18,7 +18,11 @@ local function refused(text, body) spec.equal(spec.message_of(body), text) end
 local function run_of(force, options)
   options = options or {}
   local drive = { F = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1), ab = options.ab }
-  return lunid.simulate { model = lunid.model { mass = 1, restoring = 400*y + v + force }, excitation = drive,
+  for channel, signal in pairs(options.shaft or {}) do drive[channel] = signal end
+  local faulty = type(force) == "table" and (force.y or force.F) and force or {}  -- a sensor: no force
+  local model = lunid.model { mass = 1, restoring = 400*y + v + (faulty == force and 0 or force),
+    measures = faulty.y and faulty, acts = faulty.F and faulty }
+  return lunid.simulate { model = model, excitation = drive,
     from = options.from or { 0.005, 0 }, duration = options.duration or 1.5, dt = 0.005, solver = options.solver or "fixed",
     rtol = 1e-9 }
 end
@@ -34,8 +38,9 @@ spec.case("the fixed path and SUNDIALS give every entry the same motion", functi
   local tolerance = { power_law_damping = 2e-5, rate_power_law = 2e-5 }
   for _, name in ipairs(names) do
     local force, ab = effects[name](samples[name]), name == "base_motion" and lunid.sin(10*t) or nil
-    local fixed = run_of(force, { ab = ab })
-    local other = run_of(force, { ab = ab, solver = "rk45" })
+    local shaft = name == "rotating_unbalance" and { shaft_angle = 20*t + t^2, shaft_speed = 20 + 2*t, shaft_rate = 2 + 0*t }
+    local fixed = run_of(force, { ab = ab, shaft = shaft })
+    local other = run_of(force, { ab = ab, shaft = shaft, solver = "rk45" })
     assert(fixed.summary.completed and other.summary.completed, name)
     local error = furthest(fixed:column "y", other:column "y") / other:column("y"):std()
     assert(error < (tolerance[name] or 1e-6), ("%s: %.1e of the motion apart"):format(name, error))
@@ -75,6 +80,9 @@ spec.case("special cases are the general entries at those values", function()
     assert(error < (tolerance or fine), ("%s and %s: %.1e of the motion apart"):format(one, other, error))
     tested[one .. " " .. other] = true
   end
+  local offset, drift = effects.displacement_offset { b = 0.004 }, effects.sensor_drift { b = 0.004, d = 0, q = 0 }
+  spec.equal(offset.y:at { y = 0.3 }, drift.y:at { y = 0.3, t = 7 })  -- what a sensor shows of any motion
+  tested["displacement_offset sensor_drift"] = true
   for _, name in ipairs(names) do
     for _, other in ipairs(effects[name].special_case_of) do
       assert(tested[name .. " " .. other], ("%s in %s is not tested"):format(name, other))
@@ -141,7 +149,8 @@ end
 
 spec.case("passive entries take up energy over a closed motion", function()
   for _, name in ipairs(names) do
-    if effects[name].passive == true or name == "bouc_wen" or name == "pinching_degrading_hysteresis" then
+    local sensor = effects[name].maps[1].channel
+    if effects[name].passive == true and not sensor or name == "bouc_wen" or name == "pinching_degrading_hysteresis" then
       for _, record in ipairs(motions) do
         local done, size = work(effects[name](samples[name]), record)
         assert(done >= -1e-4 * size, ("%s gives %.2e of %.2e J"):format(name, -done, size))
@@ -159,7 +168,7 @@ spec.case("entries that are not passive can create energy where they say so", fu
     excitation = 1.9/2e-5 * (1 - lunid.tanh((t - 0.01)/1e-5)^2), dt = 2e-6, solver = "fixed" }:record()
   for _, name in ipairs(names) do
     local passive = effects[name].passive
-    local given = active[name] or passive == false and name ~= "base_motion" and samples[name]
+    local given = active[name] or passive == false and #effects[name].channels == 0 and samples[name]
     if given then
       local least = math.huge
       for _, record in ipairs(name == "lugre_friction" and { torn } or motions) do
@@ -287,9 +296,10 @@ spec.case("the list marks what discovery tries", function()
     spec.equal(name, names[count])
     if mark == "*" then searched[#searched + 1] = name end
   end
-  spec.equal(count, 54)
+  spec.equal(count, 61)
   spec.equal(table.concat(searched, " "), "linear_stiffness quadratic_stiffness cubic_stiffness clearance one_sided_stop "
-    .. "constant_force viscous_damping quadratic_drag coulomb_friction bouc_wen")
+    .. "constant_force viscous_damping quadratic_drag coulomb_friction bouc_wen missing_harmonic base_motion "
+    .. "rotating_unbalance force_gain sensor_lag displacement_offset sensor_drift sensor_gain clipping")
   spec.equal(spec.lunid "help effects", said)
 end)
 

@@ -54,7 +54,9 @@ TEST_F(FigureModuleTest, draws_every_kind_of_figure_in_every_format) {
                                      {"maps", maps()},
                                      {"forces", forces()},
                                      {"rivals", rivals()},
-                                     {"spectra", spectra()}}) {
+                                     {"spectra", spectra()},
+                                     {"kinds", kinds()},
+                                     {"surface", surface()}}) {
     for (const std::string extension : {".png", ".svg", ".pdf"}) {
       const std::string path = folder / (name + extension);
       module.render(figure, path);
@@ -67,8 +69,11 @@ TEST_F(FigureModuleTest, draws_every_kind_of_figure_in_every_format) {
   Figure dark = histories();
   dark.theme = Theme::dark;
   module.render(dark, folder / "dark.png");
-  module.render(surface(), folder / "surface.png");
-  EXPECT_EQ(png_size(content(folder / "surface.png")), (std::pair<unsigned, unsigned>{1575, 1181}));
+  dark = surface();
+  dark.theme = Theme::dark;
+  dark.size = {10.0, 8.0, 254};
+  module.render(dark, folder / "dark_surface.png");
+  EXPECT_EQ(png_size(content(folder / "dark_surface.png")), (std::pair<unsigned, unsigned>{1000, 800}));
 }
 
 TEST_F(FigureModuleTest, the_same_figure_gives_the_same_bytes) {
@@ -159,10 +164,10 @@ TEST_F(FigureModuleTest, wrong_extensions_are_refused_before_anything_is_loaded)
   FigureModule nowhere("/no/such/module.so");
   EXPECT_EQ(message([&] { nowhere.render(forces(), "a.jpg"); }),
             "a.jpg: expected a file name that ends in .png, .svg, .pdf, got 'a.jpg'");
-  EXPECT_EQ(message([&] { nowhere.render(surface(), "a.svg"); }),
-            "a.svg: expected a file name that ends in .png, got 'a.svg'");
   EXPECT_EQ(message([&] { nowhere.export_surface(surface(), "a.stl"); }),
-            "a.stl: expected a file name that ends in .vts, .vtp, got 'a.stl'");
+            "a.stl: expected a file name that ends in .vts, .vtp, .vtu, .vtm, got 'a.stl'");
+  EXPECT_EQ(message([&] { nowhere.export_surface(forces(), "a.vts"); }),
+            "the figure has no surface: only its numbers can be written, as .csv");
   EXPECT_EQ(message([&] { nowhere.render(forces(), "a.png"); }),
             "figures: the drawing module is not there, looked for /no/such/module.so");
 }
@@ -177,10 +182,38 @@ TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
   figure.panels[0].map->x[3] = 0.0;
   EXPECT_EQ(message([&] { module.render(figure, "a.png"); }),
             "figure: panel 1: map: x: expected finite values that increase, got something else at position 5");
-  SurfaceFigure bad = surface();
-  bad.surface.conservativeResize(40, 41);
+  Figure bad = surface();
+  bad.panels[0].scene->surface.conservativeResize(40, 41);
   EXPECT_EQ(message([&] { module.render(bad, "a.png"); }),
-            "surface: rows and grid_y: expected the same length, got 40 and 41");
+            "figure: panel 1: surface: rows and grid_y: expected the same length, got 40 and 41");
+  bad = kinds();
+  bad.panels[0].series[0].colour.pop_back();
+  EXPECT_EQ(message([&] { module.render(bad, "a.png"); }),
+            "figure: panel 1: curve without label: x and colour: expected the same length, got 4000 and 3999");
+}
+
+TEST_F(FigureModuleTest, a_page_has_the_data_and_long_series_thinned_with_their_extremes) {
+  Figure figure = line({0.0, 1.0, 2.5}, {0.0, missing, 4e-3});
+  EXPECT_EQ(
+      page_data(figure),
+      R"({"columns":1,"faint":"#e2e2e2","hatch":"#bcbcbc","ink":"#1e1e1e","no_data":"#e8e8e8","panels":[{"note":"",)"
+      R"("series":[{"colour":"#0072b2","label":"","style":"line","width":1.0,"x":[0.0,1.0,2.5],"y":[0.0,null,0.004]}],)"
+      R"("span":1,"title":"","x":{"factor":1.0,"max":2.5,"min":0.0,"title":"time [s]"},)"
+      R"("y":{"factor":0.001,"max":0.00424,"min":-0.00024,"title":"y [mm]"}}],"paper":"#ffffff","title":""})");
+  std::vector<double> x, y;
+  for (int i = 0; i < 1000000; ++i) {
+    x.push_back(i);
+    y.push_back(std::sin(0.1 * i) + (i == 777777 ? 3.5 : 0.0));
+  }
+  const std::string data = page_data(line(x, y));
+  EXPECT_LT(data.size(), 500000u);
+  EXPECT_NE(data.find("\"thinned\":1000000"), std::string::npos);
+  double most = 0.0;
+  std::istringstream text(data.substr(data.find("\"y\":[") + 5));
+  for (std::string cell; std::getline(text, cell, ',') && cell.find(']') == std::string::npos;)
+    if (cell != "null") most = std::max(most, std::strtod(cell.c_str(), nullptr));
+  EXPECT_NEAR(most, std::sin(0.1 * 777777) + 3.5, 1e-4);
+  EXPECT_NE(page_data(surface()).find("\"clouds\":[{\"colour\""), std::string::npos);
 }
 
 TEST_F(FigureModuleTest, exported_numbers_read_back_bit_for_bit) {

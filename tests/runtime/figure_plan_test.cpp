@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "figure/draw.hpp"
-#include "figure/surface_view.hpp"
+#include "figure/scene_view.hpp"
 #include "figure_samples.hpp"
 
 namespace {
@@ -77,8 +77,9 @@ std::vector<std::pair<std::string, Figure>> all_samples() {
   narrow.size.width_cm = 8.0;
   narrow.panels[0].title = "A panel title that is rather long";
   narrow.panels[0].note = "gap 0.31 → 0.05";
-  return {{"histories", histories()}, {"maps", maps()}, {"forces", forces()}, {"rivals", rivals()},
-          {"spectra", spectra()},     {"mixed", mixed}, {"narrow", narrow},   {"wordy", wordy}};
+  return {{"histories", histories()}, {"maps", maps()},      {"forces", forces()}, {"rivals", rivals()},
+          {"spectra", spectra()},     {"mixed", mixed},      {"narrow", narrow},   {"wordy", wordy},
+          {"kinds", kinds()},         {"surface", surface()}};
 }
 
 TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {
@@ -89,30 +90,182 @@ TEST(FigureLayout, no_text_covers_another_or_leaves_the_page) {
 }
 
 TEST(FigureLayout, a_surface_keeps_its_labels_apart_from_every_side) {
-  Typewriter meter;
-  for (double azimuth = -180.0; azimuth < 180.0; azimuth += 25.0) {
-    SurfaceFigure figure = surface();
-    figure.azimuth = azimuth;
-    const Look look(figure.theme);
-    const SurfaceView view = plan_surface(meter, look, figure);
-    Recorder recorder;
-    draw_surface_axes(recorder, meter, look, figure, view);
-    expect_legible(recorder.texts, view.extent, "azimuth " + std::to_string(azimuth));
-  }
+  for (double azimuth = -180.0; azimuth < 180.0; azimuth += 25.0)
+    for (const double width : {16.0, 8.0}) {
+      Figure figure = surface();
+      figure.panels[0].scene->azimuth = azimuth;
+      figure.size.width_cm = width;
+      Typewriter meter;
+      expect_legible(drawn(figure).texts, plan_figure(meter, look_for(figure), figure).extent,
+                     "azimuth " + std::to_string(azimuth) + ", " + std::to_string(width) + " cm");
+    }
 }
 
-TEST(FigureLayout, the_projection_is_orthonormal_and_the_box_fits) {
+SceneView seen(const Scene& scene) {
   Typewriter meter;
-  const SurfaceFigure figure = surface();
-  const SurfaceView view = plan_surface(meter, Look(figure.theme), figure);
+  return plan_scene(meter, Look(Theme::light), scene, {10.0, 10.0, 450.0, 330.0});
+}
+
+TEST(FigureScene, the_projection_is_orthonormal_and_the_box_fits) {
+  const SceneView view = seen(scene());
   const auto dot = [](const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
   // Products of cosines: a few units in the last place.
   EXPECT_NEAR(dot(view.right, view.up), 0.0, 1e-15);
   EXPECT_NEAR(dot(view.right, view.toward), 0.0, 1e-15);
   EXPECT_NEAR(dot(view.up, view.up), 1.0, 1e-15);
-  const Point low = view.on_paper(view.in_box(-3e-3, -0.1, view.z.range.low));
-  EXPECT_GT(low.x, 0.0);
-  EXPECT_GT(low.y, 0.0);
+  for (const double y : {-3e-3, 3e-3})
+    for (const double v : {-0.1, 0.1})
+      for (const double f : {view.z.range.low, view.z.range.high})
+        EXPECT_TRUE(view.room.holds(view.on_paper(view.in_box(y, v, f))));
+}
+
+/// A ridge across the middle of the plane that hides what is behind it.
+Scene ridge(double azimuth) {
+  Scene scene;
+  for (int i = 0; i <= 20; ++i) {
+    scene.grid_x.push_back(i);
+    scene.grid_y.push_back(i);
+  }
+  scene.surface.setZero(21, 21);
+  scene.surface.row(10).setConstant(10.0);
+  scene.clouds = {{"", {10.0, 10.0, 10.0}, {4.5, 15.5, 15.5}, {0.5, 0.5, -0.5}, Role::measured}};
+  scene.azimuth = azimuth;
+  scene.elevation = 20.0;
+  return scene;
+}
+
+/// Whether a facet that is drawn after the dot at `point` covers its centre.
+bool covered(const std::vector<Facet>& facets, Point point) {
+  const auto dot = std::find_if(facets.begin(), facets.end(), [&](const Facet& f) {
+    Point middle;
+    for (const Point& p : f.corners) middle = {middle.x + 0.1 * p.x, middle.y + 0.1 * p.y};
+    return f.corners.size() == 10 && std::hypot(middle.x - point.x, middle.y - point.y) < 1e-6;
+  });
+  EXPECT_NE(dot, facets.end());
+  return std::any_of(dot + 1, facets.end(), [&](const Facet& f) {
+    if (f.corners.size() != 4) return false;
+    int left = 0, right = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Point &a = f.corners[k], &b = f.corners[(k + 1) % 4];
+      ((b.x - a.x) * (point.y - a.y) - (b.y - a.y) * (point.x - a.x) > 0.0 ? left : right) += 1;
+    }
+    return left == 4 || right == 4;
+  });
+}
+
+TEST(FigureScene, what_is_nearer_covers_what_is_behind) {
+  for (const double azimuth : {-90.0, 90.0}) {
+    const Scene scene = ridge(azimuth);
+    const SceneView view = seen(scene);
+    const auto facets = scene_facets(Look(Theme::light), scene, view);
+    const auto place = [&](std::size_t i) {
+      return view.on_paper(view.in_box(scene.clouds[0].x[i], scene.clouds[0].y[i], scene.clouds[0].z[i]));
+    };
+    // From the side of small y the ridge hides the points beyond it, and the other way round.
+    EXPECT_EQ(covered(facets, place(0)), azimuth > 0.0);
+    EXPECT_EQ(covered(facets, place(1)), azimuth < 0.0);
+    EXPECT_TRUE(covered(facets, place(2)));  // under the surface
+  }
+}
+
+TEST(FigureScene, a_fine_grid_is_thinned_and_keeps_its_extremes) {
+  Scene scene;
+  for (int i = 0; i < 500; ++i) {
+    scene.grid_x.push_back(i);
+    scene.grid_y.push_back(i);
+  }
+  scene.surface.setZero(500, 500);
+  scene.surface(333, 77) = 9.0;
+  const SceneView view = seen(scene);
+  const auto facets = scene_facets(Look(Theme::light), scene, view);
+  EXPECT_LT(facets.size(), 60000u);
+  double top = 0.0;
+  for (const Facet& facet : facets)
+    for (const Point& p : facet.corners) top = std::max(top, p.y);
+  // The peak, not the thinned grid's plane: the tip of its cells is where 9 N stands.
+  EXPECT_NEAR(top, view.on_paper(view.in_box(77, 333, 9.0)).y, 2.0);
+}
+
+TEST(FigureContour, lines_of_a_plane_and_of_a_cone_are_where_they_must_be) {
+  HeatMap map;
+  for (int i = -20; i <= 20; ++i) {
+    map.x.push_back(0.1 * i);
+    map.y.push_back(0.1 * i);
+  }
+  map.z.resize(41, 41);
+  for (int r = 0; r < 41; ++r)
+    for (int c = 0; c < 41; ++c)
+      map.z(r, c) = map.x[static_cast<std::size_t>(c)] + 2.0 * map.y[static_cast<std::size_t>(r)];
+  auto lines = contour(map, 0.55);
+  ASSERT_EQ(lines.size(), 1u);
+  for (const Point& p : lines[0]) EXPECT_NEAR(p.x + 2.0 * p.y, 0.55, 1e-12);
+  for (int r = 0; r < 41; ++r)
+    for (int c = 0; c < 41; ++c)
+      map.z(r, c) = std::hypot(map.x[static_cast<std::size_t>(c)], map.y[static_cast<std::size_t>(r)]);
+  lines = contour(map, 1.03);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].front().x, lines[0].back().x);  // a ring
+  EXPECT_EQ(lines[0].front().y, lines[0].back().y);
+  // Straight chords between nodes 0.1 apart: off by at most 0.1^2 / (8 * 1.03).
+  for (const Point& p : lines[0]) EXPECT_NEAR(std::hypot(p.x, p.y), 1.03, 0.0013);
+  map.z(20, 31) = missing;  // on the ring: it is broken there
+  lines = contour(map, 1.03);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_GT(std::hypot(lines[0].front().x - lines[0].back().x, lines[0].front().y - lines[0].back().y), 0.05);
+}
+
+TEST(FigureLayout, shared_axes_have_one_range_and_labels_once) {
+  Figure figure;
+  figure.columns = 2;
+  figure.share_x = figure.share_y = true;
+  for (const double end : {1.0, 2.0, 3.0, 4.0}) {
+    Panel p;
+    p.x = {"time", "s"};
+    p.y = {"force", "N"};
+    p.series = {{"", {0.0, end}, {0.0, end}, Style::line, Role::first, 1.0, {}}};
+    figure.panels.push_back(p);
+  }
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, look_for(figure), figure);
+  EXPECT_EQ(plan.panels[0].x.range.high, 3.0);
+  EXPECT_EQ(plan.panels[2].x.range.high, 3.0);
+  EXPECT_EQ(plan.panels[1].x.range.high, 4.0);
+  EXPECT_EQ(plan.panels[0].y.range.high, plan.panels[1].y.range.high);
+  const Recorder recorder = drawn(figure);
+  const auto titles = [&](const std::string& text) {
+    return std::count_if(recorder.texts.begin(), recorder.texts.end(),
+                         [&](const Written& w) { return w.text == text; });
+  };
+  EXPECT_EQ(titles("time [s]"), 2);
+  EXPECT_EQ(titles("force [N]"), 2);
+}
+
+TEST(FigureCurve, a_long_loop_is_drawn_once_and_completely) {
+  Panel p;
+  Series s{"", {}, {}, Style::line, Role::first, 1.0, {}};
+  for (int i = 0; i < 400000; ++i) {
+    s.x.push_back(std::cos(2.0 * 3.14159265358979 * i / 1000.0));
+    s.y.push_back(std::sin(2.0 * 3.14159265358979 * i / 1000.0));
+  }
+  p.series = {s};
+  Figure figure;
+  figure.panels = {p};
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, look_for(figure), figure);
+  std::size_t points = 0;
+  double length = 0.0;
+  for (const Stroke& stroke : series_strokes(plan.panels[0], s.x, s.y)) {
+    points += stroke.size();
+    for (std::size_t i = 1; i < stroke.size(); ++i)
+      length += std::hypot(stroke[i].x - stroke[i - 1].x, stroke[i].y - stroke[i - 1].y);
+  }
+  EXPECT_LT(points, 10000u);
+  const Box& plot = plan.panels[0].plot;
+  // At least once round the ellipse (Ramanujan), and not four hundred times.
+  const double a = 0.5 * plot.width() / 1.08, b = 0.5 * plot.height() / 1.12;
+  const double round = 3.14159265 * (3 * (a + b) - std::sqrt((3 * a + b) * (a + 3 * b)));
+  EXPECT_GT(length, 0.98 * round);
+  EXPECT_LT(length, 4.0 * round);
 }
 
 TEST(FigureLayout, plots_of_a_column_and_of_a_row_are_in_line) {
@@ -322,6 +475,17 @@ TEST(FigureColours, the_maps_run_from_one_end_to_the_other) {
     EXPECT_GT(light, before);
     before = light;
   }
+}
+
+TEST(FigureText, latex_is_shown_where_single_characters_can) {
+  EXPECT_EQ(typeset("k_3*y^3"), "k₃*y³");
+  EXPECT_EQ(typeset("\\omega_0 [rad/s]"), "ω₀ [rad/s]");
+  EXPECT_EQ(typeset("\\dot y, \\ddot{y}"), "ẏ, ÿ");
+  EXPECT_EQ(typeset("m s^{-2}, 10^-3"), "m s⁻², 10⁻³");
+  EXPECT_EQ(typeset("y_{max}"), "yₘₐₓ");
+  for (const char* same :
+       {"run_2.csv", "cubic_stiffness", "a^b", "y^2.5", "x_", "\\frac{1}{2}", "^", "y^{2", "_1", "k_3a"})
+    EXPECT_EQ(typeset(same), same);
 }
 
 TEST(FigureText, bad_bytes_become_question_marks) {

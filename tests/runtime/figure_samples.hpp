@@ -213,9 +213,8 @@ inline Figure spectra() {
 }
 
 /// A restoring force surface with a hole, and the samples near it.
-inline SurfaceFigure surface() {
-  SurfaceFigure figure;
-  figure.title = "Restoring force surface";
+inline Scene scene() {
+  Scene figure;
   figure.x = {"y", "m"};
   figure.y = {"v", "m/s"};
   figure.z = {"restoring force", "N"};
@@ -242,6 +241,69 @@ inline SurfaceFigure surface() {
     cloud.z.push_back(force(y, v) + 3.0 * std::sin(12.9898 * i) * std::cos(78.233 * i));
   }
   figure.clouds = {cloud};
+  return figure;
+}
+
+inline Figure in_figure(Scene scene) {
+  Figure figure;
+  Panel p;
+  p.title = "Restoring force surface";
+  p.scene = std::move(scene);
+  figure.panels = {p};
+  return figure;
+}
+
+inline Figure surface() { return in_figure(scene()); }
+
+/// Loops coloured by cycle, stems with bounds, a histogram, a matrix with names and numbers, contours, and a scene:
+/// what the other samples lack. Axes of one column are shared.
+inline Figure kinds() {
+  Figure figure;
+  figure.columns = 2;
+  figure.share_x = true;
+  Panel loops, stems, histogram, matrix, contours;
+  loops.title = "Loops";
+  loops.x = {"displacement", "m"};
+  loops.y = {"force", "N"};
+  loops.colour = {"cycle", ""};
+  Series s{"", {}, {}, Style::line, Role::first, 1.0, {}};
+  for (int i = 0; i < 4000; ++i) {
+    s.x.push_back(1e-3 * std::exp(-2e-4 * i) * std::sin(0.0314 * i));
+    s.y.push_back(50.0 * std::exp(-2e-4 * i) * std::sin(0.0314 * i + 0.4));
+    s.colour.push_back(std::floor(i / 200.0));
+  }
+  loops.series = {s};
+  stems.title = "Correlogram";
+  stems.x = {"lag", ""};
+  stems.y = {"autocorrelation", ""};
+  stems.lines = {{"95 % bound", 0.2, false, Style::dashed, Role::baseline}};
+  Series columns{"found", {}, {}, Style::columns, Role::first, 1.0, {}},
+      lags{"", {}, {}, Style::stems, Role::first, 1.0, {}};
+  for (int i = 1; i <= 30; ++i) {
+    lags.x.push_back(i);
+    lags.y.push_back(std::cos(0.5 * i) / i);
+    columns.x.push_back(0.1 * i);
+    columns.y.push_back(std::exp(-0.05 * (i - 15) * (i - 15)));
+  }
+  stems.series = {lags};
+  histogram.title = "Histogram";
+  histogram.x = {"residual", "N"};
+  histogram.y = {"density", "1/N"};
+  histogram.series = {columns};
+  matrix.title = "Mutual information";
+  matrix.x.names = {"displacement", "velocity", "a rather long feature"};
+  matrix.y.names = {"a rather long feature", "velocity", "displacement"};
+  matrix.map = HeatMap{{1, 2, 3}, {1, 2, 3}, Eigen::MatrixXd::Random(3, 3).cwiseAbs(), {"information", "nat"}, false,
+                       true,      false};
+  contours.title = "Contours";
+  contours.x = {"y", "m"};
+  contours.y = {"v", "m/s"};
+  contours.map = residual_map(1.0);
+  contours.map->contours = true;
+  Panel space;
+  space.title = "Surface";
+  space.scene = scene();
+  figure.panels = {loops, stems, histogram, matrix, contours, space};
   return figure;
 }
 

@@ -38,6 +38,10 @@ Signal step(double start) {
   return [=](double tau) { return 0.5 * (1 + std::tanh(4 * (tau - start))); };
 }
 
+Signal tone(double frequency) {
+  return [=](double tau) { return std::cos(frequency * tau); };
+}
+
 Signal none() {
   return [](double) { return 0.0; };
 }

@@ -15,6 +15,8 @@ Signal multisine(double from, double to, int lines, std::uint64_t seed);
 Signal chirp(double from, double to, double duration);
 /// A step of height one at tau = start, smoothed over one radian.
 Signal step(double start);
+/// A sum of one cosine: a tone.
+Signal tone(double frequency);
 /// No force: a free decay.
 Signal none();
 

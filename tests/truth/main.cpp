@@ -1,6 +1,7 @@
 // lunid_truth: writes records with a hidden effect.
 //   lunid_truth list
-//   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR        train.csv and test.csv in SI
+//   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR [ROWS] train.csv and test.csv in SI
+//   lunid_truth fault NAME SCALE NOISE_DB SEED OUT_DIR  the same of a faulty sensor or input
 //   lunid_truth demo OUT_DIR                            the record that the repository ships
 //   (tests/data/README.md)
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <string>
 
+#include "truth/faults.hpp"
 #include "truth/truth.hpp"
 
 namespace {
@@ -17,12 +19,14 @@ void list() {
   for (const truth::Case& each : truth::cases()) {
     std::printf("%-20s baseline %s\n", each.name.c_str(), each.baseline.c_str());
   }
+  for (const truth::Fault& each : truth::faults()) std::printf("fault %s\n", each.name.c_str());
 }
 
 void write_case(const std::string& name, const std::string& scale_name, double noise_db, long seed,
-                const std::string& out) {
+                const std::string& out, int rows) {
   const truth::Scale& scale = truth::scale_named(scale_name);
   truth::RecordOptions options;
+  options.rows = rows;
   options.noise_db = noise_db;
   options.seed = static_cast<std::uint64_t>(seed);
   const truth::Case& which = truth::case_named(name);
@@ -36,6 +40,19 @@ void write_case(const std::string& name, const std::string& scale_name, double n
   for (const truth::TrueParameter& p : which.parameters) {
     std::printf("  %s %s = %.6g\n", p.effect.c_str(), p.name.c_str(), p.in(scale));
   }
+}
+
+void write_fault(const std::string& name, const std::string& scale_name, double noise_db, long seed,
+                 const std::string& out) {
+  truth::RecordOptions options;
+  options.noise_db = noise_db;
+  options.seed = static_cast<std::uint64_t>(seed);
+  const truth::Scale& scale = truth::scale_named(scale_name);
+  const truth::FaultyRecords records = truth::make_faulty(truth::fault_named(name), scale, options);
+  std::filesystem::create_directories(out);
+  truth::write_csv(records.train, out + "/train.csv");
+  truth::write_csv(records.test, out + "/test.csv");
+  std::printf("%s: mass %g kg, baseline %s\n", name.c_str(), scale.mass, records.baseline.c_str());
 }
 
 /// 49 kg on a spring that hardens, as a test rig would record it: millimetres, kilonewtons, few digits.
@@ -68,10 +85,14 @@ int main(int argc, char** argv) {
       list();
     } else if (first == "demo" && argc == 3) {
       write_demo(argv[2]);
-    } else if (argc == 6) {
-      write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5]);
+    } else if (first == "fault" && argc == 7) {
+      write_fault(argv[2], argv[3], std::atof(argv[4]), std::atol(argv[5]), argv[6]);
+    } else if (argc == 6 || argc == 7) {
+      write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5],
+                 argc == 7 ? std::atoi(argv[6]) : 6400);
     } else {
-      std::fprintf(stderr, "usage: lunid_truth list | demo OUT_DIR | CASE SCALE NOISE_DB SEED OUT_DIR\n");
+      std::fprintf(stderr,
+                   "usage: lunid_truth list | demo OUT_DIR | [fault] CASE SCALE NOISE_DB SEED OUT_DIR [ROWS]\n");
       return 2;
     }
   } catch (const std::exception& error) {

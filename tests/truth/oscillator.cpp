@@ -1,5 +1,6 @@
 #include "truth/oscillator.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace truth {
@@ -159,10 +160,62 @@ class Integrator {
   Mode mode_;
 };
 
+/// RK4 on (x, v, z) with a law; `substeps` is multiplied, since kinks are stepped over.
+Motion integrate_law(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
+                     int substeps) {
+  const Law& law = *physics.law;
+  const int steps = 4 * substeps, n = 2 + law.states;
+  const double h = spacing / steps;
+  using Vector = std::vector<double>;
+  Vector s(n, 0.0), k1(n), k2(n), k3(n), k4(n), at(n);
+  s[0] = start.x;
+  s[1] = start.v;
+  std::copy(law.start.begin(), law.start.end(), s.begin() + 2);
+  const auto linear = [&](const Vector& x) { return 2 * physics.zeta * x[1] + physics.k * x[0]; };
+  const auto rate = [&](double tau, double u, const Vector& x, Vector& out) {
+    const double mass = 1 + (law.mass ? law.mass(x[0], x[1]) : 0);
+    out[0] = x[1];
+    out[1] = (u - linear(x) - law.force(tau, x[0], x[1], x.data() + 2)) / mass;
+    if (law.rate) law.rate(tau, x[0], x[1], x.data() + 2, out.data() + 2);
+  };
+  const auto moved = [&](const Vector& k, double by) {
+    for (int i = 0; i < n; ++i) at[i] = s[i] + by * k[i];
+  };
+  Motion motion;
+  double now = level * signal(0);
+  for (int row = 0; row < rows; ++row) {
+    const double tau = row * spacing;
+    rate(tau, now, s, k1);
+    double hidden = law.force(tau, s[0], s[1], s.data() + 2);
+    if (law.mass) hidden += law.mass(s[0], s[1]) * k1[1];
+    motion.force.push_back(now);
+    motion.x.push_back(s[0]);
+    motion.v.push_back(s[1]);
+    motion.hidden.push_back(hidden);
+    motion.restoring.push_back(linear(s) + hidden);
+    for (int j = 0; j < steps && row + 1 < rows; ++j) {
+      const double t = tau + j * h;
+      const double middle = level * signal(t + h / 2), end = level * signal(t + h);
+      rate(t, now, s, k1);
+      moved(k1, h / 2);
+      rate(t + h / 2, middle, at, k2);
+      moved(k2, h / 2);
+      rate(t + h / 2, middle, at, k3);
+      moved(k3, h);
+      rate(t + h, end, at, k4);
+      now = end;
+      for (int i = 0; i < n; ++i) s[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+      if (law.settle) law.settle(s[0], s[1], s.data() + 2);
+    }
+  }
+  return motion;
+}
+
 }  // namespace
 
 Motion integrate(const Physics& physics, const Signal& signal, double level, State start, int rows, double spacing,
                  int substeps) {
+  if (physics.law) return integrate_law(physics, signal, level, start, rows, spacing, substeps);
   Integrator run(physics, signal, level);
   run.enter(0, start);
   Motion motion;

@@ -5,9 +5,11 @@
 // whether it sticks, which stops are touched), the end of a mode found by bisection.
 #include <array>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "truth/excitation.hpp"
+#include "truth/law.hpp"
 
 namespace truth {
 
@@ -24,6 +26,7 @@ struct Physics {
   double clearance_k = 0, clearance_gap = 0;         ///< clearance_k * sign(x) * max(|x| - gap, 0)
   double bouc_k = 0, bouc_beta = 0, bouc_gamma = 0;  ///< bouc_k z, z' = v - beta |v| z - gamma v |z|
   std::function<double(double x, double v)> other;   ///< smooth effect outside the catalogue
+  std::shared_ptr<const Law> law;                    ///< beside spring and damper; the fields above then stay zero
 };
 
 struct State {

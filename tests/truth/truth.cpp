@@ -26,14 +26,16 @@ double deviation(const std::vector<double>& x) {
 
 double rms(const std::vector<double>& x) { return std::hypot(mean(x), deviation(x)); }
 
-/// x plus white Gaussian noise `db` below its own deviation (Box and Muller 1958).
-std::vector<double> noisy(const std::vector<double>& x, double db, std::mt19937_64& bits) {
-  const double sigma = deviation(x) * std::pow(10, -db / 20);
+/// x plus Gaussian noise `db` below its own deviation (Box and Muller 1958), white or a first-order autoregression.
+std::vector<double> noisy(const std::vector<double>& x, double db, double colour, std::mt19937_64& bits) {
+  const double sigma = deviation(x) * std::pow(10, -db / 20) * std::sqrt(1 - colour * colour);
   const auto uniform = [&bits] { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53; };
   std::vector<double> out(x.size());
+  double noise = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double radius = std::sqrt(-2 * std::log(uniform()));
-    out[i] = x[i] + sigma * radius * std::cos(2 * M_PI * uniform());
+    noise = colour * noise + sigma * radius * std::cos(2 * M_PI * uniform());
+    out[i] = x[i] + noise;
   }
   return out;
 }
@@ -80,13 +82,37 @@ double TrueParameter::in(const Scale& scale) const {
          std::pow(scale.omega() * scale.length, speed);
 }
 
-Columns make_record(const Physics& physics, const Scale& scale, const Signal& signal, double wanted,
+const char* to_string(Excited excited) {
+  switch (excited) {
+    case Excited::multisine: return "multisine";
+    case Excited::tones: return "tones";
+    case Excited::chirp: return "chirp";
+    case Excited::noise: return "noise";
+    default: return "decay";
+  }
+}
+
+Columns make_record(const Physics& given, const Scale& scale, const Signal& signal, double wanted,
                     const RecordOptions& options) {
   const double spacing = scale.omega() * scale.dt();
-  const int early = static_cast<int>(std::lround(warm_up / spacing));
+  const bool decays = options.excited == Excited::decay;
+  const int early = decays ? 0 : static_cast<int>(std::lround(warm_up / spacing));
   const int rows = options.rows + early;
-  const double level = level_for(physics, signal, wanted, rows, spacing);
-  const Motion motion = integrate(physics, signal, level, {}, rows, spacing, options.substeps);
+  // What the controller takes from the motion acts as damping of its own; the recorded force holds it.
+  Physics physics = given;
+  physics.zeta += 0.5 * options.feedback;
+  const double level = decays ? 0 : level_for(physics, signal, wanted, rows, spacing);
+  Signal driving = signal;
+  if (options.unknown > 0) {
+    double squares = 0;
+    for (int i = 0; i < rows; ++i) squares += std::pow(signal(i * spacing), 2) / rows;
+    const Signal other = multisine(0.1, 3, 60, options.seed + 77);  // of rms sqrt(30)
+    const double share = options.unknown * std::sqrt(squares / 30);
+    driving = [signal, other, share](double tau) { return signal(tau) + share * other(tau); };
+  }
+  const State start{decays ? 3 * wanted : 0, 0, 0};
+  Motion motion = integrate(physics, driving, level, start, rows, spacing, options.substeps);
+  for (int i = 0; i < rows; ++i) motion.force[i] = level * signal(i * spacing) - options.feedback * motion.v[i];
   const auto kept = [early](const std::vector<double>& x, double factor) {
     std::vector<double> out(x.begin() + early, x.end());
     for (double& value : out) value *= factor;
@@ -97,8 +123,8 @@ Columns make_record(const Physics& physics, const Scale& scale, const Signal& si
   columns.clean_F = kept(motion.force, scale.force());
   columns.clean_y = kept(motion.x, scale.length);
   std::mt19937_64 bits(options.seed * 2654435761u + 17);
-  columns.y = noisy(columns.clean_y, options.noise_db, bits);
-  columns.F = noisy(columns.clean_F, options.force_noise_db, bits);
+  columns.y = noisy(columns.clean_y, options.noise_db, options.colour, bits);
+  columns.F = noisy(columns.clean_F, options.force_noise_db, 0, bits);
   columns.hidden_share = rms(motion.hidden) / rms(motion.restoring);
   columns.stuck_share = motion.stuck / (spacing * rows);
   return columns;
@@ -106,10 +132,21 @@ Columns make_record(const Physics& physics, const Scale& scale, const Signal& si
 
 Records make_records(const Case& which, const Scale& scale, const RecordOptions& options) {
   const double duration = scale.omega() * scale.dt() * options.rows + warm_up;
-  RecordOptions second = options;
+  RecordOptions second = options, third = options;
   second.seed = options.seed + 1000003;
-  return {make_record(which.physics, scale, multisine(0.15, 2.2, 40, options.seed), 1.0, options),
-          make_record(which.physics, scale, chirp(0.3, 2.0, duration), 0.8, second)};
+  third.seed = options.seed + 2000003;
+  second.excited = Excited::chirp;
+  const auto train = [&](const Signal& signal) { return make_record(which.physics, scale, signal, 1.0, options); };
+  const Signal sweep = chirp(0.3, 2.0, duration), lines = multisine(0.15, 2.2, 40, options.seed);
+  const Columns test =
+      make_record(which.physics, scale, options.excited == Excited::chirp ? lines : sweep, 0.8, second);
+  switch (options.excited) {
+    case Excited::multisine: return {train(lines), test, {}};
+    case Excited::tones: return {train(tone(0.73)), test, {make_record(which.physics, scale, tone(1.31), 0.6, third)}};
+    case Excited::chirp: return {train(sweep), test, {}};
+    case Excited::noise: return {train(multisine(0.05, 2.5, 300, options.seed)), test, {}};
+    default: return {train(none()), test, {}};
+  }
 }
 
 void write_csv(const Columns& columns, const std::string& path, const CsvUnits& units) {

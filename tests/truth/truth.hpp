@@ -44,6 +44,7 @@ struct Case {
   Physics physics;
 };
 const std::vector<Case>& cases();
+std::vector<Case> catalogue_cases();  ///< of those, the ones that are a Law
 /// Throws std::invalid_argument naming the choices.
 const Case& case_named(const std::string& name);
 
@@ -56,7 +57,13 @@ struct Columns {
 };
 struct Records {
   Columns train, test;
+  std::vector<Columns> more;  ///< further training records
 };
+
+/// What drives the training record: a multisine; two tones, each in a record of its own; a sweep; noise in the same
+/// band; nothing (a free decay).
+enum class Excited { multisine, tones, chirp, noise, decay };
+const char* to_string(Excited);
 
 struct RecordOptions {
   int rows = 6400;
@@ -64,9 +71,14 @@ struct RecordOptions {
   double force_noise_db = 60;  ///< the same for F
   std::uint64_t seed = 1;
   int substeps = 24;  ///< RK4 steps per sample
+  Excited excited = Excited::multisine;
+  double colour = 0;    ///< of the noise of y: the coefficient of a first-order autoregression, 0: white
+  double unknown = 0;   ///< rms of a random force that the record does not hold, over that of the force
+  double feedback = 0;  ///< closed loop: the force holds -feedback * v, from a controller
 };
-/// Train: a multisine whose motion has rms 1 (lengths of the scale). Test: a swept sine of rms 0.8. Both from
-/// a motion that has run for some ten periods, so that the first state is not rest.
+/// Train: a motion of rms 1 (lengths of the scale). Test: a swept sine of rms 0.8, or, where a sweep trains, a
+/// multisine. Both from a motion that has run for some ten periods, so that the first state is not rest; a free decay
+/// begins at three times its rms.
 Records make_records(const Case& which, const Scale& scale, const RecordOptions& options = {});
 
 /// One record under any signal, its level set so that the rms of the motion is `rms`; for examples and tests.

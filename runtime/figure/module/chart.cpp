@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <sstream>
 #include <stdexcept>
 
@@ -34,7 +35,7 @@ class FunctionItem : public vtkContextItem {
   vtkTypeMacro(FunctionItem, vtkContextItem);
   bool Paint(vtkContext2D* context) override {
     try {
-      ContextCanvas canvas(*context, scale);
+      ContextCanvas canvas(*context, scale, raster);
       draw(canvas);
     } catch (const std::exception& e) {
       error = e.what();
@@ -43,6 +44,7 @@ class FunctionItem : public vtkContextItem {
   }
   std::function<void(Canvas&)> draw;
   double scale = 1.0;
+  bool raster = true;
   std::string error;
 };
 vtkStandardNewMacro(FunctionItem);
@@ -102,13 +104,13 @@ std::string export_pdf(vtkRenderWindow& window, const Figure& figure) {
   return pdf;
 }
 
-}  // namespace
-
+/// Fills what the figure leaves over: the last fraction of a pixel at its edges.
 void set_background(vtkRenderer& renderer, const Look& look) {
   const Colour& paper = look.palette.background;
   renderer.SetBackground(paper.red / 255.0, paper.green / 255.0, paper.blue / 255.0);
 }
 
+/// Throws std::runtime_error when the picture is too large to draw.
 int pixels(double points, int dpi) {
   constexpr int most = 8192;  // more needs gigabytes in a software renderer
   const int count = static_cast<int>(std::lround(points * dpi / 72.0));
@@ -118,16 +120,7 @@ int pixels(double points, int dpi) {
   return count;
 }
 
-Drawn drawn_by(std::function<void(Canvas&)> draw, double scale) {
-  vtkNew<FunctionItem> item;
-  item->draw = std::move(draw);
-  item->scale = scale;
-  Drawn result{vtkSmartPointer<vtkContextActor>::New(),
-               [keep = vtkSmartPointer<FunctionItem>(item)] { return keep->error; }};
-  result.actor->GetScene()->AddItem(item);
-  return result;
-}
-
+/// Throws std::runtime_error where all pixels are alike.
 std::string window_as_png(vtkRenderWindow& window) {
   vtkNew<vtkWindowToImageFilter> image;
   image->SetInput(&window);
@@ -146,6 +139,8 @@ std::string window_as_png(vtkRenderWindow& window) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
+}  // namespace
+
 std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const bool raster = format == Format::png;
   const Look look = look_for(figure);
@@ -158,16 +153,21 @@ std::string draw_chart(Display& display, const Figure& figure, Format format) {
   vtkNew<vtkRenderer> renderer;
   set_background(*renderer, look);
   window->AddRenderer(renderer);
-  const Drawn drawn = drawn_by([&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); }, scale);
-  renderer->AddActor(drawn.actor);
+  vtkNew<FunctionItem> item;
+  item->draw = [&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); };
+  item->scale = scale;
+  item->raster = raster;
+  vtkNew<vtkContextActor> actor;
+  actor->GetScene()->AddItem(item);
+  renderer->AddActor(actor);
   std::string bytes;
   if (raster) {
     window->Render();
   } else {
-    prepare_export(*window, *drawn.actor);
+    prepare_export(*window, *actor);
     bytes = format == Format::svg ? export_svg(*window, figure, extent) : export_pdf(*window, figure);
   }
-  if (const std::string error = drawn.error(); !error.empty()) throw std::runtime_error(error);
+  if (!item->error.empty()) throw std::runtime_error(item->error);
   return raster ? window_as_png(*window) : bytes;
 }
 

@@ -1,10 +1,16 @@
 #include "figure/module/context_canvas.hpp"
 
+#include <vtkAbstractMapper.h>
 #include <vtkBrush.h>
+#include <vtkCellArray.h>
 #include <vtkContext2D.h>
 #include <vtkContextDevice2D.h>
+#include <vtkNew.h>
 #include <vtkPen.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkTextProperty.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +46,48 @@ void ContextCanvas::polygon(std::span<const Point> corners, Colour colour) {
   context_.GetDevice()->DrawPolygon(values.data(), static_cast<int>(corners.size()));
 }
 
+namespace {
+
+/// Discs as polygons of so many corners that no pixel tells.
+std::vector<Facet> rings(std::span<const Point> centres, double radius, Colour colour) {
+  constexpr int corners = 12;
+  constexpr double turn = 6.283185307179586;
+  std::vector<Facet> facets;
+  facets.reserve(centres.size());
+  for (const Point& c : centres) {
+    Facet& facet = facets.emplace_back(Facet{{}, colour});
+    for (int k = 0; k < corners; ++k)
+      facet.corners.push_back(
+          {c.x + radius * std::cos(turn * k / corners), c.y + radius * std::sin(turn * k / corners)});
+  }
+  return facets;
+}
+
+}  // namespace
+
+void ContextCanvas::facets(std::span<const Facet> facets) {
+  if (!batch_ || facets.empty()) return Canvas::facets(facets);
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetNumberOfComponents(4);
+  std::vector<vtkIdType> ids;
+  for (const Facet& facet : facets) {
+    ids.clear();
+    for (const Point& p : facet.corners) ids.push_back(points->InsertNextPoint(p.x * scale_, p.y * scale_, 0.0));
+    cells->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
+    const unsigned char colour[] = {facet.colour.red, facet.colour.green, facet.colour.blue, facet.colour.alpha};
+    colours->InsertNextTypedTuple(colour);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  context_.DrawPolyData(0.0f, 0.0f, data, colours, VTK_SCALAR_MODE_USE_CELL_DATA);
+}
+
 void ContextCanvas::discs(std::span<const Point> centres, double radius, Colour colour) {
+  constexpr std::size_t many = 200;
+  if (batch_ && centres.size() > many) return facets(rings(centres, radius, colour));
   context_.GetBrush()->SetColor(colour.red, colour.green, colour.blue, colour.alpha);
   const auto r = static_cast<float>(radius * scale_);
   for (const Point& c : centres)
@@ -62,7 +109,7 @@ void ContextCanvas::text(Point anchor, const std::string& text, const TextStyle&
   property->SetJustification(along + 1);
   property->SetVerticalJustification(beside + 1);
   context_.DrawString(static_cast<float>(std::round(anchor.x * scale_)),
-                      static_cast<float>(std::round(anchor.y * scale_)), printable(text).c_str());
+                      static_cast<float>(std::round(anchor.y * scale_)), typeset(text).c_str());
 }
 
 }  // namespace lunid::figure

@@ -10,11 +10,12 @@ namespace lunid::figure {
 
 class ContextCanvas : public Canvas {
  public:
-  /// `scale`: device units for each point.
-  ContextCanvas(vtkContext2D& context, double scale) : context_(context), scale_(scale) {}
+  /// `scale`: device units for each point. `batch`: the device draws many polygons faster as one object.
+  ContextCanvas(vtkContext2D& context, double scale, bool batch) : context_(context), scale_(scale), batch_(batch) {}
 
   void polyline(std::span<const Point> points, Colour colour, double width) override;
   void polygon(std::span<const Point> corners, Colour colour) override;
+  void facets(std::span<const Facet> facets) override;
   void discs(std::span<const Point> centres, double radius, Colour colour) override;
   void text(Point anchor, const std::string& text, const TextStyle& style) override;
 
@@ -22,6 +23,7 @@ class ContextCanvas : public Canvas {
   std::vector<float> scaled(std::span<const Point> points) const;
   vtkContext2D& context_;
   double scale_;
+  bool batch_;
 };
 
 }  // namespace lunid::figure

@@ -6,7 +6,6 @@
 #include "figure/module/chart.hpp"
 #include "figure/module/errors.hpp"
 #include "figure/module/surface_file.hpp"
-#include "figure/module/surface_scene.hpp"
 #include "figure/renderer.hpp"
 
 namespace lunid::figure {
@@ -18,12 +17,15 @@ class VtkRenderer : public Renderer {
     return guarded([&] { return draw_chart(display(), figure, format); });
   }
 
-  Drawing draw(const SurfaceFigure& figure) override {
-    return guarded([&] { return draw_surface(display(), figure); });
-  }
-
-  Drawing encode(const SurfaceFigure& figure, Format format) override {
-    return guarded([&] { return format == Format::vts ? surface_as_vts(figure) : surface_as_vtp(figure); });
+  Drawing encode(const Scene& scene, Format format) override {
+    return guarded([&] {
+      switch (format) {
+        case Format::vts: return surface_as_vts(scene);
+        case Format::vtu: return surface_as_vtu(scene);
+        case Format::points: return points_as_vtp(scene);
+        default: return surface_as_vtp(scene);
+      }
+    });
   }
 
   Drawing check() override {

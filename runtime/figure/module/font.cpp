@@ -43,7 +43,7 @@ double FontMeter::width(const std::string& text, double size, bool bold) {
   set_font(*property_, bold);
   property_->SetFontSize(measured_size);
   int box[4];
-  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property_, vtkStdString(printable(text)), box, 72)) return 0.0;
+  if (!vtkTextRenderer::GetInstance()->GetBoundingBox(property_, vtkStdString(typeset(text)), box, 72)) return 0.0;
   return static_cast<double>(box[1] - box[0]) * size / measured_size;
 }
 

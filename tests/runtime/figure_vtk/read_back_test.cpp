@@ -1,13 +1,19 @@
 // The exported surfaces, read by VTK's own readers.
 #include <gtest/gtest.h>
+#include <vtkCell.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkInformation.h>
+#include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkStructuredGrid.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLMultiBlockDataReader.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLStructuredGridReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
 
 #include <bit>
 #include <cstdint>
@@ -20,8 +26,8 @@ namespace {
 using namespace samples;
 
 /// A grid whose numbers have no short decimal form, with one value that carries no data.
-SurfaceFigure uneven() {
-  SurfaceFigure figure = surface();
+Scene uneven() {
+  Scene figure = scene();
   figure.clouds[0].x.resize(5);
   figure.clouds[0].y.resize(5);
   figure.clouds[0].z.resize(5);
@@ -40,8 +46,8 @@ class ReadBack : public testing::Test {
 };
 
 TEST_F(ReadBack, the_structured_grid_has_the_same_numbers_bit_for_bit) {
-  const SurfaceFigure figure = uneven();
-  module.export_surface(figure, folder / "s.vts");
+  const Scene figure = uneven();
+  module.export_surface(in_figure(figure), folder / "s.vts");
   vtkNew<vtkXMLStructuredGridReader> reader;
   reader->SetFileName((folder / "s.vts").c_str());
   reader->Update();
@@ -73,8 +79,8 @@ TEST_F(ReadBack, the_structured_grid_has_the_same_numbers_bit_for_bit) {
 }
 
 TEST_F(ReadBack, the_polydata_holds_the_cells_with_data_and_the_samples) {
-  const SurfaceFigure figure = uneven();
-  module.export_surface(figure, folder / "s.vtp");
+  const Scene figure = uneven();
+  module.export_surface(in_figure(figure), folder / "s.vtp");
   vtkNew<vtkXMLPolyDataReader> reader;
   reader->SetFileName((folder / "s.vtp").c_str());
   reader->Update();
@@ -92,6 +98,47 @@ TEST_F(ReadBack, the_polydata_holds_the_cells_with_data_and_the_samples) {
     expect_same_bits(force->GetTuple1(41 * 41 + i), figure.clouds[0].z[static_cast<std::size_t>(i)]);
   }
   EXPECT_EQ(part->GetTuple1(5), 0.0);
+}
+
+TEST_F(ReadBack, the_unstructured_grid_has_the_same_cells) {
+  const Scene figure = uneven();
+  module.export_surface(in_figure(figure), folder / "s.vtu");
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName((folder / "s.vtu").c_str());
+  reader->Update();
+  vtkUnstructuredGrid* data = reader->GetOutput();
+  int cells = 0;
+  for (int r = 0; r < 40; ++r)
+    for (int c = 0; c < 40; ++c) cells += !figure.surface.block(r, c, 2, 2).hasNaN();
+  ASSERT_EQ(data->GetNumberOfCells(), cells + 5);
+  EXPECT_EQ(data->GetCellType(0), VTK_VERTEX);
+  EXPECT_EQ(data->GetCellType(5), VTK_QUAD);
+  vtkDataArray* force = data->GetPointData()->GetArray("restoring force [N]");
+  ASSERT_TRUE(force && data->GetCellData()->GetArray("part"));
+  vtkIdList* corners = data->GetCell(5)->GetPointIds();
+  for (vtkIdType k = 0; k < 4; ++k) {
+    const vtkIdType id = corners->GetId(k);
+    expect_same_bits(force->GetTuple1(id), figure.surface(id / 41, id % 41));
+  }
+}
+
+TEST_F(ReadBack, the_blocks_hold_the_grid_and_the_samples) {
+  const Scene figure = uneven();
+  module.export_surface(in_figure(figure), folder / "s.vtm");
+  vtkNew<vtkXMLMultiBlockDataReader> reader;
+  reader->SetFileName((folder / "s.vtm").c_str());
+  reader->Update();
+  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(reader->GetOutput());
+  ASSERT_TRUE(blocks && blocks->GetNumberOfBlocks() == 2);
+  EXPECT_STREQ(blocks->GetMetaData(0u)->Get(vtkCompositeDataSet::NAME()), "surface");
+  auto* grid = vtkStructuredGrid::SafeDownCast(blocks->GetBlock(0));
+  auto* points = vtkPolyData::SafeDownCast(blocks->GetBlock(1));
+  ASSERT_TRUE(grid && points);
+  EXPECT_EQ(grid->GetNumberOfPoints(), 41 * 41);
+  ASSERT_EQ(points->GetNumberOfVerts(), 5);
+  for (int i = 0; i < 5; ++i)
+    expect_same_bits(points->GetPointData()->GetArray("y [m]")->GetTuple1(i),
+                     figure.clouds[0].x[static_cast<std::size_t>(i)]);
 }
 
 TEST_F(ReadBack, the_same_surface_gives_the_same_bytes) {

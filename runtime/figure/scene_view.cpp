@@ -1,8 +1,9 @@
-#include "figure/surface_view.hpp"
+#include "figure/scene_view.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 namespace lunid::figure {
 namespace {
@@ -31,41 +32,40 @@ Range finish(Range range, const Axis& axis, double share) {
 
 constexpr Range nothing{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
-Range surface_range(const SurfaceFigure& figure) {
+Range surface_range(const Scene& scene) {
   Range range = nothing;
-  widen(range, {figure.surface.data(), figure.surface.data() + figure.surface.size()});
+  widen(range, {scene.surface.data(), scene.surface.data() + scene.surface.size()});
   return range;
 }
 
-void plan_axes(SurfaceView& view, const SurfaceFigure& figure) {
-  Range x = nothing, y = nothing, z = surface_range(figure);
-  widen(x, figure.grid_x);
-  widen(y, figure.grid_y);
-  for (const Cloud& cloud : figure.clouds) {
+void plan_axes(SceneView& view, const Scene& scene) {
+  Range x = nothing, y = nothing, z = surface_range(scene);
+  widen(x, scene.grid_x);
+  widen(y, scene.grid_y);
+  for (const Cloud& cloud : scene.clouds) {
     widen(x, cloud.x);
     widen(y, cloud.y);
     widen(z, cloud.z);
   }
-  view.x = plan_axis(figure.x, finish(x, figure.x, 0.0), 5);
-  view.y = plan_axis(figure.y, finish(y, figure.y, 0.0), 5);
-  view.z = plan_axis(figure.z, finish(z, figure.z, 0.03), 5);
-  Range colours = finish(surface_range(figure), Axis{}, 0.0);
-  if (figure.diverging) {
-    const double reach = std::max(std::abs(colours.low), std::abs(colours.high));
-    colours = {-reach, reach};
+  view.x = plan_axis(scene.x, finish(x, scene.x, 0.0), 5);
+  view.y = plan_axis(scene.y, finish(y, scene.y, 0.0), 5);
+  view.z = plan_axis(scene.z, finish(z, scene.z, 0.03), 5);
+  view.colour = finish(surface_range(scene), Axis{}, 0.0);
+  if (scene.diverging) {
+    const double reach = std::max(std::abs(view.colour.low), std::abs(view.colour.high));
+    view.colour = {-reach, reach};
   }
-  view.colour = plan_axis(figure.z, colours, 5);
 }
 
-void set_directions(SurfaceView& view, const SurfaceFigure& figure) {
-  const double a = figure.azimuth * pi / 180.0, e = std::clamp(figure.elevation, 5.0, 85.0) * pi / 180.0;
+void set_directions(SceneView& view, const Scene& scene) {
+  const double a = scene.azimuth * pi / 180.0, e = std::clamp(scene.elevation, 5.0, 85.0) * pi / 180.0;
   view.toward = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
   view.right = {-std::sin(a), std::cos(a), 0.0};
   view.up = {-std::sin(e) * std::cos(a), -std::sin(e) * std::sin(a), std::cos(e)};
 }
 
 /// The largest box whose outline fits `room`.
-void fit(SurfaceView& view, const Box& room) {
+void fit(SceneView& view, const Box& room) {
   view.scale = 1.0;
   view.centre = {0.0, 0.0};
   double half_width = 0.0, half_height = 0.0;
@@ -84,45 +84,45 @@ void fit(SurfaceView& view, const Box& room) {
 
 }  // namespace
 
-Vector SurfaceView::in_box(double x_value, double y_value, double z_value) const {
+Vector SceneView::in_box(double x_value, double y_value, double z_value) const {
   return {(x.place(x_value) - 0.5) * size[0], (y.place(y_value) - 0.5) * size[1], (z.place(z_value) - 0.5) * size[2]};
 }
 
-bool SurfaceView::holds(double x_value, double y_value, double z_value) const {
+bool SceneView::holds(double x_value, double y_value, double z_value) const {
   const auto inside = [](double share) { return share >= -1e-9 && share <= 1.0 + 1e-9; };
   return inside(x.place(x_value)) && inside(y.place(y_value)) && inside(z.place(z_value));
 }
 
-Point SurfaceView::on_paper(const Vector& p) const {
+Point SceneView::on_paper(const Vector& p) const {
   const auto dot = [&](const Vector& d) { return p[0] * d[0] + p[1] * d[1] + p[2] * d[2]; };
   return {centre.x + scale * dot(right), centre.y + scale * dot(up)};
 }
 
-namespace {
-
-Point surface_extent(const SurfaceFigure& figure) {
-  const double per_cm = 72.0 / 2.54;
-  const double height = figure.size.height_cm > 0.0 ? figure.size.height_cm : 0.75 * figure.size.width_cm;
-  return {figure.size.width_cm * per_cm, height * per_cm};
+SceneView scene_axes(const Scene& scene) {
+  SceneView view;
+  plan_axes(view, scene);
+  return view;
 }
 
-}  // namespace
-
-SurfaceView plan_surface(TextMeter& meter, const Look& look, const SurfaceFigure& figure) {
-  SurfaceView view;
-  view.extent = surface_extent(figure);
-  plan_axes(view, figure);
-  set_directions(view, figure);
-  const double width = view.extent.x - 2.0 * look.margin;
-  view.heading = wrapped(meter, figure.title, look.heading_text, true, width);
-  std::vector<LegendEntry> entries;
-  for (const Cloud& cloud : figure.clouds)
-    if (!cloud.label.empty()) entries.push_back({cloud.label, Swatch::curve, Style::points, cloud.role, 1.0});
-  view.legend = legend_rows(meter, look, entries, width);
-  const double header = static_cast<double>(view.heading.size()) * line_height(look.heading_text) +
-                        strip_height(look, view.legend.size()) + look.gap;
-  // Left: labels of z; right: the colour bar; below: labels of x and y.
-  fit(view, {62.0, 52.0, view.extent.x - 84.0, view.extent.y - look.margin - header - 6.0});
+SceneView plan_scene(TextMeter& meter, const Look& look, const Scene& scene, const Box& room) {
+  SceneView view = scene_axes(scene);
+  view.room = room;
+  set_directions(view, scene);
+  const auto fit_labels = [&] {
+    double widest = 0.0;
+    for (const Tick& tick : view.z.ticks) widest = std::max(widest, meter.width(tick.label, look.tick_text, false));
+    // Left: labels and title of z; below: labels and titles of x and y; right: the same where they stick out.
+    const double left = widest + line_height(look.axis_text) + look.tick_length + 4.0, below = 3.4 * look.axis_text;
+    fit(view, {room.left + left, room.bottom + below, room.right - 2.2 * look.tick_text, room.top - look.gap});
+  };
+  fit_labels();
+  // As many ticks as the edges have room for, now that their lengths are known.
+  for (const auto& [axis, plan, k] :
+       {std::tuple{&scene.x, &view.x, 0u}, {&scene.y, &view.y, 1u}, {&scene.z, &view.z, 2u}}) {
+    const double length = view.scale * view.size[k] * std::hypot(view.right[k], view.up[k]);
+    *plan = plan_axis(*axis, plan->range, std::clamp(static_cast<int>(length / (3.5 * look.tick_text)), 1, 5));
+  }
+  fit_labels();
   return view;
 }
 

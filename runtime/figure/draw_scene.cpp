@@ -1,8 +1,9 @@
-// The paper part of a surface's figure.
+// The axes of a scene.
 #include <algorithm>
 #include <cmath>
 
-#include "figure/surface_view.hpp"
+#include "figure/draw.hpp"
+#include "figure/scene_view.hpp"
 
 namespace lunid::figure {
 namespace {
@@ -16,19 +17,17 @@ struct Edge {
 
 class AxesPainter {
  public:
-  AxesPainter(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure, const SurfaceView& view)
-      : canvas_(canvas), meter_(meter), look_(look), figure_(figure), view_(view) {}
+  AxesPainter(Canvas& canvas, TextMeter& meter, const Look& look, const SceneView& view)
+      : canvas_(canvas), meter_(meter), look_(look), view_(view) {}
 
   void paint() {
     walls();
-    header();
     const double near_x = near(0), near_y = near(1), floor = -0.5 * view_.size[2];
     axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
     axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
     // Of the two upright edges of the outline, the one on the left.
     const Vector a{near_x, -near_y, 0.0}, b{-near_x, near_y, 0.0};
     axis(view_.z, {2, view_.on_paper(a).x < view_.on_paper(b).x ? a : b, {-1.0, 0.0}});
-    colour_bar();
   }
 
  private:
@@ -103,52 +102,35 @@ class AxesPainter {
     const TextStyle style = centred(look_.axis_text);
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
-    const double x = std::clamp(p.x + away * edge.outward.x, look_.margin + half, view_.extent.x - look_.margin - half);
-    canvas_.text({x, std::max(p.y + away * edge.outward.y, 0.8 * look_.axis_text)}, plan.title, style);
+    const double x = std::clamp(p.x + away * edge.outward.x, std::min(view_.room.left + half, view_.room.right - half),
+                                std::max(view_.room.left + half, view_.room.right - half));
+    const double y = std::max(p.y + away * edge.outward.y, view_.room.bottom + 0.5 * look_.axis_text);
+    canvas_.text({x, y}, plan.title, style);
   }
 
   /// The title of z: above the lower end of its edge, where labels of the other axes are.
   void upright_title(const AxisPlan& plan, Point middle, double reach) {
     const double half_edge = 0.5 * view_.size[2] * view_.scale * view_.up[2];
-    const double room = view_.extent.y - 60.0;
-    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, room));
+    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, view_.room.height()));
     style.vertical = true;
     const double half = 0.5 * meter_.width(plan.title, style.size, false);
-    const double y = std::max(middle.y, middle.y - half_edge + half + look_.tick_text);
+    const double lowest = std::max(middle.y - half_edge + look_.tick_text, view_.room.bottom) + half;
+    const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, view_.room.bottom + half));
     canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
   }
 
   TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }
 
-  void header() {
-    double y = view_.extent.y - look_.margin;
-    for (const std::string& text : view_.heading) {
-      canvas_.text({look_.margin, y}, text,
-                   {.size = look_.heading_text, .bold = true, .colour = look_.palette.ink, .across = -1, .upward = 1});
-      y -= line_height(look_.heading_text);
-    }
-    draw_strip(canvas_, meter_, look_, view_.legend, look_.margin, y - 0.5 * look_.gap);
-  }
-
-  void colour_bar() {
-    const double middle = view_.centre.y, half = 0.3 * view_.extent.y;
-    const Box bar{view_.extent.x - 62.0, middle - half, view_.extent.x - 51.0, middle + half};
-    draw_colour_bar(canvas_, look_, view_.colour, figure_.diverging, bar);
-  }
-
   Canvas& canvas_;
   TextMeter& meter_;
   const Look& look_;
-  const SurfaceFigure& figure_;
-  const SurfaceView& view_;
+  const SceneView& view_;
 };
 
 }  // namespace
 
-void draw_surface_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SurfaceFigure& figure,
-                       const SurfaceView& view) {
-  canvas.rectangle({0.0, 0.0, view.extent.x, view.extent.y}, look.palette.background);
-  AxesPainter(canvas, meter, look, figure, view).paint();
+void draw_scene_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SceneView& view) {
+  AxesPainter(canvas, meter, look, view).paint();
 }
 
 }  // namespace lunid::figure

@@ -1,0 +1,343 @@
+#include "discover/grow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "discover/judge.hpp"
+#include "discover/propose.hpp"
+#include "discover/sensor.hpp"
+#include "record/parallel.hpp"
+
+namespace lunid {
+
+namespace {
+
+constexpr int beam = 2;        // sets that grow by one more effect for their free run
+constexpr int force_beam = 3;  // and for what they explain of the force
+constexpr int refined = 24;    // proposals whose shape parameters are refined on the force
+constexpr int later_refined = 12;
+constexpr int per_size = 3;     // proposals of one number of parameters that are run
+constexpr int first_runs = 4;   // the best proposals that are run in any case
+constexpr int later_runs = 6;   // the same of sets of two and more
+constexpr int long_fits = 5;    // sets that are fitted to the end
+constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
+
+class Grower {
+ public:
+  Grower(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
+         const std::function<void(const std::string&, double)>& progress)
+      : study_(study),
+        model_(model),
+        baseline_(baseline),
+        catalogue_(catalogue),
+        progress_(progress),
+        proposer_(study) {}
+
+  Grown run() {
+    progress_("run the catalogue along the motion", 0.12);
+    make_shapes();
+    std::vector<Candidate> parents{baseline_};
+    Candidate best = baseline_;
+    for (int size = 1; size <= study_.options->max_effects; ++size) {
+      progress_("propose and fit, " + std::to_string(size) + (size == 1 ? " effect" : " effects"), 0.15 + 0.12 * size);
+      std::vector<Candidate> level = add_one(parents, size);
+      if (level.empty()) break;
+      const bool better = worth_growing(best, level.front());
+      const bool masked = size == 1 && rms(baseline_) > 1.3 * study_.sensor_noise();
+      for (const auto& c : level)
+        if (!c.degenerate()) out_.sets.push_back(c);
+      if (!better && !masked) break;
+      best = level.front();
+      parents = parents_among(level);
+    }
+    sort_by_cost(out_.sets);
+    return std::move(out_);
+  }
+
+ private:
+  static void sort_by_cost(std::vector<Candidate>& list) {
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
+  }
+
+  static double rms(const Candidate& c) { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
+
+  /// Growing goes on while the error falls visibly and is not yet what the sensor alone leaves.
+  bool worth_growing(const Candidate& before, const Candidate& after) const {
+    if (!after.ran()) return false;
+    if (!before.ran()) return true;
+    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
+           rms(after) > 1.02 * study_.sensor_noise();
+  }
+
+  // ---- the catalogue along the motion ----
+  void make_shapes() {
+    RecordScales scale = scales(study_, residual_force());
+    scale.lines = residual_lines(study_, baseline_);
+    for (const auto& effect : catalogue_)
+      for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+        const Choice choice{&effect, variant};
+        if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
+          shapes_.push_back(proposer_.shape(model_, choice, scale));
+        else
+          faults_.push_back({choice, effect.guess ? effect.guess(scale, variant) : std::vector<Guess>{}});
+      }
+    parallel_for(static_cast<int>(shapes_.size()), study_.options->threads,
+                 [&](int i) { proposer_.run(shapes_[static_cast<std::size_t>(i)]); });
+  }
+
+  double residual_force() const {
+    double squares = 0, rows = 0;
+    const Eigen::VectorXd& theta = theta_of(baseline_);
+    for (const auto& record : study_.smooth) {
+      const Eigen::VectorXd model =
+          imposed_force(*baseline_.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
+      const auto f = record["F"];
+      squares += (Eigen::Map<const Eigen::VectorXd>(f.data(), model.size()) - model).squaredNorm();
+      rows += static_cast<double>(model.size());
+    }
+    return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
+  }
+
+  static const Eigen::VectorXd& theta_of(const Candidate& c) { return c.ran() ? c.fit.theta : c.starts.front(); }
+
+  // ---- one more effect ----
+  struct Offer {
+    const Candidate* parent;
+    const Proposer::Parent* space;
+    Proposal proposal;
+  };
+
+  std::vector<Candidate> add_one(const std::vector<Candidate>& parents, int size) {
+    std::vector<Proposer::Parent> spaces(parents.size());
+    parallel_for(static_cast<int>(parents.size()), study_.options->threads, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      spaces[k] = proposer_.parent(parents[k], theta_of(parents[k]));
+    });
+    std::vector<Offer> offers;
+    for (std::size_t k = 0; k < parents.size(); ++k)
+      for (const auto& shape : shapes_) {
+        if (holds(parents[k].choices, shape.choice.effect)) continue;
+        offers.push_back({&parents[k], &spaces[k], {}});
+        offers.back().proposal.shape = &shape;
+        out_.tried += static_cast<int>(shape.guesses.size());
+      }
+    const auto each = [&](const std::vector<std::size_t>& list, const std::function<void(Offer&)>& job) {
+      parallel_for(static_cast<int>(list.size()), study_.options->threads,
+                   [&](int i) { job(offers[list[static_cast<std::size_t>(i)]]); });
+    };
+    std::vector<std::size_t> order(offers.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    each(order, [&](Offer& o) { o.proposal = proposer_.score(*o.proposal.shape, *o.space); });
+    if (size == 1) leave_aside(offers);
+    std::erase_if(order,
+                  [&](std::size_t i) { return !offers[i].proposal.shown || !std::isfinite(offers[i].proposal.cost); });
+    const auto by_cost = [&](std::size_t a, std::size_t b) {
+      return offers[a].proposal.cost < offers[b].proposal.cost;
+    };
+    std::stable_sort(order.begin(), order.end(), by_cost);
+    std::vector<std::size_t> leaders;
+    for (const auto i : order)
+      if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].proposal.shape))
+        leaders.push_back(i);
+    each(leaders, [&](Offer& o) { proposer_.refine(o.proposal, *o.space, 4); });
+    std::stable_sort(order.begin(), order.end(), by_cost);
+    return fit_list(offers, shortlist(offers, order, size), parents, size);
+  }
+
+  /// Solved for at once: nothing to refine.
+  static bool all_linear(const Shape& shape) {
+    return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
+  }
+
+  void leave_aside(const std::vector<Offer>& offers) {
+    for (const auto& o : offers) {
+      const std::string& name = o.proposal.shape->choice.effect->name;
+      const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
+        return x.proposal.shown && x.proposal.shape->choice.effect == o.proposal.shape->choice.effect;
+      });
+      if (!other && (out_.left_aside.empty() || out_.left_aside.back() != name)) out_.left_aside.push_back(name);
+    }
+  }
+
+  /// The best on the force, and the best of each number of parameters: a set with more of them often comes first there
+  /// where a simpler one is as good. Simple ones first where the same effect stands twice (its variants).
+  std::vector<std::size_t> shortlist(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
+                                     int size) const {
+    std::vector<std::size_t> list;
+    std::vector<int> count(5, 0);
+    std::vector<Choices> seen;
+    const int always = size == 1 ? first_runs : later_runs;
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+      const Offer& o = offers[order[rank]];
+      Choices set = o.parent->choices;
+      set.push_back(o.proposal.shape->choice);
+      const bool again = std::any_of(seen.begin(), seen.end(), [&](const Choices& c) { return same(c, set); });
+      if (again) continue;
+      const auto parameters = std::min<std::size_t>(4, o.proposal.own.size());
+      const bool gains = o.proposal.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
+      const bool first = static_cast<int>(list.size()) < always;
+      if (!first && !(size == 1 && gains && count[parameters] < per_size)) continue;
+      ++count[parameters];
+      seen.push_back(std::move(set));
+      list.push_back(order[rank]);
+    }
+    return list;
+  }
+
+  // ---- faults of channels: no force to be proposed, but few, and fitted in any case ----
+  void add_faults(const std::vector<Candidate>& parents, int size, std::vector<Candidate>& level,
+                  std::vector<const Candidate*>& parent_of) {
+    const Candidate& parent = parents.front();
+    std::vector<Candidate> found;
+    std::vector<std::vector<Guess>> guesses;
+    for (const auto& fault : faults_) {
+      if (holds(parent.choices, fault.choice.effect)) continue;
+      Choices set = parent.choices;
+      set.push_back(fault.choice);
+      found.push_back(compile(study_, model_, set));
+      guesses.push_back(fault.guesses);
+      out_.tried += std::max<int>(1, static_cast<int>(fault.guesses.size()));
+    }
+    std::vector<std::uint8_t> there(found.size(), 0);
+    parallel_for(static_cast<int>(found.size()), study_.options->threads, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      find_starts(study_, found[k], theta_of(parent), {guesses[k]});
+      there[k] = !found[k].starts.empty() && shows_beside(study_, found[k], parent);
+    });
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const std::string& name = found[k].choices.back().effect->name;
+      if (!there[k] && size == 1 && (out_.left_aside.empty() || out_.left_aside.back() != name))
+        out_.left_aside.push_back(name);
+      if (!there[k]) continue;
+      found[k].force_cost = INFINITY;  // not what a proposal's is
+      level.push_back(std::move(found[k]));
+      parent_of.push_back(&parent);
+    }
+  }
+
+  // ---- free runs ----
+  std::vector<Candidate> fit_list(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
+                                  const std::vector<Candidate>& parents, int size) {
+    std::vector<Candidate> level;
+    std::vector<const Candidate*> parent_of;
+    for (const auto i : list) {
+      const Offer& o = offers[i];
+      Choices set = o.parent->choices;
+      set.push_back(o.proposal.shape->choice);
+      Candidate c = compile(study_, model_, set);
+      Eigen::VectorXd start(o.proposal.parent.size() + o.proposal.own.size());
+      start << o.proposal.parent, o.proposal.own;
+      c.starts.push_back(std::move(start));
+      c.force_cost = o.proposal.cost;
+      level.push_back(std::move(c));
+      parent_of.push_back(o.parent);
+    }
+    add_faults(parents, size, level, parent_of);
+    parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      begin_fit(level[k], *parent_of[k]);
+    });
+    sort_by_cost(level);
+    std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
+    int count = 0;
+    for (const auto& c : level) count += c.fit.cost <= hopeless * level.front().fit.cost || !c.ran();
+    count = std::min(count, long_fits);
+    parallel_for(count, study_.options->threads, [&](int i) { end_fit(level[static_cast<std::size_t>(i)]); });
+    std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
+    sort_by_cost(level);
+    return level;
+  }
+
+  int coarse_substeps() const { return baseline_.ran() ? std::max(1, (baseline_.fit.substeps + 1) / 2) : 0; }
+
+  /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
+  void begin_fit(Candidate& c, const Candidate& parent) const {
+    c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps());
+    if (!parent.ran() || c.fit.cost < 0.9 * parent.fit.cost) return;
+    Eigen::VectorXd warm = c.starts.front();
+    warm.head(parent.fit.theta.size()) = parent.fit.theta;
+    for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
+      if (c.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
+    FitResult again = fit_near(study_, c, warm, 4, coarse_substeps());
+    if (again.cost < c.fit.cost) c.fit = std::move(again);
+  }
+
+  /// To the end; and from short free runs on where the free run stays behind what the force promised.
+  void end_fit(Candidate& c) const {
+    if (c.ran()) c.fit = fit_near(study_, c, c.fit.theta, 12, coarse_substeps());
+    const double promised = std::sqrt(c.force_cost / static_cast<double>(proposer_.rows()));
+    if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
+    FitOptions options;
+    options.max_iterations = 12;
+    options.tolerance = 1e-4;
+    options.substeps = coarse_substeps();
+    options.cancelled = study_.options->cancelled;
+    FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
+    if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
+  }
+
+  /// The best on the trajectory, and those that explain most of the force. They differ where one missing effect makes
+  /// free runs drift so far that another does not show in them.
+  static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
+    std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
+    std::vector<std::size_t> order(sorted.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return sorted[a].force_cost < sorted[b].force_cost; });
+    if (order.size() > force_beam) order.resize(force_beam);
+    for (const auto i : order) {
+      if (i < static_cast<std::size_t>(beam)) continue;
+      parents.push_back(sorted[i]);
+      parents.back().fit.theta = sorted[i].starts.front();
+    }
+    return parents;
+  }
+
+  const Study& study_;
+  const Model& model_;
+  const Candidate& baseline_;
+  const std::vector<Effect>& catalogue_;
+  const std::function<void(const std::string&, double)>& progress_;
+  const Proposer proposer_;
+  struct ChannelFault {
+    Choice choice;
+    std::vector<Guess> guesses;
+  };
+  std::vector<Shape> shapes_;
+  std::vector<ChannelFault> faults_;
+  Grown out_;
+};
+
+}  // namespace
+
+bool holds(const Choices& set, const Effect* effect) {
+  return std::any_of(set.begin(), set.end(), [&](const Choice& c) { return c.effect == effect; });
+}
+
+bool same(Choices a, Choices b) {
+  const auto order = [](const Choice& x, const Choice& y) {
+    return std::make_pair(x.effect, x.variant) < std::make_pair(y.effect, y.variant);
+  };
+  std::sort(a.begin(), a.end(), order);
+  std::sort(b.begin(), b.end(), order);
+  return a == b;
+}
+
+FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
+                   int substeps) {
+  FitOptions options;
+  options.max_iterations = iterations;
+  options.tolerance = 1e-4;
+  options.substeps = substeps;
+  options.cancelled = study.options->cancelled;
+  return fit_trajectory(*candidate.system, start, study.train, options);
+}
+
+Grown grow(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
+           const std::function<void(const std::string&, double)>& progress) {
+  return Grower(study, model, baseline, catalogue, progress).run();
+}
+
+}  // namespace lunid

@@ -1,0 +1,29 @@
+#pragma once
+// Sets of effects grown from the baseline, one entry at a time: proposed on the force, fitted on the trajectory.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+struct Grown {
+  std::vector<Candidate> sets;          ///< fitted, none of them degenerate, least cost first
+  std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline, with the reason
+  int tried = 0;                        ///< start points over which a p-value is to be corrected
+};
+
+/// Grows sets of up to max_effects entries from `baseline` (fitted) while the free runs get better. Changes the pool:
+/// main thread only; proposals and fits run on threads.
+Grown grow(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
+           const std::function<void(const std::string&, double)>& progress);
+
+bool holds(const Choices& set, const Effect* effect);
+bool same(Choices a, Choices b);
+
+/// Fits a set from a start that is near already. `substeps`: 0 chooses them anew.
+FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
+                   int substeps);
+
+}  // namespace lunid

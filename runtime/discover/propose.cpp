@@ -1,0 +1,348 @@
+#include "discover/propose.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace lunid {
+
+namespace {
+
+/// Longer records are looked at by their first part.
+constexpr Eigen::Index most_rows = 20000;
+
+Eigen::Map<const Eigen::VectorXd> column(const Record& record, const char* name) {
+  const auto x = record[name];
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+
+std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+/// Mass, damping and stiffness of the linear system whose force is nearest to the measured one.
+Eigen::Vector3d linear_system(const Study& study) {
+  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd x(data.record.rows(), 3);
+    x << column(data.record, "a"), column(data.record, "v"), column(data.record, "y");
+    gram += x.transpose() * x;
+    right += x.transpose() * column(data.record, "F");
+  }
+  const Eigen::Vector3d scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * (scale.asDiagonal() * gram * scale.asDiagonal())
+                                  .completeOrthogonalDecomposition()
+                                  .solve(scale.asDiagonal() * right);
+}
+
+/// A step that keeps within bounds: what would leave them is held and the rest solved again.
+Eigen::VectorXd bounded_step(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& at,
+                             const std::vector<Parameter>& table) {
+  const Eigen::Index p = b.size();
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(p), 0);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(p);
+  for (Eigen::Index i = 0; i < p; ++i) held[static_cast<std::size_t>(i)] = table[static_cast<std::size_t>(i)].fixed;
+  for (Eigen::Index pass = 0; pass <= p; ++pass) {
+    std::vector<Eigen::Index> open;
+    for (Eigen::Index i = 0; i < p; ++i)
+      if (!held[static_cast<std::size_t>(i)] && a(i, i) > 0) open.push_back(i);
+    if (open.empty()) return step;
+    const Eigen::VectorXd rest = b - a * step;
+    const Eigen::VectorXd scale = a.diagonal()(open).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * a(open, open) * scale.asDiagonal();
+    const Eigen::VectorXd right = scale.asDiagonal() * rest(open);
+    const Eigen::VectorXd solved = scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(right);
+    bool again = false;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      const Eigen::Index i = open[k];
+      const auto& row = table[static_cast<std::size_t>(i)];
+      const double wanted = at[i] + step[i] + solved[static_cast<Eigen::Index>(k)];
+      const double value = std::clamp(wanted, row.min, row.max);
+      if (value == wanted) continue;
+      step[i] = value - at[i];
+      held[static_cast<std::size_t>(i)] = again = true;
+    }
+    if (again) continue;
+    for (std::size_t k = 0; k < open.size(); ++k) step[open[k]] += solved[static_cast<Eigen::Index>(k)];
+    return step;
+  }
+  return step;
+}
+
+/// The values of a guess, and 1 (or the bound nearest to it) for what it leaves open.
+Eigen::VectorXd start_of(const Shape& shape, const Guess& guess) {
+  const auto& table = shape.system->model().parameters;
+  Eigen::VectorXd theta(static_cast<Eigen::Index>(table.size()));
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto found = guess.find(table[i].name);
+    const double value = found != guess.end() ? found->second : std::isfinite(table[i].value) ? table[i].value : 1;
+    theta[static_cast<Eigen::Index>(i)] = std::clamp(value, table[i].min, table[i].max);
+  }
+  return theta;
+}
+
+std::vector<Eigen::Index> linear_ones(const Shape& shape) {
+  std::vector<Eigen::Index> list;
+  for (std::size_t i = 0; i < shape.linear.size(); ++i)
+    if (shape.linear[i] && !shape.system->model().parameters[i].fixed) list.push_back(static_cast<Eigen::Index>(i));
+  return list;
+}
+
+/// An unknown shape parameter that the entry gives no guess for: magnitudes of either sign that its bounds allow.
+std::vector<Guess> spread_unknown(const Shape& shape, std::vector<Guess> guesses) {
+  const auto& table = shape.system->model().parameters;
+  if (guesses.empty()) guesses.push_back({});
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (shape.linear[i] || guesses.front().count(table[i].name) || std::isfinite(table[i].value)) continue;
+    std::vector<Guess> next;
+    for (const auto& guess : guesses)
+      for (int decade = -6; decade <= 6; ++decade)
+        for (const double value : {std::pow(10.0, decade), -std::pow(10.0, decade)}) {
+          if (value < table[i].min || value > table[i].max) continue;
+          next.push_back(guess);
+          next.back()[table[i].name] = value;
+        }
+    if (!next.empty() && next.size() <= 2000) guesses = std::move(next);
+  }
+  return guesses;
+}
+
+}  // namespace
+
+Proposer::Proposer(const Study& study) {
+  Eigen::Index all = 0;
+  for (const auto& data : study.force) all += data.record.rows();
+  for (const auto& data : study.force) {
+    const Eigen::Index rows = all > most_rows ? data.record.rows() * most_rows / all : data.record.rows();
+    data_.push_back({data.record.slice(0, rows), {}, {data.use.begin(), data.use.begin() + rows}});
+    rows_ += rows;
+  }
+  measured_.resize(rows_);
+  Eigen::Index row = 0;
+  for (const auto& data : data_) {
+    measured_.segment(row, data.record.rows()) = column(data.record, "F");
+    row += data.record.rows();
+  }
+  if (study.imposed) return;
+  // A spring that is not there, or no damping, would make the filter drift or ring through the whole record.
+  constexpr double least_frequency = 0.3, least_damping = 0.05;
+  const Eigen::Vector3d found = linear_system(study);
+  const double m = found[0] > 0 ? found[0] : 1;
+  const double w = std::max(std::sqrt(std::max(found[2] / m, 0.0)), least_frequency * study.omega);
+  const double zeta = std::clamp(found[1] / (2 * m * w), least_damping, 1.0);
+  // Impulse invariance: poles exp(s dt).
+  const double dt = study.force.front().record.dt(), decay = std::exp(-zeta * w * dt);
+  const double damped = w * std::sqrt(std::max(1 - zeta * zeta, 1e-6));
+  a_[0] = -2 * decay * std::cos(damped * dt);
+  a_[1] = decay * decay;
+  b_[0] = 0;
+  b_[1] = dt * decay * std::sin(damped * dt) / (m * damped);
+}
+
+Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
+  Eigen::VectorXd out(force.size());
+  Eigen::Index row = 0;
+  for (const auto& data : data_) {
+    double last = 0, before = 0, input = 0;
+    for (Eigen::Index i = 0; i < data.record.rows(); ++i, ++row) {
+      const double now = data.use[static_cast<std::size_t>(i)] ? force[row] : 0;
+      const double value = b_[0] * now + b_[1] * input - a_[0] * last - a_[1] * before;
+      input = now;
+      before = last;
+      last = value;
+      out[row] = value;
+    }
+  }
+  return out;
+}
+
+/// Values by themselves are good enough with one substep where that is stable.
+bool Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
+                        Eigen::MatrixXd* jacobian) const {
+  if (jacobian) return evaluate(system, theta, force, jacobian, start_substeps);
+  return evaluate(system, theta, force, nullptr, 1) || evaluate(system, theta, force, nullptr, start_substeps);
+}
+
+bool Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
+                        Eigen::MatrixXd* jacobian, int substeps) const {
+  force.resize(rows_);
+  if (jacobian) jacobian->resize(rows_, theta.size());
+  Eigen::Index row = 0;
+  for (const auto& data : data_) {
+    Eigen::MatrixXd part;
+    force.segment(row, data.record.rows()) =
+        imposed_force(system, view(theta), data.record, jacobian ? &part : nullptr, substeps);
+    if (jacobian) jacobian->middleRows(row, data.record.rows()) = part;
+    row += data.record.rows();
+  }
+  return force.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScales& scales) const {
+  const Effect& effect = *choice.effect;
+  Shape shape;
+  shape.choice = choice;
+  Model alone;
+  alone.pool = model.pool;
+  alone.mass = model.pool->constant(0);
+  alone.restoring = effect.variants[static_cast<std::size_t>(choice.variant)].force;
+  alone.states = effect.states;
+  alone.imposed_motion = true;
+  const Ranges ranges = effect.range ? effect.range(scales, choice.variant) : Ranges{};
+  for (auto p : effect.parameters) {
+    if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
+      p.min = std::max(p.min, limits->second.first);
+      p.max = std::min(p.max, limits->second.second);
+    }
+    alone.parameters.push_back(p);
+  }
+  shape.linear = linear_parameters(alone);
+  shape.system = std::make_shared<const System>(alone);
+  if (effect.guess) shape.guesses = effect.guess(scales, choice.variant);
+  shape.guesses = spread_unknown(shape, std::move(shape.guesses));
+  return shape;
+}
+
+void Proposer::run(Shape& shape) const {
+  const auto linear = linear_ones(shape);
+  const bool remembers = !shape.system->model().states.empty();
+  for (const auto& guess : shape.guesses) {
+    Eigen::VectorXd theta = start_of(shape, guess), force;
+    Eigen::MatrixXd columns(rows_, std::max<Eigen::Index>(1, static_cast<Eigen::Index>(linear.size())));
+    bool finite = true;
+    if (linear.empty()) {
+      finite = evaluate(*shape.system, theta, force, nullptr);
+      columns.col(0) = weighted(force);
+    } else if (remembers) {  // values alone: slopes of many states would cost far more
+      for (std::size_t k = 0; k < linear.size(); ++k) {
+        for (const auto i : linear) theta[i] = i == linear[k] ? 1 : 0;
+        finite = evaluate(*shape.system, theta, force, nullptr) && finite;
+        columns.col(static_cast<Eigen::Index>(k)) = weighted(force);
+      }
+    } else {
+      Eigen::MatrixXd slopes;
+      finite = evaluate(*shape.system, theta, force, &slopes);
+      for (std::size_t k = 0; k < linear.size(); ++k)
+        columns.col(static_cast<Eigen::Index>(k)) = weighted(slopes.col(linear[k]));
+    }
+    if (!finite || !columns.allFinite()) columns.resize(0, 0);
+    shape.columns.push_back(std::move(columns));
+  }
+}
+
+Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::VectorXd& theta) const {
+  Parent out;
+  out.theta = theta;
+  Eigen::VectorXd force;
+  Eigen::MatrixXd slopes;
+  evaluate(*candidate.force_system, theta, force, &slopes);
+  const auto& table = candidate.system->model().parameters;
+  out.jacobian.resize(rows_, theta.size());
+  for (Eigen::Index j = 0; j < theta.size(); ++j) {
+    const auto& row = table[static_cast<std::size_t>(j)];
+    if (row.fixed || !slopes.col(j).allFinite()) slopes.col(j).setZero();
+    out.jacobian.col(j) = weighted(slopes.col(j));
+  }
+  const Eigen::VectorXd open = weighted(measured_ - force);
+  const Eigen::VectorXd norm = out.jacobian.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  if (theta.size() > 0) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(out.jacobian * norm.asDiagonal());
+    qr.setThreshold(1e-9);
+    out.basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows_, qr.rank());
+    out.back = norm.asDiagonal() * qr.solve(out.basis);
+  } else {
+    out.basis.resize(rows_, 0);
+    out.back.resize(0, 0);
+  }
+  out.residual = open - out.basis * (out.basis.transpose() * open);
+  out.theta += out.back * (out.basis.transpose() * open);
+  for (Eigen::Index j = 0; j < theta.size(); ++j) {
+    const auto& row = table[static_cast<std::size_t>(j)];
+    out.theta[j] = std::clamp(out.theta[j], row.min, row.max);
+  }
+  out.cost = out.residual.squaredNorm();
+  return out;
+}
+
+Proposal Proposer::score(const Shape& shape, const Parent& parent) const {
+  Proposal best;
+  best.shape = &shape;
+  best.cost = INFINITY;
+  const auto linear = linear_ones(shape);
+  std::vector<Parameter> table;
+  for (const auto i : linear) table.push_back(shape.system->model().parameters[static_cast<std::size_t>(i)]);
+  if (linear.empty()) {
+    table.resize(1);
+    table[0].min = 0;
+  }
+  for (std::size_t g = 0; g < shape.guesses.size(); ++g) {
+    const Eigen::MatrixXd& full = shape.columns[g];
+    if (full.rows() == 0) continue;
+    const Eigen::MatrixXd columns = full - parent.basis * (parent.basis.transpose() * full);
+    const Eigen::MatrixXd gram = columns.transpose() * columns;
+    const Eigen::VectorXd right = columns.transpose() * parent.residual;
+    // Rounding of a column that the parent holds already is no column.
+    Eigen::MatrixXd safe = gram;
+    for (Eigen::Index k = 0; k < full.cols(); ++k) {
+      const bool own = gram(k, k) > 1e-6 * full.col(k).squaredNorm();
+      best.shown = best.shown || own;
+      if (!own) safe(k, k) = 0;
+    }
+    const Eigen::VectorXd step = bounded_step(safe, right, Eigen::VectorXd::Zero(right.size()), table);
+    const double cost = parent.cost - 2 * right.dot(step) + step.dot(gram * step);
+    if (!(cost < best.cost)) continue;
+    best.cost = cost;
+    best.own = start_of(shape, shape.guesses[g]);
+    for (std::size_t k = 0; k < linear.size(); ++k) best.own[linear[k]] = step[static_cast<Eigen::Index>(k)];
+    const Eigen::VectorXd force = parent.basis.transpose() * (full * step);
+    best.parent = parent.theta - parent.back * force;
+  }
+  return best;
+}
+
+void Proposer::refine(Proposal& proposal, const Parent& parent, int iterations) const {
+  proposal.refined = true;
+  const System& system = *proposal.shape->system;
+  const auto& table = system.model().parameters;
+  const auto own = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return x - parent.basis * (parent.basis.transpose() * x);
+  };
+  struct State {
+    Eigen::VectorXd theta, force, error;
+    Eigen::MatrixXd slopes;
+    double cost = INFINITY;
+  } now;
+  const auto reach = [&](const Eigen::VectorXd& theta, State& state) {
+    Eigen::VectorXd force;
+    Eigen::MatrixXd slopes;
+    if (!evaluate(system, theta, force, &slopes)) return false;
+    state.theta = theta;
+    state.force = weighted(force);
+    state.error = parent.residual - own(state.force);
+    state.slopes.resize(rows_, slopes.cols());
+    for (Eigen::Index j = 0; j < slopes.cols(); ++j) state.slopes.col(j) = own(weighted(slopes.col(j)));
+    state.cost = state.error.squaredNorm();
+    return std::isfinite(state.cost);
+  };
+  if (!reach(proposal.own, now)) return;
+  double lambda = 1e-3;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    Eigen::MatrixXd a = now.slopes.transpose() * now.slopes;
+    a.diagonal() *= 1 + lambda;
+    const Eigen::VectorXd step = bounded_step(a, now.slopes.transpose() * now.error, now.theta, table);
+    State next;
+    if (step.allFinite() && reach(now.theta + step, next) && next.cost < now.cost) {
+      const double drop = 1 - next.cost / now.cost;
+      now = std::move(next);
+      lambda *= 0.1;
+      if (drop < 1e-3) break;
+    } else {
+      lambda = 10 * lambda + 1e-2;
+    }
+  }
+  proposal.cost = now.cost;
+  proposal.own = now.theta;
+  proposal.parent = parent.theta - parent.back * (parent.basis.transpose() * now.force);
+}
+
+}  // namespace lunid

@@ -1,0 +1,72 @@
+#pragma once
+// What an entry would explain, told before any free run: its force along the measured motion against the force that a
+// parent leaves open.
+#include <map>
+
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// An entry's contribution alone, compiled once for the whole search.
+struct Shape {
+  Choice choice;
+  std::shared_ptr<const System> system;  ///< mass 0, motion imposed, the entry's own parameters
+  std::vector<std::uint8_t> linear;      ///< per own parameter
+  std::vector<Guess> guesses;            ///< at least one
+  /// Weighted column of each linear parameter (or the one force, where none is linear) at each guess; no rows where it
+  /// is not finite.
+  std::vector<Eigen::MatrixXd> columns;
+};
+
+/// Where an entry beside a parent stands on the force.
+struct Proposal {
+  const Shape* shape = nullptr;
+  Eigen::VectorXd own, parent;  ///< parameters of the entry, and those of the parent moved along
+  double cost = 0;              ///< weighted squared misfit, as a displacement [m^2] ([N^2] with imposed motion)
+  bool shown = false;           ///< its force is no combination of the parent's on this record
+  bool refined = false;
+};
+
+/// Compares forces as the trajectory feels them. A force that is missing moves the mass through the receptance of the
+/// linear system; noise of the sensor, differentiated twice, becomes white again behind it. Hence all columns pass
+/// through 1/(m s^2 + c s + k), with m, c, k the regression of the measured force on a, v, y (Steiglitz and McBride
+/// 1965, IEEE Trans. Autom. Control 10, 461).
+class Proposer {
+ public:
+  explicit Proposer(const Study& study);
+
+  /// Compiles a variant of an entry. Changes the pool: main thread only.
+  Shape shape(const Model& model, const Choice& choice, const RecordScales& scales) const;
+  /// Runs it once per guess along the motion.
+  void run(Shape& shape) const;
+
+  /// A parent's tangent space and what it leaves open.
+  struct Parent {
+    Eigen::VectorXd theta, residual;  ///< residual: weighted, tangent space projected out
+    Eigen::MatrixXd jacobian, basis;  ///< weighted; basis: orthonormal
+    Eigen::MatrixXd back;             ///< from weighted forces to steps of theta
+    double cost = 0;
+  };
+  Parent parent(const Candidate& candidate, const Eigen::VectorXd& theta) const;
+
+  /// The best guess, its linear parameters solved for.
+  Proposal score(const Shape& shape, const Parent& parent) const;
+  /// Gauss-Newton on all its parameters from there.
+  void refine(Proposal& proposal, const Parent& parent, int iterations) const;
+
+  Eigen::Index rows() const { return rows_; }
+
+ private:
+  Eigen::VectorXd weighted(const Eigen::VectorXd& force) const;
+  bool evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
+                Eigen::MatrixXd* jacobian) const;
+  bool evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force, Eigen::MatrixXd* jacobian,
+                int substeps) const;
+
+  std::vector<FitData> data_;
+  Eigen::Index rows_ = 0;
+  Eigen::VectorXd measured_;              ///< the force, all records in a row, not weighted
+  double b_[2] = {1, 0}, a_[2] = {0, 0};  ///< the receptance as a filter: b0 + b1/z over 1 + a0/z + a1/z^2
+};
+
+}  // namespace lunid

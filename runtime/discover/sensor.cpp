@@ -1,0 +1,290 @@
+#include "discover/sensor.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "record/spectrum.hpp"
+#include "simulate/measures.hpp"
+
+namespace lunid {
+
+namespace {
+
+Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
+  const auto x = record[name];
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+
+/// The map of a channel in a list, which gets the channel itself where it is not there yet.
+Expr& map_of(std::vector<ChannelMap>& maps, const std::string& channel, Pool& pool) {
+  for (auto& [name, map] : maps)
+    if (name == channel) return map;
+  maps.push_back({channel, pool.channel(channel)});
+  return maps.back().map;
+}
+
+/// The states that some expressions lead to, in the order of the list.
+std::vector<InternalState> states_of(const std::vector<InternalState>& states, std::vector<Expr> parts) {
+  std::vector<std::uint8_t> keep(states.size(), 0);
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto holds = [&](Expr part) { return part.valid() && depends_on(part, states[i].symbol); };
+      if (keep[i] || std::none_of(parts.begin(), parts.end(), holds)) continue;
+      parts.insert(parts.end(), {states[i].rate, states[i].min, states[i].max});
+      keep[i] = again = true;
+    }
+  }
+  std::vector<InternalState> out;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (keep[i]) out.push_back(states[i]);
+  return out;
+}
+
+bool all_hold(const std::vector<Record>& records, const std::string& channel) {
+  return std::all_of(records.begin(), records.end(), [&](const Record& r) { return r.has(channel); });
+}
+
+/// With imposed motion y and v come from the record: what cannot be undone there cannot be looked at.
+bool shows_in_force(const Effect& effect) {
+  return std::any_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
+    if (v.measures.empty() && v.acts.empty()) return true;
+    Model maps;
+    maps.measures = v.measures;
+    maps.acts = v.acts;
+    maps.pool = {std::shared_ptr<void>(), &(v.measures.empty() ? v.acts : v.measures).front().map.pool()};
+    return can_be_undone(maps);
+  });
+}
+
+}  // namespace
+
+bool is_physics(const Effect& effect) { return effect.family != "sensor" && effect.family != "input"; }
+
+int physics_in(const Choices& choices) {
+  return static_cast<int>(
+      std::count_if(choices.begin(), choices.end(), [](const Choice& c) { return is_physics(*c.effect); }));
+}
+
+std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
+  std::vector<Effect> out;
+  for (const Effect& effect : catalogue) {
+    const auto lacks = std::find_if(effect.channels.begin(), effect.channels.end(), [&](const std::string& channel) {
+      return !all_hold(study.full, channel) || !all_hold(study.test, channel);
+    });
+    if (lacks != effect.channels.end())
+      left.push_back(effect.name + " (no channel " + *lacks + ")");
+    else if (study.imposed && !shows_in_force(effect))
+      left.push_back(effect.name + " (shows in free motion alone)");
+    else
+      out.push_back(effect);
+  }
+  return out;
+}
+
+void add_variant(Model& model, const Effect& effect, int variant) {
+  const EffectVariant& form = effect.variants[static_cast<std::size_t>(variant)];
+  Pool& pool = *model.pool;
+  std::vector<Expr> parts{form.force};
+  if (form.force.valid()) model.restoring = model.restoring + form.force;
+  std::vector<std::pair<Expr, Expr>> shown;  // a channel by what the model shows of it already
+  for (const auto& [channel, map] : form.measures) {
+    parts.push_back(map);
+    Expr& known = map_of(model.measures, channel, pool);
+    shown.emplace_back(pool.channel(channel), known);
+    known = substitute(map, shown);
+  }
+  for (const auto& [channel, map] : form.acts) {
+    parts.push_back(map);
+    Expr& known = map_of(model.acts, channel, pool);
+    const std::pair<Expr, Expr> acting[] = {{pool.channel(channel), known}};
+    known = substitute(map, acting);
+  }
+  for (InternalState state : states_of(effect.states, parts)) {
+    for (Expr* part : {&state.rate, &state.min, &state.max})
+      if (part->valid() && !shown.empty()) *part = substitute(*part, shown);
+    model.states.push_back(state);
+  }
+}
+
+void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta) {
+  FitOptions options;
+  options.max_iterations = 4;
+  options.tolerance = 1e-3;
+  options.cancelled = study.options->cancelled;
+  std::vector<std::pair<double, Eigen::VectorXd>> starts;
+  for (Eigen::VectorXd start : candidate.starts) {
+    start.head(theta.size()) = theta;
+    FitResult fit = fit_trajectory(*candidate.system, start, study.train, options);
+    if (std::isfinite(fit.cost)) starts.emplace_back(fit.cost, std::move(fit.theta));
+  }
+  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  candidate.starts.clear();
+  for (auto& [cost, start] : starts) candidate.starts.push_back(std::move(start));
+}
+
+bool shows_beside(const Study& study, const Candidate& candidate, const Candidate& parent) {
+  if (!candidate.seen_by_force) return true;
+  constexpr double least = 1e-6;  // of a column's square: rounding of what the parent holds already
+  const Eigen::Index before = parent.parameters(), p = candidate.parameters();
+  const Eigen::VectorXd& theta = candidate.starts.front();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian,
+                  start_substeps);
+    gram += jacobian.transpose() * jacobian;
+  }
+  if (!gram.allFinite()) return true;  // the trajectory will tell
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
+  const Eigen::MatrixXd own = scaled.topLeftCorner(before, before);
+  for (Eigen::Index j = before; j < p; ++j) {
+    if (!(gram(j, j) > 0)) continue;
+    const Eigen::VectorXd with = scaled.col(j).head(before);
+    if (before == 0 || 1 - with.dot(own.completeOrthogonalDecomposition().solve(with)) > least) return true;
+  }
+  return false;
+}
+
+std::vector<double> residual_lines(const Study& study, const Candidate& candidate) {
+  constexpr std::size_t most = 8;
+  constexpr Eigen::Index padding = 4;  // bins per line of the window
+  if (!candidate.ran()) return {};
+  const auto longest = std::max_element(candidate.fit.residual.begin(), candidate.fit.residual.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const double dt = study.train[static_cast<std::size_t>(longest - candidate.fit.residual.begin())].record.dt();
+  Eigen::VectorXd x = longest->array() - longest->mean();
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x[i] *= 1 - std::cos(2 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(x.size()));
+  const Eigen::Index length = padding * power_of_two_above(x.size());
+  const Eigen::VectorXd power =
+      half_spectrum({x.data(), static_cast<std::size_t>(x.size())}, length).cwiseAbs2().cwiseMax(1e-300);
+  const double step = 2 * M_PI / (static_cast<double>(length) * dt);
+  const double apart = 4 * M_PI / (static_cast<double>(x.size()) * dt);  // half of the window's main lobe
+  std::vector<std::pair<double, double>> peaks;
+  for (Eigen::Index k = 1; k + 1 < power.size(); ++k) {
+    if (!(power[k] > power[k - 1] && power[k] >= power[k + 1])) continue;
+    const double a = std::log(power[k - 1]), b = std::log(power[k]), c = std::log(power[k + 1]);
+    const double bend = a - 2 * b + c;
+    peaks.emplace_back(power[k], (static_cast<double>(k) + (bend < 0 ? 0.5 * (a - c) / bend : 0)) * step);
+  }
+  std::stable_sort(peaks.begin(), peaks.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<double> lines;
+  for (const auto& [height, omega] : peaks) {
+    if (lines.size() == most) break;
+    if (std::all_of(lines.begin(), lines.end(), [&](double other) { return std::abs(other - omega) > apart; }))
+      lines.push_back(omega);
+  }
+  return lines;
+}
+
+Record with_shaft(const Record& record) {
+  const bool angle = record.has("phase");
+  if (!angle && !record.has("speed")) return record;
+  const char* source = angle ? "phase" : "speed";
+  Eigen::VectorXd x = column(record, source);
+  if (record.channel(source).unit == "Hz") x *= 2 * M_PI;
+  for (Eigen::Index i = 1; angle && i < x.size(); ++i)  // a counter that begins anew after each turn
+    x[i] += 2 * M_PI * std::round((x[i - 1] - x[i]) / (2 * M_PI));
+  const std::span<const double> values(x.data(), static_cast<std::size_t>(x.size()));
+  const double noise = noise_level(values);
+  const auto derivative = [&](int order) {
+    return savitzky_golay(values, record.dt(), order, choose_savitzky_golay(values, noise, order));
+  };
+  Eigen::VectorXd turned = x;
+  if (!angle) {
+    turned[0] = 0;
+    for (Eigen::Index i = 1; i < x.size(); ++i) turned[i] = turned[i - 1] + 0.5 * record.dt() * (x[i - 1] + x[i]);
+  }
+  Record out = record;
+  const auto add = [&](const char* name, const char* unit, Eigen::VectorXd column) {
+    Channel channel;
+    channel.name = name;
+    channel.source = source;
+    channel.unit = unit;
+    channel.values = std::move(column);
+    channel.derived = true;
+    out = out.with(std::move(channel));
+  };
+  add("shaft_angle", "rad", angle ? derivative(0) : turned);
+  add("shaft_speed", "rad/s", derivative(angle ? 1 : 0));
+  add("shaft_rate", "rad/s^2", derivative(angle ? 2 : 1));
+  return out;
+}
+
+// ---- hints ----
+
+namespace {
+
+/// A row belongs to a flat top when it and its neighbour have exactly the extreme value.
+double flat_share(const Eigen::VectorXd& y) {
+  const double high = y.maxCoeff(), low = y.minCoeff();
+  double flat = 0;
+  for (Eigen::Index i = 1; i < y.size(); ++i) flat += y[i] == y[i - 1] && (y[i] == high || y[i] == low);
+  return flat / static_cast<double>(y.size());
+}
+
+/// The part of a residual's sum of squares that `wanted` explains beyond `known` (columns).
+double partial_share(const Eigen::MatrixXd& known, const Eigen::MatrixXd& wanted, const Eigen::VectorXd& residual) {
+  Eigen::MatrixXd all(known.rows(), known.cols() + wanted.cols());
+  all << known, wanted;
+  const auto left = [&](const Eigen::MatrixXd& a) {
+    return (residual - a * a.colPivHouseholderQr().solve(residual)).squaredNorm();
+  };
+  const double before = left(known);
+  return before > 0 ? 1 - left(all) / before : 0;
+}
+
+/// Normalised columns, so that units do not matter.
+Eigen::MatrixXd columns_of(std::vector<Eigen::VectorXd> list) {
+  Eigen::MatrixXd out(list.front().size(), static_cast<Eigen::Index>(list.size()));
+  for (std::size_t j = 0; j < list.size(); ++j)
+    out.col(static_cast<Eigen::Index>(j)) = list[j] / std::max(list[j].norm(), 1e-300);
+  return out;
+}
+
+/// How much of the displacement that the model leaves open is a slow trend.
+double trend_share(const Eigen::VectorXd& residual) {
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(residual.size(), -1, 1);
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(residual.size());
+  return partial_share(columns_of({one}), columns_of({t, t.cwiseAbs2()}), residual);
+}
+
+/// How much of the force that is left open follows the rate of the acceleration, which a lag tau leaves as m*tau*da/dt.
+double lag_share(const Study& study, const Candidate& baseline, std::size_t index) {
+  const Record& smooth = study.smooth[index];
+  const Eigen::VectorXd force =
+      column(smooth, "F") -
+      imposed_force(*baseline.force_system,
+                    {baseline.fit.theta.data(), static_cast<std::size_t>(baseline.fit.theta.size())}, smooth);
+  const Eigen::VectorXd jerk = savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study.train[index].record));
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < force.size(); ++i)
+    if (study.force[index].use[static_cast<std::size_t>(i)] && std::isfinite(force[i])) rows.push_back(i);
+  if (rows.size() < 30) return 0;
+  std::vector<Eigen::VectorXd> known{Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()))};
+  for (const char* name : {"y", "v", "a"}) known.push_back(column(smooth, name)(rows));
+  return partial_share(columns_of(known), columns_of({jerk(rows)}), force(rows));
+}
+
+}  // namespace
+
+std::string sensor_hint(const Study& study, const Candidate& baseline) {
+  constexpr double much = 0.5, few_rows = 0.005;
+  std::string text;
+  double flat = 0, trend = 0, lag = 0;
+  for (std::size_t i = 0; i < study.train.size(); ++i) {
+    flat = std::max(flat, flat_share(column(study.full[i], "y")));
+    if (study.imposed || !baseline.ran()) continue;
+    trend = std::max(trend, trend_share(baseline.fit.residual[i]));
+    lag = std::max(lag, lag_share(study, baseline, i));
+  }
+  if (flat > few_rows) text += "; the displacement is flat at its extremes, as of a clipped channel";
+  if (trend > much) text += "; what is left of the displacement is a slow trend, as of a drifting sensor";
+  if (lag > much) text += "; it follows the rate of the acceleration, as of a channel that lags";
+  return text;
+}
+
+}  // namespace lunid

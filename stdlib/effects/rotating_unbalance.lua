@@ -1,0 +1,21 @@
+return function(effect)
+  return effect {
+    name = "rotating_unbalance",
+    family = "input",
+    contribution = "-me*(shaft_speed^2*cos(shaft_angle + phi) + shaft_rate*sin(shaft_angle + phi))",
+    formula = "the force me*(w^2*cos(th) + dw/dt*sin(th)), th the angle of the shaft + phi, w its speed",
+    parameters = { { "me", min = 0, unit = "kg m" }, { "phi", unit = "rad" } },
+    guess = function()
+      local guesses = {}
+      for i = 1, 4 do guesses[i] = { phi = (i - 1) * math.pi / 2 } end
+      return guesses
+    end,
+    passive = false,
+    signature = "does not depend on the motion; once per turn, and grows with the square of the speed",
+    sentence = "something that turns is out of balance and shakes the mass",
+    note = "from a channel phase [rad] or speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
+    confusers = { "missing_harmonic", "base_motion" },
+    channels = { "shaft_angle" },
+    source = "Den Hartog 1956, Mechanical Vibrations, chapter 2",
+  }
+end

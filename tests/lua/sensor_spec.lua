@@ -1,0 +1,180 @@
+-- Faulty sensors and inputs found in records that this file makes itself, by Runge and Kutta's method at twelve times the
+-- rate, at two scales; physics that is called by its name beside them; models that measure.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local y, v, t = lunid.displacement, lunid.velocity, lunid.time
+local effects = lunid.effects
+
+-- ---- the truth ----
+
+local rows, finer, spacing = 1500, 12, 2 * math.pi / 32
+local scales = { small = { mass = 0.02, omega = 9000, length = 3e-6 }, large = { mass = 900, omega = 4, length = 0.2 } }
+
+--- Twelve lines from 0.2 to 2.1 times the natural frequency; phases by a rule, another one for each seed.
+local function force_at(tau, seed)
+  local sum = 0
+  for i = 1, 12 do sum = sum + math.cos((0.2 + 0.173 * (i - 1)) * tau + (seed * i * i) % 6.28) end
+  return 0.3 * sum
+end
+
+--- Displacement of x'' + 0.08 x' + x + k3 x^3 = u at the fine rate, without dimensions.
+local function motion(seed, k3)
+  local h, x, s, out, force = spacing / finer, 0, 0, {}, {}
+  local function a(tau, x, s) return force_at(tau, seed) - 0.08 * s - x - k3 * x ^ 3 end
+  for i = 0, rows * finer - 1 do
+    local tau = i * h
+    out[i + 1], force[i + 1] = x, force_at(tau, seed)
+    local a1, s2 = a(tau, x, s), s + h / 2 * a(tau, x, s)
+    local a2, s3 = a(tau + h / 2, x + h / 2 * s, s2), nil
+    s3 = s + h / 2 * a2
+    local a3 = a(tau + h / 2, x + h / 2 * s2, s3)
+    local s4 = s + h * a3
+    local a4 = a(tau + h, x + h * s3, s4)
+    x, s = x + h / 6 * (s + 2 * s2 + 2 * s3 + s4), s + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+  end
+  return out, force
+end
+
+--- What a sensor of the first order shows of a column at the fine rate.
+local function lagged(u, tau)
+  local x, e = { u[1] }, math.exp(-spacing / finer / tau)
+  for i = 2, #u do x[i] = e * x[i - 1] + (1 - e) * (u[i] + u[i - 1]) / 2 end
+  return x
+end
+
+local function record(seed, scale, fault, noise_db)
+  local displacement, force = motion(seed, fault.k3 or 0)
+  if fault.lag then displacement = lagged(displacement, fault.lag) end
+  local dt, ys, fs = spacing / scale.omega, {}, {}
+  for i = 1, rows do
+    local at = (i - 1) * finer + 1
+    local x = (fault.gain or 1) * displacement[at] + (fault.offset or 0) + (fault.trend or 0) * (i - 1) / rows
+    if fault.clip then x = math.max(-fault.clip, math.min(x, fault.clip)) end
+    ys[i], fs[i] = x * scale.length, force[at] * scale.mass * scale.omega ^ 2 * scale.length / (fault.force_gain or 1)
+  end
+  return lunid.record({ channels = { { "F", fs }, { "y", ys } }, dt = dt })
+    :with_noise { y = lunid.noise.gaussian { relative = 10 ^ (-noise_db / 20) }, seed = seed }
+end
+
+local tried = { "cubic_stiffness", "constant_force", "coulomb_friction", "one_sided_stop", "added_mass", "missing_harmonic",
+  "base_motion", "rotating_unbalance", "force_gain", "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain",
+  "clipping" }
+
+local function discover(scale_name, fault, noise_db, restoring)
+  local scale = scales[scale_name]
+  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+  return lunid.discover { model = lunid.model { mass = scale.mass, restoring = restoring or k*y + c*v },
+    train = record(1, scale, fault, noise_db), test = record(2, scale, fault, noise_db), catalogue = tried, max_effects = 2,
+    out = ("found_%s_%g"):format(scale_name, noise_db) }, scale
+end
+
+--- The one effect that is named, and the final value of a parameter within four of its deviations.
+local function expect(found, name, parameter, truth)
+  spec.equal(#found.effects, 1)
+  local effect = found.effects[1]
+  spec.equal(effect.name, name)
+  local row = effect.parameters[parameter]
+  spec.near(row.value, truth, 4 * row.std)
+  return effect
+end
+
+-- ---- faults are named, and the physics behind them ----
+
+spec.case("a lag of the displacement", function()
+  local found, scale = discover("small", { lag = 0.4 }, 40)
+  spec.equal(found.verdict, "explained")
+  local effect = expect(found, "sensor_lag", "tau", 0.4 / scale.omega)
+  spec.equal(effect.family, "sensor")
+  spec.equal(effect.is, "the sensor, not the physics")
+  spec.contains(found.sentence, "sensor_lag (the sensor, not the physics)")
+  local c = found.model.parameters.c
+  spec.near(c.value, 0.08 * scale.mass * scale.omega, 4 * c.std)
+  spec.contains(found.model:equation(), "y measured = sensor_lag_x")
+end)
+
+spec.case("a channel that clips", function()
+  local found, scale = discover("large", { clip = 1.5 }, 30)
+  spec.equal(found.verdict, "explained")
+  expect(found, "clipping", "level", 1.5 * scale.length)
+end)
+
+spec.case("a channel that drifts", function()
+  local found, scale = discover("large", { trend = 1, offset = 0.2 }, 40)
+  spec.equal(found.verdict, "explained")
+  expect(found, "sensor_drift", "d", scale.length * scale.omega / (rows * spacing))
+end)
+
+spec.case("what no record tells apart is said: a gain, and an offset under a linear spring", function()
+  local found = discover("small", { gain = 0.8 }, 30)
+  spec.equal(found.verdict, "ambiguous")
+  local names = { [found.effects[1].name] = true }
+  for _, other in ipairs(found.effects[1].indistinguishable) do names[other] = true end
+  assert(names.sensor_gain and names.force_gain and names.added_mass, found.sentence)
+  assert(found.effects[1].name ~= "added_mass", "physics comes before the sensor")
+  found = discover("large", { offset = 0.6 }, 40)
+  spec.equal(found.verdict, "ambiguous")
+  spec.equal(found.effects[1].name, "displacement_offset")
+  spec.equal(found.effects[1].indistinguishable[1], "constant_force")
+end)
+
+-- ---- physics is no sensor's fault, and nothing is nothing ----
+
+spec.case("a hardening spring is a hardening spring", function()
+  local found = discover("large", { k3 = 0.05 }, 30)
+  spec.equal(found.verdict, "explained")
+  local effect = expect(found, "cubic_stiffness", "k3", 0.05 * 900 * 16 / 0.04)
+  spec.equal(effect.is, "physics")
+end)
+
+spec.case("a sound record has no fault", function()
+  local found = discover("small", {}, 30)
+  spec.equal(found.verdict, "nothing-missing")
+  spec.equal(#found.effects, 0)
+end)
+
+-- ---- models that measure ----
+
+spec.case("a known fault stands in a model, is saved and loaded", function()
+  local k = lunid.parameter { "k", 400, unit = "N/m" }
+  local model = lunid.model { mass = 1, restoring = k*y + v, measures = effects.sensor_lag { tau = 0.02 },
+    acts = effects.force_gain { g = 1.1 } }
+  spec.equal(model:equation(), "1*a + k*y + v = force_gain_g*F\ndsensor_lag_x/dt = (y - sensor_lag_x)/sensor_lag_tau\n"
+    .. "y measured = sensor_lag_x")
+  local again = lunid.load(model:save(spec.folder .. "/measuring.lua"))
+  spec.equal(again:equation(), model:equation())
+  spec.equal(again.parameters.force_gain_g.value, 1.1)
+  spec.equal(tostring(again.measures.y), "sensor_lag_x")
+  spec.equal(again.acts.y, nil)
+  local turning = lunid.model { mass = 1, restoring = k*y + effects.rotating_unbalance { me = 0.1, phi = 0 },
+    acts = effects.sensor_lag { tau = 0.02, variant = 2 } }
+  spec.equal(lunid.load(turning:save(spec.folder .. "/turning.lua")):equation(), turning:equation())
+  spec.equal(table.concat(turning.inputs, " "), "F shaft_angle shaft_speed shaft_rate force_rate")
+end)
+
+spec.case("a fit compares with what the sensor shows, a run gives the true motion", function()
+  local k = lunid.parameter { "k", 380, min = 0 }
+  local truth = lunid.simulate { model = lunid.model { mass = 1, restoring = 400*y + v }, duration = 8, dt = 0.01,
+    excitation = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1) }
+  local shifted = {}
+  for i = 1, truth.rows do shifted[i] = truth:column "y"[i] + 0.01 end
+  local measured = lunid.record { channels = { { "F", truth:column "F" }, { "y", shifted } }, dt = 0.01 }
+  local b = lunid.parameter { "b", 0 }
+  local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = k*y + v, measures = { y = y + b } },
+    record = measured, interpolation = "cubic" }
+  spec.near(fit.model.parameters.k.value, 400, 0.1)
+  spec.near(fit.model.parameters.b.value, 0.01, 1e-6)
+end)
+
+spec.case("messages", function()
+  local function refused(text, fields)
+    fields.mass, fields.restoring = 1, y
+    spec.equal(spec.message_of(function() lunid.model(fields) end), text)
+  end
+  refused("model: measures: expected a table { channel = expression }, got the expression y", { measures = y })
+  refused("model: measures: expected a displacement or velocity of the model, got 'F'", { measures = { F = y } })
+  refused("model: acts: F: cannot hold the channel 'y' (it may hold F t force_rate)", { acts = { F = y + lunid.force } })
+end)
+
+spec.clean()
+spec.finish()

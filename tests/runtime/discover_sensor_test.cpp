@@ -1,0 +1,130 @@
+// Faulty sensors and inputs among the entries, on records of the independent generator; what is read off the data.
+#include "discover/sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover_catalogue.hpp"
+#include "truth/faults.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::record_of;
+
+/// A record of the generator with its further channel.
+Record record_with(const truth::FaultyColumns& made, const char* name) {
+  const Record record = record_of(made.columns, name);
+  if (made.extra_name.empty()) return record;
+  Channel extra;
+  extra.name = extra.source = made.extra_name;
+  extra.unit = made.extra_unit;
+  extra.values = Eigen::Map<const Eigen::VectorXd>(made.extra.data(), static_cast<Eigen::Index>(made.extra.size()));
+  return record.with(extra);
+}
+
+TEST(Shaft, AnglesFromSpeedsAndFromCountersThatWrap) {
+  const Eigen::Index rows = 400;
+  const double dt = 0.01;
+  Eigen::VectorXd angle(rows), speed(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double t = dt * static_cast<double>(i);
+    angle[i] = 20 * t + 3 * t * t;
+    speed[i] = 20 + 6 * t;
+  }
+  const auto with = [&](const char* name, const char* unit, Eigen::VectorXd values) {
+    Channel c;
+    c.name = c.source = name;
+    c.unit = unit;
+    c.values = std::move(values);
+    return with_shaft(Record("r", 0, dt, {c}));
+  };
+  Eigen::VectorXd wrapped = angle;
+  for (auto& x : wrapped) x = std::fmod(x, 2 * M_PI);
+  for (const Record& r :
+       {with("phase", "rad", wrapped), with("speed", "rad/s", speed), with("speed", "Hz", speed / (2 * M_PI))})
+    for (Eigen::Index i = 0; i < rows; i += 57) {
+      EXPECT_NEAR(r["shaft_angle"][static_cast<std::size_t>(i)], angle[i], 1e-6);
+      EXPECT_NEAR(r["shaft_speed"][static_cast<std::size_t>(i)], speed[i], 1e-6);
+      EXPECT_NEAR(r["shaft_rate"][static_cast<std::size_t>(i)], 6, 1e-4);
+    }
+}
+
+Effect sensor(Pool& pool, const std::string& name, const std::string& map, std::vector<Parameter> parameters) {
+  Effect effect = testing::entry(pool, name, map, std::move(parameters));
+  effect.family = "sensor";
+  effect.variants[0].measures = {{"y", effect.variants[0].force}};
+  effect.variants[0].force = {};
+  return effect;
+}
+
+/// One after another: the gain of a channel that is off already.
+TEST(Sensor, FaultsOfOneChannelAreComposed) {
+  Model model = baseline("k*y", 1);
+  Pool& pool = *model.pool;
+  const Effect offset = sensor(pool, "offset", "y + offset_b", {testing::row("offset_b")});
+  const Effect gain = sensor(pool, "gain", "gain_g*y", {testing::row("gain_g")});
+  add_variant(model, offset, 0);
+  add_variant(model, gain, 0);
+  EXPECT_EQ(model.equation(), "1*a + k*y = F\ny measured = gain_g*(y + offset_b)");
+  EXPECT_FALSE(is_physics(offset));
+  EXPECT_EQ(physics_in({{&offset, 0}, {&gain, 0}}), 0);
+}
+
+/// Under springs that know their zero an offset is one of the sensor; the physics behind it comes back.
+TEST(Sensor, AnOffsetIsNoPhysics) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::RecordOptions options;
+  options.rows = 1500;
+  options.noise_db = 30;
+  options.seed = 4;
+  const auto records = truth::make_faulty(truth::fault_named("offset_duffing"), scale, options);
+  const Model model = baseline(records.baseline, scale.mass);
+  auto catalogue = testing::small_catalogue(*model.pool);
+  catalogue.push_back(
+      sensor(*model.pool, "displacement_offset", "y + displacement_offset_b", {testing::row("displacement_offset_b")}));
+  catalogue.back().guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{{{"displacement_offset_b", 0.0}}};
+  };
+  Effect base = testing::entry(*model.pool, "base_motion", "base_motion_mb*ab", {testing::row("base_motion_mb")});
+  base.channels = {"ab"};
+  catalogue.push_back(base);
+  const Discovery d =
+      discover(model, catalogue, {record_with(records.train, "train")}, {record_with(records.test, "test")});
+  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "displacement_offset");
+  EXPECT_EQ(d.effects[0].family, "sensor");
+  const Parameter& b = d.effects[0].parameters.front();
+  EXPECT_NEAR(b.value, 0.5 * scale.length, 4 * b.std);
+  const Parameter& k = *d.final.find("k");
+  EXPECT_NEAR(k.value, scale.mass * scale.omega() * scale.omega(), 4 * k.std);
+  EXPECT_NE(d.sentence.find("(the sensor, not the physics)"), std::string::npos) << d.sentence;
+  EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
+  EXPECT_EQ(d.warnings.back(), "not tried: base_motion (no channel ab)");
+}
+
+/// The lines of a residual are found between the bins of its transform, the strongest first.
+TEST(Sensor, LinesThatStandOut) {
+  Study study;
+  Eigen::VectorXd x(1000);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double t = 0.01 * static_cast<double>(i);
+    x[i] = std::cos(17.3 * t) + 3 * std::sin(41.9 * t + 0.4);
+  }
+  Channel y;
+  y.name = "y";
+  y.values = x;
+  study.train.push_back({Record("r", 0, 0.01, {y}), {}, {}});
+  Candidate candidate;
+  candidate.fit.cost = 1;
+  candidate.fit.residual = {x};
+  const std::vector<double> lines = residual_lines(study, candidate);
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_NEAR(lines[0], 41.9, 0.02);  // a thirtieth of the 2 pi / T that part the lines of the transform
+  EXPECT_NEAR(lines[1], 17.3, 0.02);
+}
+
+}  // namespace
+}  // namespace lunid
