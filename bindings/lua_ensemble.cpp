@@ -364,7 +364,6 @@ int ensemble(lua_State* L) {
   Assembly assembly(L, check<Model>(L, 1));
   const Ranks& ranks = runtime(L).ranks();
   const ExternalWatch externals(*runtime(L).pool());
-  const auto begin = std::chrono::steady_clock::now();
   EnsembleOptions options = read_options(L, assembly.system);
   Sweep sweep;
   sweep.varied = assembly.varied;
@@ -410,7 +409,7 @@ int ensemble(lua_State* L) {
   share(ranks, mine, result);
   if (folder && ranks.rank() == 0)
     for (const std::string& path : partial_paths(base)) std::filesystem::remove(path);
-  sweep.notes = externals.notes(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  sweep.notes = externals.notes();
   push<Sweep>(L, std::move(sweep));
   return 1;
 }

@@ -1,5 +1,8 @@
 // Expressions: Lua's own operators and the functions of the language build the runtime's nodes.
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "expr/tape.hpp"
 #include "runtime.hpp"
@@ -128,6 +131,46 @@ Expr check_symbol(lua_State* L, int index) {
 int derive(lua_State* L) {
   const Value& value = check<Value>(L, 1);
   push<Value>(L, {derivative(value.expr, check_symbol(L, 2)), value.declared});
+  return 1;
+}
+
+/// What an expression is a product of, whole powers as such: y^2*v is {y, 2}, {v, 1}.
+void append_factors(Expr expr, std::vector<std::pair<Expr, double>>& factors) {
+  const auto arguments = expr.arguments();
+  if (expr.op() == Op::mul) {
+    for (const Expr& argument : arguments) append_factors(argument, factors);
+    return;
+  }
+  const bool power = expr.op() == Op::pow && arguments[1].is_constant() && arguments[1].value() >= 1 &&
+                     arguments[1].value() == std::floor(arguments[1].value());
+  factors.emplace_back(power ? arguments[0] : expr, power ? arguments[1].value() : 1);
+}
+
+/// product(a, b): a*b, with powers of one expression as one power: y*v times y^2 is y^3*v.
+int make_product(lua_State* L) {
+  const Value a = check_value(L, 1), b = check_value(L, 2);
+  std::vector<std::pair<Expr, double>> factors, more;
+  append_factors(a.expr, factors);
+  append_factors(b.expr, more);
+  bool merged = false;
+  for (const auto& [base, power] : more) {
+    const auto same = std::find_if(factors.begin(), factors.end(), [&](const auto& f) { return f.first == base; });
+    if (same != factors.end() && !base.is_constant()) {
+      same->second += power;
+      merged = true;
+    } else {
+      factors.emplace_back(base, power);
+    }
+  }
+  Expr product = a.expr * b.expr;
+  if (merged) {
+    product = {};
+    for (const auto& [base, power] : factors) {
+      const Expr factor = power == 1 ? base : pow(base, power);
+      product = product.valid() ? product * factor : factor;
+    }
+  }
+  push<Value>(L, {product, join(a.declared, b.declared)});
   return 1;
 }
 
@@ -310,6 +353,7 @@ void open_expressions(lua_State* L) {
       {"state", guarded<make_state>},        {"state_symbol", guarded<make_state_symbol>},
       {"parse", guarded<parse_text>},        {"substitute", guarded<substitute_symbols>},
       {"number_text", guarded<number_text>}, {"is_expression", guarded<is_expression>},
+      {"product", guarded<make_product>},
   };
   set_functions(L, functions);
   open_functions(L);

@@ -77,11 +77,10 @@ int fit(lua_State* L) {
       throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess; give it one");
   const std::vector<double> start = model.values();
   const ExternalWatch externals(*model.pool);
-  const auto begin = std::chrono::steady_clock::now();
   fit.result = fit_progressively(
       *fit.system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), fit.data,
       fit.options);
-  fit.notes = externals.notes(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  fit.notes = externals.notes();
   push<TrajectoryFit>(L, std::move(fit));
   return 1;
 }

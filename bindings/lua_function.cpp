@@ -50,7 +50,7 @@ class LuaFunction final : public ExternalFunction {
   std::string words() const override { return "Lua function '" + name() + "'"; }
   bool thread_safe() const override { return false; }
   bool has_gradient() const override { return gradient_ != LUA_NOREF; }
-  Cost cost() const override { return cost_; }
+  long calls() const override { return calls_; }
 
  protected:
   double value(const double* x) const override {
@@ -84,14 +84,12 @@ class LuaFunction final : public ExternalFunction {
       throw located("was called by another thread than that of the study, which alone may run Lua", words(), place_);
     Runtime& owner = runtime(L_);
     if (owner.cancelled()) throw InputError("interrupted", {}, Fault::interrupted);
-    const auto start = std::chrono::steady_clock::now();
     const Stack stack(L_);
     if (!lua_checkstack(L_, arity() + 4)) throw located("too many calls inside one another", words(), place_);
     lua_rawgeti(L_, LUA_REGISTRYINDEX, reference);
     for (int i = 0; i < arity(); ++i) lua_pushnumber(L_, x[i]);
     const int status = lua_pcall(L_, arity(), LUA_MULTRET, 0);
-    ++cost_.calls;
-    cost_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ++calls_;
     if (status != LUA_OK) {
       if (owner.cancelled()) throw InputError("interrupted", {}, Fault::interrupted);
       throw located(lua_type(L_, -1) == LUA_TSTRING ? lua_tostring(L_, -1) : describe(L_, -1), words(), place_);
@@ -112,7 +110,7 @@ class LuaFunction final : public ExternalFunction {
   std::thread::id thread_;
   int value_ = LUA_NOREF, gradient_ = LUA_NOREF;
   std::vector<double> scales_;
-  mutable Cost cost_;  // changed by its one thread
+  mutable long calls_ = 0;  // changed by its one thread
 };
 
 /// Number of arguments that the Lua function on top of the stack names; throws for `...`.

@@ -24,7 +24,7 @@ void number_or_name(lua_State* L, int index, const char* field, std::optional<do
 
 }  // namespace
 
-ReadOptions read_options(lua_State* L, int index) {
+ReadOptions file_options(lua_State* L, int index) {
   ReadOptions options;
   options.resample = boolean_field(L, index, "resample", false);
   for (const std::string& column : strings_field(L, index, "columns")) {
@@ -44,7 +44,7 @@ namespace {
 int read(lua_State* L) {
   const std::string path = check_string(L, 1);
   check_table(L, 2);
-  Record record = read_record(path, read_options(L, 2));
+  Record record = read_record(path, file_options(L, 2));
   runtime(L).note_input(path);
   push<Record>(L, std::move(record));
   return 1;

@@ -5,6 +5,7 @@
 
 #include "runtime.hpp"
 #include "simulate/fit.hpp"
+#include "simulate/regularise.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -74,9 +75,18 @@ Excitations of_expressions(lua_State* L, int index, const System& system, double
 
 constexpr double giga = 1e9;
 
-/// simulate(model, {record=, signals=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=})
-/// `record` (its channels drive) or `signals` ({channel = expression of t}). Without x0 the run starts at the record's
-/// motion.
+/// "regularised over 0.001, as asked: sign(v), abs(v)"
+std::string regularised_note(const Regularised& smooth, double width) {
+  std::string branches;
+  for (const std::string& branch : smooth.replaced) branches += (branches.empty() ? "" : ", ") + branch;
+  char text[64];
+  std::snprintf(text, sizeof text, "regularised over %g, as asked: ", width);
+  return text + (branches.empty() ? "there was no branch" : branches);
+}
+
+/// simulate(model, {record=, signals=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=,
+/// regularise=}) `record` (its channels drive) or `signals` ({channel = expression of t}). Without x0 the run starts at
+/// the record's motion.
 int run(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   check_table(L, 2);
@@ -93,7 +103,9 @@ int run(lua_State* L) {
     throw InputError("simulate: sensitivities: not of a run that stop_when ends, whose end would move with them");
   options.cancelled = &runtime(L).cancelled();
 
-  const System system(model);
+  const auto width = number_field(L, 2, "regularise");
+  const Regularised smooth = width ? regularised(model, *width) : Regularised{model, {}};
+  const System system(smooth.model);
   Excitations excitation;
   std::optional<Record> record;
   with_field(L, 2, "record", [&] {
@@ -125,6 +137,7 @@ int run(lua_State* L) {
   } else {
     result.run = simulate(system, system.model().values(), excitation, x0, options);
   }
+  if (width) result.run.summary.notes.push_back(regularised_note(smooth, *width));
   excitation = excitation.ordered(system);
   for (int k = 0; k < excitation.count(); ++k) {
     const std::string& name = excitation.channel(k);

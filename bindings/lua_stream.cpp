@@ -51,7 +51,7 @@ int open(lua_State* L) {
   check_table(L, 2);
   Runtime& host = runtime(L);
   StreamOptions options;
-  options.read = read_options(L, 2);
+  options.read = file_options(L, 2);
   with_field(L, 2, "derivative", [&] { options.derivative = derivative_method(L, lua_gettop(L)); });
   options.smooth = boolean_field(L, 2, "smooth", false);
   options.progress = [&](double fraction) {

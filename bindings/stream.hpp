@@ -16,7 +16,7 @@ struct Bound<Stream> {
 /// The list of records and streams at `index`.
 std::vector<Stream> check_streams(lua_State* L, int index);
 /// {columns =, resample =, rate =, interval =} (lua_record.cpp)
-ReadOptions read_options(lua_State* L, int index);
+ReadOptions file_options(lua_State* L, int index);
 /// The list of channels, each also under its name (lua_record.cpp).
 void push_channels(lua_State* L, const std::vector<Channel>& channels);
 /// {kind =, ...} as lunid.derivative.<kind> gives it (lua_derivative.cpp).

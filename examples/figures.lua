@@ -84,7 +84,7 @@ add("map_before_after", figure.residual_map { found, title = "residual_map of a 
 add("relief", figure.relief { x = places, y = places, z = ripple, title = "relief" })
 add("map", figure.map { x = places, y = places, z = ripple, contours = true, title = "map" })
 
-figure.grid { sheet, columns = 6, width = 84, dpi = 200 }:save "contact_sheet.png"
+figure.grid { sheet, columns = 6, width = 84, dpi = 110 }:save "contact_sheet.png"
 figure.page { sheet, title = "Every kind of figure" }:save "figures.html"
 sheet[1]:save "history.svg"
 sheet[8]:save "surface.pdf"

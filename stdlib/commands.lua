@@ -162,8 +162,13 @@ commands["thesis"] = function(options)
   local thesis = require "lunid.thesis"
   local words = options.cases or { "list" }
   if words[1] == "list" then return thesis.list() end
-  local files = with_output("thesis", options, function() thesis.run(options) end)
+  local failed
+  local files = with_output("thesis", options, function() failed = thesis.run(options) end)
   print(("%-11s%s"):format("wrote", output.summary(options.out or "lunid-out", files)))
+  if #failed > 0 then
+    io.stderr:write(("thesis: failed: %s\n"):format(table.concat(failed, ", ")))
+    return 1
+  end
 end
 
 commands["check"] = function(options) return require("lunid.check").study(options.study) end

@@ -19,7 +19,7 @@ local function product(a, b)
   local function build(range)
     local list = {}
     for _, first in ipairs(entries(a, range)) do
-      for _, second in ipairs(entries(b, range)) do list[#list + 1] = first * second end
+      for _, second in ipairs(entries(b, range)) do list[#list + 1] = core.product(first, second) end
     end
     return list
   end
@@ -156,11 +156,21 @@ local function polynomial(coefficients, x)
   return sum
 end
 
+--- Normalised variables of all sets so far, each once: they are numbers without a unit.
+features.numbers = {}
+local known_numbers = {}
+
 --- (x - middle) / half, which runs over -1 .. 1 in the range.
 local function normalised(variable, low, high)
   local middle, half = (low + high) / 2, (high - low) / 2
   local moved = middle == 0 and variable or variable - middle
-  return moved / half
+  local number = moved / half
+  local key = tostring(number)
+  if half ~= 1 and not known_numbers[key] then
+    known_numbers[key] = true
+    features.numbers[#features.numbers + 1] = number
+  end
+  return number
 end
 
 local range_type = types.list(types.list(types.number(), 2), 1)

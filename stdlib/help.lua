@@ -15,7 +15,7 @@ local command_words = {
   { "thesis", "[list|CASE ...|all] [--quick] [--seed N] [--out DIR]", "make the thesis again, with the published numbers beside" },
   { "check", "STUDY.lua", "look through a study without running it" },
   { "repl", "", "type expressions and see their values" },
-  { "list", "[effects|features|solvers|excitations|systems]", "what there is" },
+  { "list", "[effects|features|solvers|excitations|systems|cases]", "what there is" },
   { "help", "TOPIC", "explain a constructor, a group of them (systems) or an effect" },
   { "doctor", "", "say what is installed and whether figures work here" },
 }
@@ -181,6 +181,7 @@ end
 
 function lists.excitations() list_group "excitation" end
 function lists.systems() list_group "systems" end
+function lists.cases() require("lunid.thesis").list() end
 
 function lists.solvers()
   print "of a regression"
@@ -194,7 +195,7 @@ end
 
 function help.list(topic)
   require "lunid"
-  local topics = { "effects", "features", "solvers", "excitations", "systems" }
+  local topics = { "effects", "features", "solvers", "excitations", "systems", "cases" }
   if not topic then
     for _, name in ipairs(topics) do
       print(name:upper())
@@ -205,7 +206,7 @@ function help.list(topic)
   end
   if not lists[topic] then
     local near = core.nearest(topic, topics)
-    core.raise(("list: expected effects, features, solvers, excitations or systems, got '%s'%s"):format(topic,
+    core.raise(("list: expected effects, features, solvers, excitations, systems or cases, got '%s'%s"):format(topic,
       near and (", did you mean '%s'?"):format(near) or ""), "usage")
   end
   lists[topic]()

@@ -19,12 +19,13 @@ function output.begin(out, rank)
   current = { out = (out:gsub("/+$", "")), partial = partial, silent = rank > 0, folder = "" }
 end
 
---- Does `work` with its files in a folder below the out directory.
+--- Does `work` with its files in a folder below the out directory: true, or false and its error.
 function output.within(folder, work)
   local before = current.folder
   current.folder = before .. folder .. "/"
-  work()
+  local good, message = pcall(work)
   current.folder = before
+  return good, message
 end
 
 local function is_relative(path) return path:sub(1, 1) ~= "/" end

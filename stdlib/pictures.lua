@@ -214,12 +214,27 @@ local function add_named_force(list, found)
       first_training(found).record) }
 end
 
+-- ---- how it was found ----
+
+local function add_steps(list, found)
+  local kinds = require("lunid.figures.all").public.figure
+  if #found.effects > 0 then
+    list[#list + 1] = { name = "gaps", figure = kinds.gaps(found),
+      caption = "The gap of free runs after each named effect, on the training and the test record, and what noise alone leaves." }
+  end
+  if #found.data.rivals > 0 then
+    list[#list + 1] = { name = "rivals", figure = kinds.rivals(found),
+      caption = "The gap of each effect that was fitted on the trajectory, on the training record, and that of the baseline." }
+  end
+end
+
 --- Name, caption and figure of each picture, in the report's order.
 function pictures.of(found)
   local list = {}
   add_histories(list, found)
   add_map(list, found)
   add_named_force(list, found)
+  add_steps(list, found)
   return list
 end
 

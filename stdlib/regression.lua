@@ -124,6 +124,7 @@ public.regress = schema.define({
   given.features, given.places, given.notes = features.flat(given.features, range_over(list), core.place())
   given.constraints, given.groups, given.passive = sorted(given.constraints)
   check_objective(given.objective)
+  given.numbers = features.numbers
   return core.regress(list, given)
 end)
 

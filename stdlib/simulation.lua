@@ -66,6 +66,8 @@ local simulate = schema.define({
     { "sensitivities", types.boolean, default = false, help = "exact ones of every state to every parameter and first "
       .. "state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams" },
     { "max_memory", types.number { above = 0 }, default = 8, unit = "GB", help = "a run that needs more is refused" },
+    { "regularise", types.number { above = 0 }, help = "smooth the branches over so much, in the unit of what switches: "
+      .. "sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located" },
     { "stop_when", types.expression, help = "the run ends where this rises above 0, such as lunid.displacement - 0.1" },
   },
   returns = "run",

@@ -59,17 +59,26 @@ local function run_case(name, options)
   require("lunid.strict").load_file(path)()
 end
 
---- Runs the cases that are asked for; several have a folder each, and one report together.
+--- Runs the cases that are asked for; several have a folder each, and one report together. Of several, one that fails does not
+--- end the others: gives the names of those that failed.
 function thesis.run(options)
-  local chosen = asked(options.cases)
-  local began = os.time()
+  local chosen, failed, began = asked(options.cases), {}, os.time()
   for i, name in ipairs(chosen) do
-    if #chosen == 1 then return run_case(name, options) end
-    output.within(name, function() run_case(name, options) end)
+    if #chosen == 1 then
+      run_case(name, options)
+      return failed
+    end
+    local good, message = output.within(name, function() run_case(name, options) end)
+    if not good then
+      if tostring(message):match "interrupted" then error(message, 0) end
+      io.stderr:write(("%s failed: %s\n"):format(name, message))
+      failed[#failed + 1] = name
+    end
     io.stderr:write(("%d of %d cases, %d s\n"):format(i, #chosen, os.time() - began))
   end
   output.write("report.html", study_report.page("The thesis, made again" .. (options.quick and " (quick)" or ""),
     study_report.saved))
+  return failed
 end
 
 return thesis

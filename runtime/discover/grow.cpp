@@ -106,7 +106,7 @@ class Grower {
   struct Offer {
     const Candidate* parent;
     const Proposer::Parent* space;
-    Proposal proposal;
+    Standing standing;
   };
 
   std::vector<Candidate> add_one(const std::vector<Candidate>& parents, int size) {
@@ -120,7 +120,7 @@ class Grower {
       for (const auto& shape : shapes_) {
         if (holds(parents[k].choices, shape.choice.effect)) continue;
         offers.push_back({&parents[k], &spaces[k], {}});
-        offers.back().proposal.shape = &shape;
+        offers.back().standing.shape = &shape;
         out_.tried += static_cast<int>(shape.guesses.size());
       }
     const auto each = [&](const std::vector<std::size_t>& list, const std::function<void(Offer&)>& job) {
@@ -129,19 +129,19 @@ class Grower {
     };
     std::vector<std::size_t> order(offers.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    each(order, [&](Offer& o) { o.proposal = proposer_.score(*o.proposal.shape, *o.space); });
+    each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
     if (size == 1) leave_aside(offers);
     std::erase_if(order,
-                  [&](std::size_t i) { return !offers[i].proposal.shown || !std::isfinite(offers[i].proposal.cost); });
+                  [&](std::size_t i) { return !offers[i].standing.shown || !std::isfinite(offers[i].standing.cost); });
     const auto by_cost = [&](std::size_t a, std::size_t b) {
-      return offers[a].proposal.cost < offers[b].proposal.cost;
+      return offers[a].standing.cost < offers[b].standing.cost;
     };
     std::stable_sort(order.begin(), order.end(), by_cost);
     std::vector<std::size_t> leaders;
     for (const auto i : order)
-      if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].proposal.shape))
+      if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].standing.shape))
         leaders.push_back(i);
-    each(leaders, [&](Offer& o) { proposer_.refine(o.proposal, *o.space, 4); });
+    each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
     return fit_list(offers, shortlist(offers, order, size), parents, size);
   }
@@ -153,9 +153,9 @@ class Grower {
 
   void leave_aside(const std::vector<Offer>& offers) {
     for (const auto& o : offers) {
-      const std::string& name = o.proposal.shape->choice.effect->name;
+      const std::string& name = o.standing.shape->choice.effect->name;
       const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
-        return x.proposal.shown && x.proposal.shape->choice.effect == o.proposal.shape->choice.effect;
+        return x.standing.shown && x.standing.shape->choice.effect == o.standing.shape->choice.effect;
       });
       if (!other && (out_.left_aside.empty() || out_.left_aside.back() != name)) out_.left_aside.push_back(name);
     }
@@ -172,11 +172,11 @@ class Grower {
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
       const Offer& o = offers[order[rank]];
       Choices set = o.parent->choices;
-      set.push_back(o.proposal.shape->choice);
+      set.push_back(o.standing.shape->choice);
       const bool again = std::any_of(seen.begin(), seen.end(), [&](const Choices& c) { return same(c, set); });
       if (again) continue;
-      const auto parameters = std::min<std::size_t>(4, o.proposal.own.size());
-      const bool gains = o.proposal.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
+      const auto parameters = std::min<std::size_t>(4, o.standing.own.size());
+      const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
       if (!first && !(size == 1 && gains && count[parameters] < per_size)) continue;
       ++count[parameters];
@@ -225,12 +225,12 @@ class Grower {
     for (const auto i : list) {
       const Offer& o = offers[i];
       Choices set = o.parent->choices;
-      set.push_back(o.proposal.shape->choice);
+      set.push_back(o.standing.shape->choice);
       Candidate c = compile(study_, model_, set);
-      Eigen::VectorXd start(o.proposal.parent.size() + o.proposal.own.size());
-      start << o.proposal.parent, o.proposal.own;
+      Eigen::VectorXd start(o.standing.parent.size() + o.standing.own.size());
+      start << o.standing.parent, o.standing.own;
       c.starts.push_back(std::move(start));
-      c.force_cost = o.proposal.cost;
+      c.force_cost = o.standing.cost;
       level.push_back(std::move(c));
       parent_of.push_back(o.parent);
     }
@@ -266,7 +266,10 @@ class Grower {
 
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end_fit(Candidate& c) const {
-    if (c.ran()) c.fit = fit_near(study_, c, c.fit.theta, 12, coarse_substeps());
+    if (c.ran()) {
+      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps());
+      if (further.cost < c.fit.cost) c.fit = std::move(further);  // its first states begin anew: it may end elsewhere
+    }
     const double promised = std::sqrt(c.force_cost / static_cast<double>(proposer_.rows()));
     if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
     FitOptions options;

@@ -41,6 +41,18 @@ std::vector<FitData> without_part(const Study& study, int part, int parts) {
 /// model that lacks something has no noise to whiten: it is shown at its least error.
 constexpr double tolerable_loss = 1.05;
 
+/// What a fit's residual would cost behind a whitening. A fit that starts again from its parameters has to find its
+/// first states anew; where those are internal ones it may end in another, worse place.
+double whitened_cost(const FitResult& fit, const Whitening& whitening) {
+  double cost = 0;
+  Eigen::VectorXd part;
+  for (const auto& residual : fit.residual) {
+    whiten(residual, {}, whitening, part);
+    cost += part.squaredNorm();
+  }
+  return cost;
+}
+
 }  // namespace
 
 int part_of(Eigen::Index row, Eigen::Index rows, int parts) {
@@ -89,7 +101,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.whitening = whitening;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
-  if (!std::isfinite(whitened.cost)) whitened = candidate.fit;
+  if (!(whitened.cost <= tolerable_loss * whitened_cost(candidate.fit, whitening))) whitened = candidate.fit;
   std::vector<Eigen::VectorXd> parts;
   for (std::size_t r = 0; r < whitened.residual.size(); ++r) {
     Eigen::VectorXd part;
@@ -108,7 +120,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.whitening = {};
   options.substeps = candidate.whitened.substeps;
   FitResult plain = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
-  if (std::isfinite(plain.cost)) candidate.fit = std::move(plain);
+  if (plain.cost <= tolerable_loss * squared_error(candidate.fit)) candidate.fit = std::move(plain);
 }
 
 void run_left_out(const Study& study, Candidate& candidate) {

@@ -264,8 +264,8 @@ Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::Vecto
   return out;
 }
 
-Proposal Proposer::score(const Shape& shape, const Parent& parent) const {
-  Proposal best;
+Standing Proposer::score(const Shape& shape, const Parent& parent) const {
+  Standing best;
   best.shape = &shape;
   best.cost = INFINITY;
   const auto linear = linear_ones(shape);
@@ -300,9 +300,9 @@ Proposal Proposer::score(const Shape& shape, const Parent& parent) const {
   return best;
 }
 
-void Proposer::refine(Proposal& proposal, const Parent& parent, int iterations) const {
-  proposal.refined = true;
-  const System& system = *proposal.shape->system;
+void Proposer::refine(Standing& standing, const Parent& parent, int iterations) const {
+  standing.refined = true;
+  const System& system = *standing.shape->system;
   const auto& table = system.model().parameters;
   const auto own = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return x - parent.basis * (parent.basis.transpose() * x);
@@ -324,7 +324,7 @@ void Proposer::refine(Proposal& proposal, const Parent& parent, int iterations) 
     state.cost = state.error.squaredNorm();
     return std::isfinite(state.cost);
   };
-  if (!reach(proposal.own, now)) return;
+  if (!reach(standing.own, now)) return;
   double lambda = 1e-3;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     Eigen::MatrixXd a = now.slopes.transpose() * now.slopes;
@@ -340,9 +340,9 @@ void Proposer::refine(Proposal& proposal, const Parent& parent, int iterations) 
       lambda = 10 * lambda + 1e-2;
     }
   }
-  proposal.cost = now.cost;
-  proposal.own = now.theta;
-  proposal.parent = parent.theta - parent.back * (parent.basis.transpose() * now.force);
+  standing.cost = now.cost;
+  standing.own = now.theta;
+  standing.parent = parent.theta - parent.back * (parent.basis.transpose() * now.force);
 }
 
 }  // namespace lunid

@@ -19,7 +19,7 @@ struct Shape {
 };
 
 /// Where an entry beside a parent stands on the force.
-struct Proposal {
+struct Standing {
   const Shape* shape = nullptr;
   Eigen::VectorXd own, parent;  ///< parameters of the entry, and those of the parent moved along
   double cost = 0;              ///< weighted squared misfit, as a displacement [m^2] ([N^2] with imposed motion)
@@ -50,9 +50,9 @@ class Proposer {
   Parent parent(const Candidate& candidate, const Eigen::VectorXd& theta) const;
 
   /// The best guess, its linear parameters solved for.
-  Proposal score(const Shape& shape, const Parent& parent) const;
+  Standing score(const Shape& shape, const Parent& parent) const;
   /// Gauss-Newton on all its parameters from there.
-  void refine(Proposal& proposal, const Parent& parent, int iterations) const;
+  void refine(Standing& standing, const Parent& parent, int iterations) const;
 
   Eigen::Index rows() const { return rows_; }
 

@@ -113,7 +113,7 @@ std::vector<std::shared_ptr<const ExternalFunction>> external_functions(std::spa
 ExternalWatch::ExternalWatch(const Pool& pool) {
   for (const auto& function : pool.functions()) {
     function->forget();
-    rows_.push_back({function, function->cost(), function->differences()});
+    rows_.push_back({function, function->calls(), function->differences()});
   }
 }
 
@@ -121,22 +121,17 @@ void ExternalWatch::rethrow() const {
   for (const Row& row : rows_) row.function->rethrow();
 }
 
-std::vector<std::string> ExternalWatch::notes(double seconds) const {
+std::vector<std::string> ExternalWatch::notes() const {
   std::vector<std::string> notes;
   for (const Row& row : rows_) {
-    const auto cost = row.function->cost();
-    const long calls = cost.calls - row.cost.calls, differences = row.function->differences() - row.differences;
+    const long calls = row.function->calls() - row.calls;
+    const long differences = row.function->differences() - row.differences;
     if (calls == 0 && differences == 0) continue;
     std::string text = row.function->words() + ": ";
-    if (calls > 0) {
-      const double spent = cost.seconds - row.cost.seconds;
-      char share[96];
-      std::snprintf(share, sizeof share, "%ld %s, %.0f %% of the time", calls, calls == 1 ? "call" : "calls",
-                    seconds > 0 ? std::min(100.0, 100 * spent / seconds) : 0.0);
-      text += share;
-      text += row.function->thread_safe() ? "" : ", all on one thread";
-      text += "; an expression of the language would be faster";
-    }
+    if (calls > 0)
+      text += std::to_string(calls) + (calls == 1 ? " call" : " calls") +
+              (row.function->thread_safe() ? "" : ", all on one thread") +
+              "; an expression of the language would be faster";
     if (differences > 0)
       text += std::string(calls > 0 ? "; " : "") + std::to_string(differences) +
               " derivatives by central differences, for want of a gradient";

@@ -38,12 +38,6 @@ class ExternalPart {
 /// A function of 1 to 4 numbers. Immutable but for its record of calls and errors; shared between threads.
 class ExternalFunction {
  public:
-  /// What its calls took so far.
-  struct Cost {
-    long calls = 0;      ///< of the value or the gradient
-    double seconds = 0;  ///< spent in them
-  };
-
   /// Throws InputError when the arity is not 1 to 4 or the name no identifier.
   ExternalFunction(std::string name, int arity);
   virtual ~ExternalFunction() = default;
@@ -58,8 +52,8 @@ class ExternalFunction {
   virtual bool thread_safe() const { return true; }
   /// False: derivatives are central differences of the value.
   virtual bool has_gradient() const { return false; }
-  /// What calls cost, where that is worth a warning; else nothing.
-  virtual Cost cost() const { return {}; }
+  /// Calls of the value or the gradient so far, where they cost so much that it is worth a warning; else 0.
+  virtual long calls() const { return 0; }
   long differences() const { return differences_; }  ///< derivatives that were taken by differences
 
   /// The part at x[0 .. arity()). NaN where an argument is not finite or an error was raised, now or before. The
@@ -116,14 +110,13 @@ class ExternalWatch {
   explicit ExternalWatch(const Pool& pool);
   /// Rethrows the error of a function that failed.
   void rethrow() const;
-  /// A sentence on each function that cost time or was derived by differences, of work that took `seconds`.
-  std::vector<std::string> notes(double seconds) const;
+  /// A sentence on each function whose calls were costly or that was derived by differences.
+  std::vector<std::string> notes() const;
 
  private:
   struct Row {
     std::shared_ptr<const ExternalFunction> function;
-    ExternalFunction::Cost cost;
-    long differences;
+    long calls, differences;
   };
   std::vector<Row> rows_;
 };

@@ -115,6 +115,7 @@ LUNID_INLINE void run(std::size_t count, const Instruction& at, double* dst, con
     case Code::less: LUNID_ROWS(greater(b[i], a[i]));
     case Code::greater_equal: LUNID_ROWS(greater_equal(a[i], b[i]));
     case Code::less_equal: LUNID_ROWS(greater_equal(b[i], a[i]));
+    case Code::choose: LUNID_ROWS(a[i] > 0 ? b[i] : c[i]);
     case Code::select:
     case Code::where: LUNID_ROWS(where(a[i], b[i], c[i]));
     default: return;

@@ -22,8 +22,27 @@ void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
     std::fill_n(place[layout.inputs + i], lanes, layout.constants[i]);
 }
 
+namespace {
+
+/// Constants and temporaries stand as Machine::row_values takes them.
+bool in_rows(const Program& program, double* const* place) {
+  const Layout& layout = program.layout;
+  const auto in_row = [&](std::uint32_t r) {
+    return place[r] == place[layout.inputs] + static_cast<std::size_t>(Machine::lane_row) * (r - layout.inputs);
+  };
+  for (std::uint32_t r = layout.inputs; r < layout.outputs; ++r)
+    if (!in_row(r)) return false;
+  for (std::uint32_t r = layout.temporaries; r < program.values.registers; ++r)
+    if (!in_row(r)) return false;
+  return true;
+}
+
+}  // namespace
+
 void Tape::run_lanes(double* const* place, int lanes) const noexcept {
-  if (const auto code = program_->machine().lane_values)
+  if (const auto rows = program_->machine().row_values; rows && in_rows(*program_, place))
+    rows(place, static_cast<std::size_t>(lanes));
+  else if (const auto code = program_->machine().lane_values)
     code(place, static_cast<std::size_t>(lanes));
   else
     execute(static_cast<std::size_t>(lanes), program_->values.instructions.data(), place, program_->externals.data());
@@ -37,6 +56,8 @@ void Tape::run_lanes_without_copies(double* const* place, int lanes) const noexc
     execute(static_cast<std::size_t>(lanes), program_->computed.instructions.data(), place, program_->externals.data());
   for (const auto& [result, value] : program_->layout.constant_results) std::fill_n(place[result], lanes, value);
 }
+
+bool Tape::lanes_compiled() const { return program_->machine().lane_computed != nullptr; }
 
 int Tape::copy_of(int output) const {
   const auto is_copy = [&](const Instruction& at) {

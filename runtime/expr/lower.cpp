@@ -200,6 +200,7 @@ int operand_count(const Value& value) {
     case Code::mul_sub:
     case Code::sub_mul:
     case Code::select:
+    case Code::choose:
     case Code::where: return 3;
     case Code::mul_add_mul:
     case Code::mul_sub_mul:

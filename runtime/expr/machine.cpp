@@ -17,7 +17,8 @@ constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t sign_bit = 0x8000000000000000;
 
 /// The bytes of instructions (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2). `packed`: on
-/// four numbers at once, else on one.
+/// eight numbers, four in a vector register and four in the register eight places on: while one waits for a result the
+/// other goes on. Else on one number.
 class Bytes {
  public:
   std::vector<std::uint8_t> all;
@@ -50,14 +51,33 @@ class Bytes {
   };
   /// to = a <operation> b, all three vector registers.
   void arithmetic(Operation operation, int to, int a, int b) {
-    prefix(operation, to, operation == root && packed ? 0 : a, b);
-    put({0xC0 | (to & 7) << 3 | (b & 7)});
+    each([&](int other) {
+      prefix(operation, to + other, operation == root && packed ? 0 : a + other, b + other);
+      put({0xC0 | (to & 7) << 3 | (b & 7)});
+    });
+  }
+  /// The same with the second operand at [r8 + rcx + offset].
+  void arithmetic_of_row(Operation operation, int to, int a, std::uint32_t offset) {
+    each([&](int other) { row(operation, to + other, a + other, offset, other); });
+  }
+  /// Between a vector register and [r8 + rcx + offset].
+  void move_row(Operation operation, int vector, std::uint32_t offset) {
+    each([&](int other) { row(operation, vector + other, 0, offset, other); });
+  }
+  /// to = b where the sign of `mask` is set, else a; four at once.
+  void blend(int to, int a, int b, int mask) {
+    each([&](int other) {
+      put({0xC4, (to + other < 8 ? 0x80 : 0) | 0x40 | (b + other < 8 ? 0x20 : 0) | 3, (~(a + other) & 15) << 3 | 4 | 1,
+           0x4B, 0xC0 | (to & 7) << 3 | (b & 7), (mask + other) << 4});
+    });
   }
   /// to = -a, by the mask at the front of the bytes.
   void negative(int to, int a) {
-    prefix(flip, to, a, 0);
-    put({(to & 7) << 3 | 5});
-    put32(static_cast<std::uint32_t>(-static_cast<std::int64_t>(all.size() + 4)));
+    each([&](int other) {
+      prefix(flip, to + other, a + other, 0);
+      put({(to & 7) << 3 | 5});
+      put32(static_cast<std::uint32_t>(-static_cast<std::int64_t>(all.size() + 4)));
+    });
   }
   void copy(int to, int from) {
     prefix(duplicate, to, 0, from);
@@ -73,11 +93,26 @@ class Bytes {
   void move_lanes(Operation operation, int vector, std::uint32_t entry) {
     put({0x48, 0x8B, 0x87});
     put32(8 * entry);
-    prefix(operation, vector, 0, 0);
-    put({(vector & 7) << 3 | 4, 0x08});
+    each([&](int other) {
+      prefix(operation, vector + other, 0, 0);
+      put({0x40 | (vector & 7) << 3 | 4, 0x08, 4 * other});
+    });
   }
+  /// Vector registers that hold values of their own.
+  int registers() const { return packed ? 8 : 16; }
 
  private:
+  /// Emits for the four numbers of a register, then for the other four.
+  template <class Emit>
+  void each(Emit emit) {
+    emit(0);
+    if (packed) emit(8);
+  }
+  void row(Operation operation, int to, int a, std::uint32_t offset, int other) {
+    prefix(operation, to, a, 8);  // of the extended registers
+    put({0x80 | (to & 7) << 3 | 4, 0x08});
+    put32(offset + static_cast<std::uint32_t>(4 * other));
+  }
   void prefix(Operation operation, int to, int a, int b) {
     const bool whole = packed || operation == flip || operation == duplicate;  // these know whole registers only
     put({0xC4, (to < 8 ? 0x80 : 0) | 0x40 | (b < 8 ? 0x20 : 0) | 1, (~a & 15) << 3 | (packed ? 4 : 0) | (whole ? 1 : 3),
@@ -85,11 +120,16 @@ class Bytes {
   }
 };
 
-/// Translates instructions, keeping values in the sixteen vector registers for as long as they are read.
+/// Translates instructions, keeping values in the vector registers for as long as they are read.
 class Translator {
  public:
-  Translator(const Program& program, const Assembly& assembly, Bytes& bytes)
-      : layout_(program.layout), code_(assembly.instructions), bytes_(bytes), slot_of_(program.registers, -1) {
+  /// `rows`: constants and temporaries of lanes stand Machine::lane_row apart.
+  Translator(const Program& program, const Assembly& assembly, bool rows, Bytes& bytes)
+      : layout_(program.layout),
+        code_(assembly.instructions),
+        rows_(rows),
+        bytes_(bytes),
+        slot_of_(program.registers, -1) {
     find_last_reads();
   }
 
@@ -140,17 +180,39 @@ class Translator {
   }
 
   void move(Bytes::Operation operation, int vector, std::uint32_t value) {
+    if (in_row(value)) return bytes_.move_row(operation, vector, offset(value));
     bytes_.packed ? bytes_.move_lanes(operation, vector, value) : bytes_.move(operation, vector, base, 8 * value);
+  }
+
+  bool in_row(std::uint32_t value) const {
+    return rows_ && value >= layout_.inputs && (value < layout_.outputs || value >= layout_.temporaries);
+  }
+  std::uint32_t offset(std::uint32_t value) const { return 8 * Machine::lane_row * (value - layout_.inputs); }
+  /// It can be an operand where it is, in memory.
+  bool stays(std::uint32_t value) const { return slot_of_[value] < 0 && in_row(value); }
+  /// to = a <operation> the value.
+  void arithmetic(Bytes::Operation operation, int to, int a, std::uint32_t value) {
+    if (stays(value)) return bytes_.arithmetic_of_row(operation, to, a, offset(value));
+    bytes_.arithmetic(operation, to, a, operand(value));
+  }
+  /// to = a * b, or a + b: what is in a register first. Gives `to`, taken after the operands.
+  int together(Bytes::Operation operation, std::uint32_t a, std::uint32_t b) {
+    if (stays(a) && !stays(b)) std::swap(a, b);
+    const int first = operand(a);
+    if (!stays(b)) operand(b);
+    const int to = take();
+    arithmetic(operation, to, first, b);
+    return to;
   }
 
   /// A free vector register, or the one that was used longest ago.
   int take() {
     int chosen = -1;
-    for (int s = 0; s < 16 && chosen < 0; ++s)
+    for (int s = 0; s < bytes_.registers() && chosen < 0; ++s)
       if (slots_[s].used != at_ + 1 && (slots_[s].value < 0 || !needed(slots_[s].value))) chosen = s;
     if (chosen < 0) {
       chosen = 0;
-      for (int s = 1; s < 16; ++s)
+      for (int s = 1; s < bytes_.registers(); ++s)
         if (slots_[s].used < slots_[chosen].used) chosen = s;
       if (slots_[chosen].ahead) move(Bytes::store, chosen, static_cast<std::uint32_t>(slots_[chosen].value));
     }
@@ -202,6 +264,7 @@ class Translator {
       case Code::mul_add_mul: return two_products(i, Bytes::sum);
       case Code::mul_sub_mul: return two_products(i, Bytes::difference);
       case Code::sub_sum: return sub_sum(i);
+      case Code::choose: return bytes_.packed && choose(i);
       case Code::call: return !bytes_.packed && call(i);
       default: return false;
     }
@@ -215,8 +278,14 @@ class Translator {
     return true;
   }
   bool simple(const Instruction& i, Bytes::Operation operation) {
-    const int a = operand(i.a), b = operand(i.b), to = take();
-    bytes_.arithmetic(operation, to, a, b);
+    if (operation == Bytes::sum || operation == Bytes::product) {
+      define(i.dst, together(operation, i.a, i.b));
+      return true;
+    }
+    const int a = operand(i.a);
+    if (!stays(i.b)) operand(i.b);
+    const int to = take();
+    arithmetic(operation, to, a, i.b);
     define(i.dst, to);
     return true;
   }
@@ -234,26 +303,34 @@ class Translator {
   }
   /// a*b, then with c; turned: c is the first of the two.
   bool fused(const Instruction& i, Bytes::Operation operation, bool turned) {
-    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), to = take();
-    bytes_.arithmetic(Bytes::product, to, a, b);
-    turned ? bytes_.arithmetic(operation, to, c, to) : bytes_.arithmetic(operation, to, to, c);
+    if (turned || !stays(i.c)) operand(i.c);
+    const int to = together(Bytes::product, i.a, i.b);
+    if (turned)
+      bytes_.arithmetic(operation, to, operand(i.c), to);
+    else
+      arithmetic(operation, to, to, i.c);
     define(i.dst, to);
     return true;
   }
   bool two_products(const Instruction& i, Bytes::Operation operation) {
-    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), d = operand(i.d), to = take(), other = take();
-    bytes_.arithmetic(Bytes::product, to, a, b);
-    bytes_.arithmetic(Bytes::product, other, c, d);
+    const int to = together(Bytes::product, i.a, i.b), other = together(Bytes::product, i.c, i.d);
     bytes_.arithmetic(operation, to, to, other);
     define(i.dst, to);
     slots_[other] = {};
     return true;
   }
   bool sub_sum(const Instruction& i) {
-    const int a = operand(i.a), b = operand(i.b), c = operand(i.c), d = operand(i.d), to = take();
-    bytes_.arithmetic(Bytes::product, to, a, b);
-    bytes_.arithmetic(Bytes::sum, to, to, c);
-    bytes_.arithmetic(Bytes::difference, to, d, to);
+    operand(i.d);
+    if (!stays(i.c)) operand(i.c);
+    const int to = together(Bytes::product, i.a, i.b);
+    arithmetic(Bytes::sum, to, to, i.c);
+    bytes_.arithmetic(Bytes::difference, to, operand(i.d), to);
+    define(i.dst, to);
+    return true;
+  }
+  bool choose(const Instruction& i) {
+    const int mode = operand(i.a), plus = operand(i.b), minus = operand(i.c), to = take();
+    bytes_.blend(to, plus, minus, mode);
     define(i.dst, to);
     return true;
   }
@@ -276,6 +353,7 @@ class Translator {
 
   const Layout& layout_;
   const std::vector<Instruction>& code_;
+  const bool rows_;
   Bytes& bytes_;
   Slot slots_[16];
   std::vector<int> slot_of_;               ///< of each register of the tape; -1: in memory only
@@ -285,17 +363,23 @@ class Translator {
 };
 
 /// Appends a function of one point, or of lanes; where it begins, or nothing.
-std::optional<std::size_t> append(const Program& program, const Assembly& assembly, bool packed, Bytes& bytes) {
+enum class Form { point, lanes, rows };
+std::optional<std::size_t> append(const Program& program, const Assembly& assembly, Form form, Bytes& bytes) {
+  const bool packed = form != Form::point;
   bytes.align(32);
   bytes.packed = packed;
   const std::size_t entry = bytes.all.size();
   const bool calls = !packed && Translator::calls(assembly);
-  Translator translator(program, assembly, bytes);
+  Translator translator(program, assembly, form == Form::rows, bytes);
   if (calls) {
     translator.base = 3;
     bytes.put({0x53, 0x48, 0x89, 0xFB});  // push rbx; mov rbx, rdi
   }
   if (packed) bytes.put({0x48, 0xC1, 0xE6, 0x03, 0x31, 0xC9});  // shl rsi, 3; xor ecx, ecx
+  if (form == Form::rows) {
+    bytes.put({0x4C, 0x8B, 0x87});  // mov r8, [rdi + 8 * inputs]
+    bytes.put32(8 * program.layout.inputs);
+  }
   const std::size_t again = bytes.all.size();
   if (!translator.translate()) {
     bytes.all.resize(entry);
@@ -303,7 +387,7 @@ std::optional<std::size_t> append(const Program& program, const Assembly& assemb
   }
   if (!packed) translator.hand_over();
   if (packed) {
-    bytes.put({0x48, 0x83, 0xC1, 0x20, 0x48, 0x39, 0xF1, 0x0F, 0x82});  // add rcx, 32; cmp rcx, rsi; jb again
+    bytes.put({0x48, 0x83, 0xC1, 0x40, 0x48, 0x39, 0xF1, 0x0F, 0x82});  // add rcx, 64; cmp rcx, rsi; jb again
     bytes.put32(static_cast<std::uint32_t>(again - (bytes.all.size() + 4)));
     bytes.put({0xC5, 0xF8, 0x77});  // vzeroupper
   }
@@ -318,10 +402,11 @@ Machine::Machine(const Program& program) {
   if (!__builtin_cpu_supports("avx")) return;
   Bytes bytes;
   for (int i = 0; i < 4; ++i) bytes.put64(sign_bit);
-  const auto one = append(program, program.values, false, bytes),
-             one_less = append(program, program.computed, false, bytes);
-  const auto four = append(program, program.values, true, bytes),
-             four_less = append(program, program.computed, true, bytes);
+  const auto one = append(program, program.values, Form::point, bytes),
+             one_less = append(program, program.computed, Form::point, bytes);
+  const auto lanes = append(program, program.values, Form::lanes, bytes),
+             lanes_less = append(program, program.computed, Form::lanes, bytes),
+             rows = append(program, program.values, Form::rows, bytes);
   // written first, then made executable: never both at once
   void* const memory = mmap(nullptr, bytes.all.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return;
@@ -332,8 +417,9 @@ Machine::Machine(const Program& program) {
   const auto place = [&](std::size_t entry) { return static_cast<std::uint8_t*>(memory) + entry; };
   if (one) values = reinterpret_cast<Point>(place(*one));
   if (one_less) computed = reinterpret_cast<Point>(place(*one_less));
-  if (four) lane_values = reinterpret_cast<Lanes>(place(*four));
-  if (four_less) lane_computed = reinterpret_cast<Lanes>(place(*four_less));
+  if (lanes) lane_values = reinterpret_cast<Lanes>(place(*lanes));
+  if (lanes_less) lane_computed = reinterpret_cast<Lanes>(place(*lanes_less));
+  if (rows) row_values = reinterpret_cast<Lanes>(place(*rows));
 }
 
 Machine::~Machine() {

@@ -3,6 +3,7 @@
 // with the same bits. It saves their dispatch and the way of each result through memory to its user, which is longer
 // than the operation. Made for x86-64 with AVX on Linux; elsewhere, and for what holds switches, the interpreters run.
 #include <cstddef>
+#include <cstdint>
 
 #include "expr/program.hpp"
 
@@ -11,7 +12,7 @@ namespace lunid {
 class Machine {
  public:
   using Point = Tape::PointCode;
-  using Lanes = void (*)(double* const* place, std::size_t lanes);  ///< lanes: a multiple of four
+  using Lanes = void (*)(double* const* place, std::size_t lanes);  ///< lanes: a multiple of eight
 
   Machine() = default;
   explicit Machine(const Program& program);
@@ -22,6 +23,10 @@ class Machine {
   /// Of the outputs, and of those that are no inputs. Null: there is none.
   Point values = nullptr, computed = nullptr;
   Lanes lane_values = nullptr, lane_computed = nullptr;
+  /// Of the outputs, where constants and temporaries stand lane_row doubles apart, in the order of their registers and
+  /// with room for the outputs between them: no way leads through the table.
+  Lanes row_values = nullptr;
+  static constexpr std::uint32_t lane_row = 72;  // 64 lanes, and what keeps rows from falling into one set of a cache
 
  private:
   void* memory_ = nullptr;

@@ -36,6 +36,7 @@ enum class Code : std::uint16_t {
   call,         // the value function of operation d on a, b, c
   external,     // an external function of a, b, c, d; those that it lacks are a again
   select,       // c where a fails, b where it holds; a is a comparison
+  choose,       // b where a is +1, c where it is -1: a branch by a mode that is a value (chain.hpp)
   sign,
   abs,
   min,
@@ -119,6 +120,7 @@ class Machine;
 
 /// All that a tape is made of.
 struct Program {
+  Values lowered;  // what the rest was made from, for chains
   Layout layout;
   std::vector<Expr> switching_functions;
   std::vector<ExternalCall> externals;

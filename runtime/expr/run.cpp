@@ -37,7 +37,7 @@ void execute(const Instruction* at, double* r, const std::int8_t* mode, const Ex
   static constexpr void* const labels[] = {
       nullptr,   nullptr,  &&do_copy,        &&do_add,         &&do_sub,         &&do_mul,  &&do_div,    &&do_neg,
       &&do_sqrt, &&do_mul3, &&do_mul_add,    &&do_mul_sub,     &&do_sub_mul, &&do_mul_add_mul, &&do_mul_sub_mul, &&do_sub_sum,
-      &&do_call, &&do_external, &&do_select, &&do_sign,     &&do_abs,         &&do_min,  &&do_max,    &&do_greater,
+      &&do_call, &&do_external, &&do_select, &&do_choose, &&do_sign,     &&do_abs,         &&do_min,  &&do_max,    &&do_greater,
       &&do_less, &&do_greater_equal, &&do_less_equal, &&do_where, &&do_done};
 #define NEXT goto* labels[static_cast<std::uint32_t>((++at)->code)]
 #define A r[at->a]
@@ -64,6 +64,7 @@ do_sub_sum: DST = D - (A * B + C); NEXT;
 do_call: DST = branch::call(at->d, at->a, at->b, at->c, r); NEXT;
 do_external: DST = externals[at->function](A, B, C, D); NEXT;
 do_select: DST = branch::where(A, B, C); NEXT;
+do_choose: DST = A > 0 ? B : C; NEXT;
 do_sign: { const int m = MODE; DST = m ? m : branch::sign(A); } NEXT;
 do_abs: { const int m = MODE; DST = m ? m * A : std::fabs(A); } NEXT;
 do_min: { const int m = MODE; DST = m ? (m > 0 ? B : A) : branch::min(A, B); } NEXT;

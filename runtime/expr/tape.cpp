@@ -1,16 +1,20 @@
 #include "expr/tape.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "expr/machine.hpp"
 
 namespace lunid {
 
-Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) {
-  const Values values = lower(outputs, inputs);
+Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) : Tape(lower(outputs, inputs), inputs.size()) {}
+
+Tape::Tape(Values lowered, std::size_t inputs) {
   auto program = std::make_shared<Program>();
-  program->layout = lay_out(values, inputs.size());
-  program->outputs = static_cast<std::uint32_t>(outputs.size());
+  program->lowered = std::move(lowered);
+  const Values& values = program->lowered;
+  program->layout = lay_out(values, inputs);
+  program->outputs = static_cast<std::uint32_t>(values.outputs.size());
   program->switching_functions = values.switching_functions;
   program->externals = values.externals;
 

@@ -21,6 +21,7 @@
 namespace lunid {
 
 struct Program;
+struct Values;
 
 class Tape {
  public:
@@ -74,6 +75,7 @@ class Tape {
   void run_lanes(double* const* place, int lanes) const noexcept;
   /// The same without writing outputs that are inputs (copy_of), which the caller has already.
   void run_lanes_without_copies(double* const* place, int lanes) const noexcept;
+  bool lanes_compiled() const;    ///< they run as machine code
   int copy_of(int output) const;  ///< the input that an output is, or -1
   bool reads(int input) const;    ///< some output depends on this input
 
@@ -84,6 +86,9 @@ class Tape {
                    std::span<double* const> out) const;
 
  private:
+  friend class TapeChain;
+  Tape(Values values, std::size_t inputs);
+
   std::shared_ptr<const Program> program_;
 };
 

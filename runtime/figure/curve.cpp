@@ -121,42 +121,55 @@ Stroke thin(const Stroke& stroke, double column) {
 }
 
 SeenSegments::SeenSegments(const Box& box, double cell)
-    : box_(box), cell_(cell), columns_(static_cast<std::size_t>(box.width() / cell) + 2) {}
+    : box_(box), cell_(cell), columns_(static_cast<std::size_t>(box.width() / cell) + 3) {}
 
-bool SeenSegments::ink(Point a, Point b) {
+bool SeenSegments::is_fresh(Point a, Point b) {
   const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
+  places_.clear();
   bool fresh = false;
   for (int k = 0; k <= steps; ++k) {
     const double share = static_cast<double>(k) / steps;
-    const double x = a.x + share * (b.x - a.x) - box_.left, y = a.y + share * (b.y - a.y) - box_.bottom;
-    const auto column = static_cast<std::size_t>(std::max(0.0, x / cell_));
+    // From 1: each cell has neighbours.
+    const double x = 1.0 + (a.x + share * (b.x - a.x) - box_.left) / cell_;
+    const double y = 1.0 + (a.y + share * (b.y - a.y) - box_.bottom) / cell_;
     const std::size_t place =
-        static_cast<std::size_t>(std::max(0.0, y / cell_)) * columns_ + std::min(column, columns_ - 1);
-    if (place >= inked_.size() || inked_[place]) continue;
-    inked_[place] = true;
-    fresh = true;
+        static_cast<std::size_t>(std::max(1.0, y)) * columns_ + static_cast<std::size_t>(std::max(1.0, x));
+    if (place + columns_ >= inked_.size()) continue;
+    fresh = fresh || !inked_[place];
+    places_.push_back(place);
   }
   return fresh;
 }
 
+/// What was asked about last is drawn. Only then: a spiral whose every turn is hidden by the one before must not creep
+/// away unseen.
+void SeenSegments::ink() {
+  for (const std::size_t at : places_)
+    for (const std::size_t near : {at, at - 1, at + 1, at - columns_, at + columns_}) inked_[near] = true;
+}
+
 std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
-  constexpr std::size_t few = 4000;
-  if (stroke.size() < few && inked_.empty()) return {stroke};
-  if (inked_.empty()) inked_.resize(columns_ * (static_cast<std::size_t>(box_.height() / cell_) + 2));
+  constexpr std::size_t few = 10000;
+  if (stroke.empty() || (stroke.size() < few && inked_.empty())) return {stroke};
+  if (inked_.empty()) inked_.resize(columns_ * (static_cast<std::size_t>(box_.height() / cell_) + 4));
   std::vector<Stroke> parts;
   Stroke current;
-  // Short segments can lie in a cell that the one before has inked at its edge: a few of them do not end a line.
+  // What the segment before has inked beside itself does not end a line.
   constexpr int patience = 2;
   int stale = 0;
+  Point last = stroke.front();
   for (std::size_t i = 1; i < stroke.size(); ++i) {
-    stale = ink(stroke[i - 1], stroke[i]) ? 0 : stale + 1;
-    if (stale == 0 && current.empty()) current.push_back(stroke[i - 1]);
+    if (std::hypot(stroke[i].x - last.x, stroke[i].y - last.y) < cell_ && i + 1 < stroke.size()) continue;
+    stale = is_fresh(last, stroke[i]) ? 0 : stale + 1;
+    if (stale == 0 && current.empty()) current.push_back(last);
     if (stale <= patience && !current.empty()) {
       current.push_back(stroke[i]);
+      ink();
     } else if (!current.empty()) {
       parts.push_back(std::move(current));
       current.clear();
     }
+    last = stroke[i];
   }
   if (!current.empty()) parts.push_back(std::move(current));
   return parts;

@@ -13,20 +13,23 @@ using Stroke = std::vector<Point>;
 /// the lowest, the highest and the last stay, in their order. Extremes are thus kept exactly.
 Stroke thin(const Stroke& stroke, double column);
 
-/// What of a long curve that runs over itself is new to the eye: a segment stays where it inks a cell of `cell` points'
-/// width that no segment before has inked. Strokes of fewer points pass through.
+/// What of a long curve that runs over itself is new to the eye, to within `cell` points, which is less than half the
+/// width of a line: a segment stays where it goes through a cell that none before has inked, or run beside. Strokes of
+/// fewer points pass through, such as any that runs from left to right, which thin() has thinned.
 class SeenSegments {
  public:
   SeenSegments(const Box& box, double cell);
   std::vector<Stroke> fresh(const Stroke& stroke);
 
  private:
-  bool ink(Point a, Point b);
+  bool is_fresh(Point a, Point b);
+  void ink();
 
   Box box_;
   double cell_;
   std::size_t columns_;
-  std::vector<bool> inked_;  ///< cells, row by row; empty while no long stroke came
+  std::vector<std::size_t> places_;  ///< of the segment at hand
+  std::vector<bool> inked_;          ///< cells, row by row; empty while no long stroke came
 };
 
 /// The parts of a stroke that lie within a box (Liang and Barsky 1984, for each segment).

@@ -123,14 +123,14 @@ class AxesPainter {
 
   Canvas& canvas_;
   TextMeter& meter_;
-  const Look& look_;
+  Look look_;
   const SceneView& view_;
 };
 
 }  // namespace
 
 void draw_scene_axes(Canvas& canvas, TextMeter& meter, const Look& look, const SceneView& view) {
-  AxesPainter(canvas, meter, look, view).paint();
+  AxesPainter(canvas, meter, scene_look(look, view.room), view).paint();
 }
 
 }  // namespace lunid::figure

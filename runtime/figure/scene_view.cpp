@@ -98,13 +98,39 @@ Point SceneView::on_paper(const Vector& p) const {
   return {centre.x + scale * dot(right), centre.y + scale * dot(up)};
 }
 
+namespace {
+
+/// Room for the labels and the title of a horizontal axis whose edge is seen from the side, on the right.
+double right_side(TextMeter& meter, const Look& look, const SceneView& view) {
+  double room = 0.0;
+  for (const auto& [axis, across] : {std::pair{&view.x, 1u}, {&view.y, 0u}}) {
+    const double sign = view.toward[across] >= 0.0 ? 1.0 : -1.0;  // the edge is on the viewer's side
+    const double x = sign * view.right[across], y = sign * view.up[across];
+    if (x < 0.8 * std::hypot(x, y)) continue;
+    double widest = 0.0;
+    for (const Tick& tick : axis->ticks) widest = std::max(widest, meter.width(tick.label, look.tick_text, false));
+    room = std::max(room, look.tick_length + 8.0 + widest + meter.width(axis->title, look.axis_text, false));
+  }
+  return room;
+}
+
+}  // namespace
+
+Look scene_look(const Look& look, const Box& room) {
+  Look small = look;
+  const double scale = std::clamp(room.width() / 320.0, 0.68, 1.0);
+  for (double* size : {&small.tick_text, &small.axis_text}) *size *= scale;
+  return small;
+}
+
 SceneView scene_axes(const Scene& scene) {
   SceneView view;
   plan_axes(view, scene);
   return view;
 }
 
-SceneView plan_scene(TextMeter& meter, const Look& look, const Scene& scene, const Box& room) {
+SceneView plan_scene(TextMeter& meter, const Look& page, const Scene& scene, const Box& room) {
+  const Look look = scene_look(page, room);
   SceneView view = scene_axes(scene);
   view.room = room;
   set_directions(view, scene);
@@ -112,8 +138,10 @@ SceneView plan_scene(TextMeter& meter, const Look& look, const Scene& scene, con
     double widest = 0.0;
     for (const Tick& tick : view.z.ticks) widest = std::max(widest, meter.width(tick.label, look.tick_text, false));
     // Left: labels and title of z; below: labels and titles of x and y; right: the same where they stick out.
-    const double left = widest + line_height(look.axis_text) + look.tick_length + 4.0, below = 3.4 * look.axis_text;
-    fit(view, {room.left + left, room.bottom + below, room.right - 2.2 * look.tick_text, room.top - look.gap});
+    const double left = widest + line_height(look.axis_text) + look.tick_length + 4.0,
+                 below = 3.4 * look.axis_text + 7.0;
+    fit(view, {room.left + left, room.bottom + below,
+               room.right - std::max(right_side(meter, look, view), 2.2 * look.tick_text), room.top - look.gap});
   };
   fit_labels();
   // As many ticks as the edges have room for, now that their lengths are known.

@@ -28,6 +28,9 @@ struct SceneView {
   Point on_paper(const Vector& p) const;
 };
 
+/// The look of a scene in this room: three axes crowd a narrow one, so that its text is smaller there.
+Look scene_look(const Look& look, const Box& room);
+
 /// The axes and colours alone, before there is any room.
 SceneView scene_axes(const Scene& scene);
 

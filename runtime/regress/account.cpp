@@ -125,7 +125,7 @@ std::string unit_of(Expr feature, const RegressOptions& options, const Stream& r
     if (!record.has(name) || record.channel(name).unit.empty()) return std::nullopt;
     return read_unit(record.channel(name).unit);
   };
-  const auto force = of_symbol(feature.pool().channel("F")), of = detail::unit_of(feature, of_symbol);
+  const auto force = of_symbol(feature.pool().channel("F")), of = detail::unit_of(feature, of_symbol, options.numbers);
   return force && of ? to_text(quotient(*force, *of)) : "";
 }
 

@@ -8,12 +8,16 @@
 #include "regress/dense.hpp"
 #include "regress/number.hpp"
 #include "regress/stopwatch.hpp"
+#include "regress/trust_region.hpp"
 
 namespace lunid {
 
 using detail::CurvePass;
+using detail::full_rank;
 using detail::number;
 using detail::Tangent;
+using detail::trust_step;
+using detail::TrustStep;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -21,71 +25,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kFine = 1e-9;         // residual over response below which extended precision tells more
-constexpr long double kRank = 1e-13L;  // diagonal of the scaled factor below which a column is one of those before it
-
-/// The step of a trust region: min |r step - z| with |scale * step| <= radius, over the free parameters.
-struct Step {
-  VectorXd change;
-  double length = 0;   ///< |scale * change|
-  bool inner = false;  ///< the whole Gauss-Newton step
-};
-
-/// One value of the damping: the step and d length / d damping.
-struct Damped {
-  LongVector step;
-  double length = 0, slope = 0;
-};
-
-Damped damped(const LongMatrix& r, const LongVector& z, const VectorXd& scale, long double damping) {
-  const Index k = r.cols();
-  LongMatrix work = LongMatrix::Zero(k + 1, k + 1), below = LongMatrix::Zero(k, k + 1);
-  work.topLeftCorner(k, k) = r;
-  work.col(k).head(k) = z;
-  below.leftCols(k).diagonal() = std::sqrt(damping) * scale.cast<long double>();
-  triangularise(work, below);
-  const LongMatrix root = work.topLeftCorner(k, k);
-  Damped out;
-  out.step = root.triangularView<Eigen::Upper>().solve(work.col(k).head(k));
-  const LongVector scaled = scale.cast<long double>().cwiseProduct(out.step);
-  const long double length = scaled.norm();
-  out.length = static_cast<double>(length);
-  if (!(length > 0)) return out;
-  const LongVector q = scale.cast<long double>().cwiseProduct(scaled) / length;
-  const LongVector w = root.triangularView<Eigen::Upper>().transpose().solve(q);
-  out.slope = static_cast<double>(-length * w.squaredNorm());
-  return out;
-}
-
-/// Columns of `r` that are independent of those before them, to rounding.
-bool full_rank(const LongMatrix& r) {
-  for (Index j = 0; j < r.cols(); ++j)
-    if (!(std::abs(r(j, j)) > kRank * r.col(j).head(j + 1).norm())) return false;
-  return true;
-}
-
-/// More's iteration for the damping at which the step has the radius's length, within a tenth.
-Step trust_step(const LongMatrix& r, const LongVector& z, const VectorXd& scale, double radius) {
-  double low = 0;
-  if (full_rank(r)) {
-    const Damped whole = damped(r, z, scale, 0);
-    if (whole.length <= 1.1 * radius) return {whole.step.cast<double>(), whole.length, true};
-    low = -(whole.length - radius) / whole.slope;
-  }
-  const VectorXd gradient = (r.transpose() * z).cast<double>();
-  double high = gradient.cwiseQuotient(scale).norm() / radius;
-  double damping = std::max(low, 1e-3 * high);
-  Damped found;
-  for (int i = 0; i < 12; ++i) {
-    if (!(damping > 0)) damping = std::max(1e-300, 1e-3 * high);
-    found = damped(r, z, scale, damping);
-    const double excess = found.length - radius;
-    if (std::abs(excess) <= 0.1 * radius) break;
-    (excess > 0 ? low : high) = excess > 0 ? std::max(low, damping) : std::min(high, damping);
-    damping = std::max(low, damping - (found.length / radius) * excess / found.slope);
-  }
-  return {found.step.cast<double>(), found.length, false};
-}
+constexpr double kFine = 1e-9;  // residual over response below which extended precision tells more
 
 /// A search from one first guess.
 class Search {
@@ -198,7 +138,7 @@ bool Search::attempt(double& radius) {
     scale[j] = scale_[free[static_cast<std::size_t>(j)]];
     if (!(scale[j] > 0)) scale[j] = 1;
   }
-  const Step step = trust_step(r, z, scale, radius);
+  const TrustStep step = trust_step(r, z, scale, radius);
   VectorXd next = theta;
   for (Index j = 0; j < scale.size(); ++j) next[free[static_cast<std::size_t>(j)]] += step.change[j];
   next = within(std::move(next));

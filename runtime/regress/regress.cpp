@@ -291,7 +291,7 @@ Regression regress(std::span<const Stream> records, const RegressOptions& option
                                  std::to_string(options.implicit.size()) + " implicit parameters (" +
                                  std::to_string(result.passes) + " passes)";
   result.fit.summary.seconds = watch.seconds();
-  for (std::string& note : externals.notes(result.fit.summary.seconds)) result.warnings.push_back(std::move(note));
+  for (std::string& note : externals.notes()) result.warnings.push_back(std::move(note));
   return result;
 }
 

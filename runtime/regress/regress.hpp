@@ -75,6 +75,7 @@ struct RegressOptions {
   std::optional<WeakForm> weak;              ///< integrals against test functions in place of the rows themselves
   std::vector<SourceSpan> places;            ///< of the features, for messages; empty: unknown
   std::map<std::string, std::string> units;  ///< of parameters, for the units of coefficients
+  std::vector<Expr> numbers;                 ///< parts of features without a unit: normalised variables
   RegressionSolver solver = LeastSquaresOptions{};
   RegressObjective objective;
   int blocks = 8;          ///< of time in each record, 1..1000: for cross-validation and block errors

@@ -1,5 +1,6 @@
 #include "regress/unit.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -74,9 +75,11 @@ Unit quotient(const Unit& above, const Unit& below) {
   return out;
 }
 
-std::optional<Unit> unit_of(Expr e, const std::function<std::optional<Unit>(Expr symbol)>& of_symbol) {
+std::optional<Unit> unit_of(Expr e, const std::function<std::optional<Unit>(Expr symbol)>& of_symbol,
+                            std::span<const Expr> numbers) {
+  if (std::find(numbers.begin(), numbers.end(), e) != numbers.end()) return Unit{};
   const auto arguments = e.arguments();
-  const auto of = [&](std::size_t i) { return unit_of(arguments[i], of_symbol); };
+  const auto of = [&](std::size_t i) { return unit_of(arguments[i], of_symbol, numbers); };
   const auto alike = [&](std::size_t i, std::size_t k) -> std::optional<Unit> {
     if (arguments[i].is_constant()) return of(k);
     if (arguments[k].is_constant()) return of(i);

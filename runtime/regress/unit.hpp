@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "expr/expr.hpp"
@@ -18,7 +19,9 @@ std::string to_text(const Unit& unit);
 Unit quotient(const Unit& above, const Unit& below);
 
 /// The unit of an expression; nullopt where a symbol's is unknown, or where unlike ones are added. Constants that are
-/// added take the unit of the rest, constant factors have none.
-std::optional<Unit> unit_of(Expr expression, const std::function<std::optional<Unit>(Expr symbol)>& of_symbol);
+/// added take the unit of the rest, constant factors have none. `numbers`: expressions without a unit, such as a
+/// normalised variable (y - 0.1)/0.5, whose constants have units of their own.
+std::optional<Unit> unit_of(Expr expression, const std::function<std::optional<Unit>(Expr symbol)>& of_symbol,
+                            std::span<const Expr> numbers = {});
 
 }  // namespace lunid::detail

@@ -37,10 +37,10 @@ struct Stepper {
 };
 
 /// The exogenous inputs at a node of the stage grid, which is a place of a row's interval.
-LUNID_INLINE void load_inputs(const Stepper& s, Index node, Index row, int place) {
-  if (s.force) return s.force->load(row, place);
+LUNID_INLINE void load_inputs(const Stepper& s, Index node, Index row, int place, double* const* to) {
+  if (s.force) return s.force->load(row, place, to);
   for (int i = 0; i < s.exogenous; ++i) {
-    double* in = s.place[1 + i];
+    double* in = to[i];
     const auto input = static_cast<std::size_t>(i);
     if (s.shared) {
       const kernel::Quad value = kernel::Quad{} + s.lanes[0].drive[input][node];
@@ -53,7 +53,6 @@ LUNID_INLINE void load_inputs(const Stepper& s, Index node, Index row, int place
 
 /// The rates at stage S, at its states and the inputs that are loaded; time is that of step `step` and `part` steps
 /// more.
-template <int N>
 LUNID_INLINE void rate(const Stepper& s, double step, double part, int stage) {
   if (s.timed) {
     double* time = s.place[0];
@@ -62,19 +61,18 @@ LUNID_INLINE void rate(const Stepper& s, double step, double part, int stage) {
       quad(time + l) = t + part * h;
     }
   }
-  const int n = N > 0 ? N : s.n;
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < s.n; ++i) {
     s.state_place[i] = s.states[stage] + s.width * i;
-    s.rate_place[i] = s.rates[stage * n + i];
+    s.rate_place[i] = s.rates[stage * s.n + i];
   }
   s.tape->run_lanes_without_copies(s.place, s.width);
 }
 
 /// out = x + h * (weights of stage S) . k, in the order of dormand_prince::stage_state.
-template <int S, int N>
+template <int S>
 LUNID_INLINE void stage_state(const Stepper& s, double* out) {
   using dp::weight;
-  const int n = N > 0 ? N : s.n;
+  const int n = s.n;
   for (int i = 0; i < n; ++i) {
     const double* const* k = s.rates + i;
     const double *const k0 = k[0], *const k1 = k[n], *const k2 = k[2 * n], *const k3 = k[3 * n], *const k4 = k[4 * n],
@@ -93,45 +91,39 @@ LUNID_INLINE void stage_state(const Stepper& s, double* out) {
   }
 }
 
-/// One substep of all lanes; the rates at its start stand in k, and afterwards those at its end.
-template <int N>
-LUNID_INLINE void substep(const Stepper& s, Index row, int j, int substeps, bool hold) {
+/// One substep of all lanes; the rates at its start stand in k, and afterwards those at its end. It works on a copy of
+/// its stepper, which no store through a pointer can change.
+LUNID_WIDE void substep_by_stages(Stepper s, Index row, int j, int substeps, bool hold) {
   const Index step = row * substeps + j, node = dp::nodes * step;
   const double at = static_cast<double>(step);
   const auto stage = [&]<int S>() __attribute__((always_inline)) {
-    stage_state<S, N>(s, s.states[S]);
-    load_inputs(s, node + S, row, dp::nodes * j + S);
-    rate<N>(s, at, dp::place[S], S);
+    stage_state<S>(s, s.states[S]);
+    load_inputs(s, node + S, row, dp::nodes * j + S, s.place + 1);
+    rate(s, at, dp::place[S], S);
   };
   stage.template operator()<1>();
   stage.template operator()<2>();
   stage.template operator()<3>();
   stage.template operator()<4>();
-  stage_state<5, N>(s, s.states[5]);
+  stage_state<5>(s, s.states[5]);
   const bool within = j + 1 < substeps;
   load_inputs(s, hold ? node + dp::nodes - 1 : node + dp::nodes, within ? row : row + 1,
-              within ? dp::nodes * (j + 1) : 0);
-  rate<N>(s, at, 1, 5);
-  stage_state<6, N>(s, s.states[0]);  // y before v, whose old value is the first rate of y
-  rate<N>(s, at, 1, 0);
-}
-
-// Each works on a copy of its stepper, which no store through a pointer can change.
-LUNID_WIDE void substep_of_any(Stepper s, Index row, int j, int substeps, bool hold) {
-  substep<0>(s, row, j, substeps, hold);
-}
-LUNID_WIDE void substep_of_two(Stepper s, Index row, int j, int substeps, bool hold) {
-  substep<2>(s, row, j, substeps, hold);
-}
-LUNID_WIDE void substep_of_three(Stepper s, Index row, int j, int substeps, bool hold) {
-  substep<3>(s, row, j, substeps, hold);
+              within ? dp::nodes * (j + 1) : 0, s.place + 1);
+  rate(s, at, 1, 5);
+  stage_state<6>(s, s.states[0]);  // y before v, whose old value is the first rate of y
+  rate(s, at, 1, 0);
 }
 
 /// Rates at the samples themselves: the first, and after each jump of a held input.
 LUNID_WIDE void start(Stepper s, Index row, int substeps) {
   const Index step = row * substeps;
-  load_inputs(s, dp::nodes * step, row, 0);
-  rate<0>(s, static_cast<double>(step), 0, 0);
+  load_inputs(s, dp::nodes * step, row, 0, s.place + 1);
+  rate(s, static_cast<double>(step), 0, 0);
+}
+
+/// The time at the start of a substep, in each lane.
+LUNID_WIDE void set_times(const Stepper& s, double step, double* time) {
+  for (int l = 0; l < s.width; l += 4) quad(time + l) = quad(s.t0 + l) + step * quad(s.h + l);
 }
 
 /// True when every lane is finite and within its bound.
@@ -157,6 +149,9 @@ class BundleRun {
 
  private:
   void place_registers();
+  void place_step();
+  void substep_by_tape(Index row, int j);
+  void load_step(Index row, int j);
   double* rate_row(int stage, int i) const;
   void load_lane(int lane);
   void repeat_lane(int from, int to);
@@ -170,10 +165,11 @@ class BundleRun {
   const Dynamics& d_;
   const int n_, count_, width_;
   AlignedMemory memory_;
-  std::vector<double*> place_;
+  std::vector<double*> place_, step_place_;
   std::optional<LaneForce> force_;
   std::vector<double*> rates_;
   double *k_, *previous_, *t0_, *dt_, *h_, *bound_;
+  double *next_ = nullptr, *next_k_ = nullptr;  ///< where a step tape writes
   std::vector<char> alive_, bound_known_;
   std::vector<int> source_;
   Stepper s_{};
@@ -204,7 +200,9 @@ BundleRun::BundleRun(const BundleProblem& problem)
 
 void BundleRun::place_registers() {
   place_.resize(static_cast<std::size_t>(std::max(d_.rate.registers(), d_.inputs()) + 1));
-  memory_.resize(static_cast<std::size_t>(width_) * (place_.size() + static_cast<std::size_t>(13 * n_ + 4)));
+  const StepTape* const step = problem_.step;
+  memory_.resize(static_cast<std::size_t>(width_) * (place_.size() + static_cast<std::size_t>(15 * n_ + 4)) +
+                 (step ? step->memory(width_) : 0));
   double* at = memory_.data();
   const auto take = [&](int values) { return std::exchange(at, at + width_ * values); };
   for (double*& place : place_) place = take(1);
@@ -219,22 +217,74 @@ void BundleRun::place_registers() {
   dt_ = take(1);
   s_.h = h_ = take(1);
   bound_ = take(1);
+  next_ = take(n_);
+  next_k_ = take(n_);
+  if (step) step_place_ = step->place(at, width_);
   s_.place = place_.data();
   s_.state_place = s_.place + 1 + d_.exogenous;
   s_.rate_place = s_.place + d_.rate.output_place();
   d_.rate.prepare_lanes(s_.place, width_);
-  if (!problem_.force) return;
-  force_.emplace(*problem_.force, width_, first_.substeps,
-                 std::span<double* const>(place_).subspan(1, static_cast<std::size_t>(d_.exogenous)));
-  s_.force = &*force_;
+  if (problem_.force) s_.force = &force_.emplace(*problem_.force, width_, first_.substeps);
+  if (step) place_step();
+}
+
+/// What stays where it is.
+void BundleRun::place_step() {
+  const StepTape& step = *problem_.step;
+  const auto at = [&](int place) -> double*& { return step_place_[static_cast<std::size_t>(place)]; };
+  at(step.h()) = h_;
+  for (int i = 0; i < d_.p; ++i) at(step.theta() + i) = s_.place[d_.inputs() - d_.p + i];
+  if (step.turns())
+    for (int i = 0; i + 1 < problem_.force->inputs(); ++i) at(step.q() + i) = force_->q(i);
+  step.tape().prepare_lanes(step_place_.data(), width_);
+}
+
+/// What moves from substep to substep.
+void BundleRun::load_step(Index row, int j) {
+  const StepTape& step = *problem_.step;
+  double** const place = step_place_.data();
+  const int substeps = first_.substeps;
+  const Index number = row * substeps + j, node = dp::nodes * number;
+  if (s_.timed) set_times(s_, static_cast<double>(number), place[step.time()]);
+  for (int i = 0; i < n_; ++i) {
+    place[step.x() + i] = s_.states[0] + width_ * i;
+    place[step.k() + i] = k_ + width_ * i;
+    place[step.next_x() + i] = next_ + width_ * i;
+  }
+  for (std::size_t i = 0; i < step.kept().size(); ++i)
+    place[static_cast<std::size_t>(step.next_k()) + i] = next_k_ + width_ * step.kept()[i];
+  const bool within = j + 1 < substeps;
+  const Index end_row = within ? row : row + 1;
+  const int end_place = within ? dp::nodes * (j + 1) : 0;
+  if (!step.turns()) {
+    for (int i = 1; i < dp::nodes; ++i) load_inputs(s_, node + i, row, dp::nodes * j + i, place + step.drive(i));
+    return load_inputs(s_, first_.hold ? node + dp::nodes - 1 : node + dp::nodes, end_row, end_place,
+                       place + step.drive(dp::nodes));
+  }
+  for (int w = 0; w < problem_.force->waves(); ++w) {
+    place[step.wave(w)] = force_->cosine(w);
+    place[step.wave(w) + 1] = force_->sine(w);
+    for (int i = 1; i < dp::nodes; ++i) {
+      place[step.turn(i, w)] = force_->cosine_of(w, dp::nodes * j + i);
+      place[step.turn(i, w) + 1] = force_->sine_of(w, dp::nodes * j + i);
+    }
+  }
+  if (!within) force_->turn_to(end_row);  // the waves of this row stay where they are
+  force_->values(end_place, place + step.end_value());
+}
+
+void BundleRun::substep_by_tape(Index row, int j) {
+  load_step(row, j);
+  problem_.step->tape().run_lanes(step_place_.data(), width_);
+  std::swap(s_.states[0], next_);
+  std::swap(k_, next_k_);
+  for (int i = 0; i < n_; ++i) rates_[static_cast<std::size_t>(i)] = rate_row(0, i);
 }
 
 /// Where the rate of state i at a stage is kept: that of a displacement is a speed, which stands there already.
 double* BundleRun::rate_row(int stage, int i) const {
-  const int speed = d_.rate.copy_of(i) - 1 - d_.exogenous;
-  const bool displacement = i < 2 * d_.degrees && i % 2 == 0;
-  if (displacement && speed > i && speed < n_) return s_.states[stage] + width_ * speed;
-  return k_ + width_ * (stage * n_ + i);
+  const int speed = speed_of(d_, i);
+  return speed >= 0 ? s_.states[stage] + width_ * speed : k_ + width_ * (stage * n_ + i);
 }
 
 /// Lanes that nobody needs repeat the last one.
@@ -317,7 +367,6 @@ void BundleRun::stop_lane(Index row, int l, FixedOutcome& outcome) {
 void BundleRun::run(LaneSink& sink, std::span<FixedOutcome> outcomes) {
   const int substeps = first_.substeps;
   const bool hold = first_.hold;
-  const auto step = n_ == 2 ? substep_of_two : n_ == 3 ? substep_of_three : substep_of_any;
   for (int l = 0; l < count_; ++l) {
     outcomes[static_cast<std::size_t>(l)] = {};
     outcomes[static_cast<std::size_t>(l)].steps = static_cast<long>(first_.rows - 1) * substeps;
@@ -328,7 +377,8 @@ void BundleRun::run(LaneSink& sink, std::span<FixedOutcome> outcomes) {
     sink.row(row, s_.states[0], k_);
     if (row + 1 == first_.rows) break;
     std::copy_n(s_.states[0], width_ * n_, previous_);
-    for (int j = 0; j < substeps; ++j) step(s_, row, j, substeps, hold);
+    for (int j = 0; j < substeps; ++j)
+      problem_.step ? substep_by_tape(row, j) : substep_by_stages(s_, row, j, substeps, hold);
     if (!keep_going(row, outcomes)) break;
     if (row % cancel_rows == 0) check_cancelled(first_.cancelled);
   }

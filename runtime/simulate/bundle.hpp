@@ -1,10 +1,11 @@
 #pragma once
-// Members of an ensemble side by side: the fixed path of fixed.hpp on many members at once, for systems without
-// switches and bounds. Every lane gets the bits of run_fixed on it alone. Internal to this room.
+// Members of an ensemble side by side: the fixed path of fixed.hpp on many members at once. Every lane gets the bits of
+// run_fixed on it alone. Internal to this room.
 #include <functional>
 #include <vector>
 
 #include "simulate/fixed.hpp"
+#include "simulate/step_tape.hpp"
 #include "simulate/time_tape.hpp"
 
 namespace lunid {
@@ -25,6 +26,8 @@ struct BundleProblem {
   /// are the exogenous inputs; `q` of each lane.
   const TimeTape* force = nullptr;
   std::span<const double* const> q;
+  /// A substep as one tape, of this system and this force, where that is worthwhile; else null.
+  const StepTape* step = nullptr;
   /// The bound of a lane, asked for where the motion passes the one that its problem gives. Empty: that one holds.
   std::function<double(int lane)> true_bound;
 };
@@ -34,8 +37,11 @@ inline int bundle_width(std::size_t members) {
   return (static_cast<int>(members) + Tape::lane_group - 1) / Tape::lane_group * Tape::lane_group;
 }
 
-/// Runs the bundle; outcomes[l] is that of lane l. Allocates nothing while it steps. Throws
-/// InputError(Fault::interrupted) when cancelled.
+/// Runs the bundle of a system without switches and bounds; outcomes[l] is that of lane l. Allocates nothing while it
+/// steps. Throws InputError(Fault::interrupted) when cancelled.
 void run_bundle(const BundleProblem& problem, LaneSink& sink, std::span<FixedOutcome> outcomes);
+/// The same of a system with switches or bounds whose events a tape tells (StepTape::tells_events), with stage grids
+/// that do not jump at the samples; `step` is there. Lanes with an event take that substep alone. Allocates there.
+void run_switch_bundle(const BundleProblem& problem, LaneSink& sink, std::span<FixedOutcome> outcomes);
 
 }  // namespace lunid

@@ -20,16 +20,19 @@ constexpr Index look_samples = 64;
 /// One thread's work on the members of a bundle.
 class Job {
  public:
-  Job(const Ensemble& ensemble, const EnsembleOptions& options, std::span<const Index> members, EnsembleResult& result)
+  Job(const Ensemble& ensemble, const EnsembleOptions& options, const StepTape* step, std::span<const Index> members,
+      EnsembleResult& result)
       : ensemble_(ensemble),
         options_(options),
+        step_(step),
         system_(*ensemble.system),
+        smooth_(system_.dynamics().smooth()),
         members_(members),
         result_(result),
         first_row_(static_cast<Index>(options.settled * static_cast<double>(ensemble.force.rows() - 1))) {}
 
   void run() {
-    if (system_.dynamics().smooth())
+    if (smooth_ || (step_ && !jumps()))
       run_lanes();
     else
       for (const Index member : members_) run_alone(member);
@@ -38,6 +41,11 @@ class Job {
  private:
   std::span<const double> theta(Index member) const {
     return {ensemble_.theta.col(member).data(), static_cast<std::size_t>(ensemble_.theta.rows())};
+  }
+
+  /// Inputs jump at the samples, where modes are decided anew.
+  bool jumps() const {
+    return ensemble_.force.excitation(members_.front()).ordered(system_).interpolation() == Interpolation::hold;
   }
 
   /// A run that cannot begin is a result.
@@ -177,12 +185,13 @@ class Job {
 
   void run_lanes() {
     const MemberForce& force = ensemble_.force;
+    const bool expression = smooth_ && force.is_expression();  // those with switches have stage grids
     std::vector<Index> members;
     std::vector<Excitations> excitations;
     std::vector<FixedProblem> problems;
     std::vector<const double*> x0, q;
     for (const Index member : members_) {
-      if (force.is_expression()) {
+      if (expression) {
         if (refuse(member, force.t0())) continue;
         problems.push_back(expression_problem(member));
         q.push_back(force.q(member));
@@ -198,21 +207,23 @@ class Job {
       members.push_back(member);
     }
     if (members.empty()) return;
-    BundleProblem bundle{problems, x0, nullptr, q, {}};
-    if (force.is_expression()) {
+    BundleProblem bundle{problems, x0, nullptr, q, step_, {}};
+    if (expression) {
       bundle.force = &force.tape();
       bundle.true_bound = [&](int lane) { return bound_of(members[static_cast<std::size_t>(lane)], 1); };
     }
     std::vector<FixedOutcome> outcomes(members.size());
     BundleSink sink(*this, members, bundle_width(members.size()));
-    run_bundle(bundle, sink, outcomes);
+    (smooth_ ? run_bundle : run_switch_bundle)(bundle, sink, outcomes);
     for (std::size_t l = 0; l < members.size(); ++l)
       keep_values(sink.summaries, members[l], static_cast<int>(l), problems[l], outcomes[l]);
   }
 
   const Ensemble& ensemble_;
   const EnsembleOptions& options_;
+  const StepTape* step_;
   const System& system_;
+  const bool smooth_;
   std::span<const Index> members_;
   EnsembleResult& result_;
   Index first_row_;
@@ -230,9 +241,9 @@ SimulateOptions simulate_options(const EnsembleOptions& options) {
   return o;
 }
 
-void run_job(const Ensemble& ensemble, const EnsembleOptions& options, std::span<const Index> members,
-             EnsembleResult& result) {
-  Job(ensemble, options, members, result).run();
+void run_job(const Ensemble& ensemble, const EnsembleOptions& options, const StepTape* step,
+             std::span<const Index> members, EnsembleResult& result) {
+  Job(ensemble, options, step, members, result).run();
 }
 
 }  // namespace lunid

@@ -1,15 +1,9 @@
-// The fixed path of systems with switches or bounds. A substep runs in one frozen mode. Where an event function falls
-// below zero within it, the place is found by stepping to a part of the substep (a bracketed Newton), the mode is
-// decided there and the rest of the substep follows.
+#include "simulate/event_run.hpp"
+
 #include <algorithm>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "simulate/dormand_prince.hpp"
-#include "simulate/fixed.hpp"
-#include "simulate/saltation.hpp"
-#include "simulate/segment.hpp"
 
 namespace lunid {
 namespace {
@@ -24,47 +18,7 @@ constexpr int newton_iterations = 10;
 /// Beyond this many events the rest of a substep is taken in one mode: the motion chatters faster than steps resolve.
 constexpr int events_per_substep = 50;
 
-class EventRun {
- public:
-  EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0);
-  FixedOutcome run(RowSink& sink);
-
- private:
-  /// The inputs, with their rates where an event function moves with them.
-  Drive drive(Segment& segment, double s) const noexcept {
-    return d_.input_rates ? segment.drive_with_rates(s) : segment.drive(s);
-  }
-  Drive drive_at_start(Index row) const noexcept {
-    Segment first = segment_of(problem_, row, 0);
-    return drive(first, 0);
-  }
-  void begin();
-  bool advance(Segment& segment);
-  void step(Segment& segment, double from, double to) noexcept;
-  template <int N>
-  void step_state(Segment& segment, double from, double to) noexcept;
-  void step_sensitivities(Segment& segment, double from, double to) noexcept;
-  double probe(Segment& segment, double from, double to, int event) noexcept;
-  int first_event(Segment& segment, double from, double& to) noexcept;
-  int estimate_first(double width) const noexcept;
-  int find_dip(Segment& segment, double from, double& to) noexcept;
-  double locate(Segment& segment, double from, double to, int event) noexcept;
-  double inside(Segment& segment, double from, double to, int event) noexcept;
-  void accept(Segment& segment, double from, double to);
-  void happen(Segment& segment, double at, int event);
-  bool failed(Segment& segment, double at, Stop stop);
-
-  const FixedProblem& problem_;
-  const Dynamics& d_;
-  const int n_, p_;
-  ModeMachine modes_;
-  std::optional<Sensitivities> sensitivities_;
-  Saltation saltation_;
-  std::vector<double> x_, trial_, stage_, k_;
-  Observation now_, then_;
-  std::vector<double> ks_, s_stage_;
-  FixedOutcome outcome_;
-};
+}  // namespace
 
 EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
     : problem_(problem),
@@ -80,19 +34,21 @@ EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
       k_(dp::stages * n_),
       now_(modes_.observation()),
       then_(modes_.observation()) {
-  if (!sensitivities_) return;
-  s_stage_ = sensitivities_->s;
-  ks_.resize(dp::stages * s_stage_.size());
-}
-
-void EventRun::begin() {
+  if (sensitivities_) {
+    s_stage_ = sensitivities_->s;
+    ks_.resize(dp::stages * s_stage_.size());
+  }
   const Drive drive = drive_at_start(0);
   saltation_.start(drive, x_.data());
   modes_.observe(drive, x_.data(), now_);
 }
 
+bool EventRun::substep(Index row, int j) {
+  Segment part = segment_of(problem_, row, j);
+  return advance(part);
+}
+
 FixedOutcome EventRun::run(RowSink& sink) {
-  begin();
   long count = 0;
   for (Index row = 0; row < problem_.rows; ++row) {
     if (problem_.hold && row > 0) {
@@ -105,8 +61,7 @@ FixedOutcome EventRun::run(RowSink& sink) {
     bool going = true;
     for (int j = 0; j < problem_.substeps && going; ++j) {
       if ((count++ & (cancel_interval - 1)) == 0) check_cancelled(problem_.cancelled);
-      Segment part = segment_of(problem_, row, j);
-      going = advance(part);
+      going = substep(row, j);
     }
     if (!going) break;
   }
@@ -312,8 +267,6 @@ void EventRun::accept(Segment& segment, double from, double to) {
 void EventRun::happen(Segment& segment, double at, int event) {
   saltation_.resolve(event, drive(segment, at), x_.data(), now_);
 }
-
-}  // namespace
 
 FixedOutcome run_with_events(const FixedProblem& problem, const Eigen::VectorXd& x0, RowSink& sink) {
   return EventRun(problem, x0).run(sink);

@@ -1,6 +1,7 @@
 #include "simulate/lane_force.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "expr/kernel.hpp"
 #include "simulate/dormand_prince.hpp"
@@ -46,7 +47,7 @@ LUNID_WIDE void turn_part(int width, const double* from, const double* by, bool 
 
 }  // namespace
 
-LaneForce::LaneForce(const TimeTape& tape, int width, int substeps, std::span<double* const> out)
+LaneForce::LaneForce(const TimeTape& tape, int width, int substeps)
     : tape_(tape), width_(width), nodes_(dormand_prince::nodes * substeps), timed_(tape.rest().reads(0)) {
   for (int j = 0; j < substeps; ++j)
     for (int i = 0; i < dormand_prince::nodes; ++i) places_.push_back((j + dormand_prince::place[i]) / substeps);
@@ -54,7 +55,8 @@ LaneForce::LaneForce(const TimeTape& tape, int width, int substeps, std::span<do
   rest_place_.resize(room(tape.rest()));
   angle_place_.resize(room(tape.angles()));
   const auto waves = static_cast<std::size_t>(tape.waves()), turned = static_cast<std::size_t>(TimeTape::turned_rows);
-  rows_ = rest_place_.size() + angle_place_.size() + 3 + 2 * waves * (2 + turned + places_.size());
+  rows_ =
+      rest_place_.size() + angle_place_.size() + 3 + 2 * waves * (3 + turned + places_.size()) + tape.values().size();
   memory_.resize(rows_ * static_cast<std::size_t>(width));
   std::size_t next = 0;
   const auto take = [&](std::size_t rows) { return lanes(std::exchange(next, next + rows)); };
@@ -65,12 +67,13 @@ LaneForce::LaneForce(const TimeTape& tape, int width, int substeps, std::span<do
   work_ = take(1);
   base_ = take(2 * waves);
   now_ = take(2 * waves);
+  before_ = take(2 * waves);
   turns_ = take(2 * waves * turned);
   by_place_ = take(2 * waves * places_.size());
+  values_ = take(tape.values().size());
   std::copy_n(rest_place_.begin() + 1, tape.inputs() - 1, angle_place_.begin() + 1);
   tape.rest().prepare_lanes(rest_place_.data(), width);
   tape.angles().prepare_lanes(angle_place_.data(), width);
-  std::copy(out.begin(), out.end(), rest_place_.begin() + tape.rest().output_place());
 }
 
 void LaneForce::set_time(Index row, double place, double* t) const noexcept {
@@ -102,23 +105,29 @@ void LaneForce::begin_block(Index row) noexcept {
                base_ + 2 * width_ * w);
 }
 
-void LaneForce::load(Index row, int place) noexcept {
+void LaneForce::turn_to(Index row) noexcept {
+  if (tape_.waves() == 0) return;
   const int pair = 2 * width_;
   const Index within = row % TimeTape::turned_rows;
-  if (place == 0 && tape_.waves() > 0) {
-    if (within == 0) begin_block(row);
-    for (int w = 0; w < tape_.waves(); ++w)
-      turn(width_, base_ + pair * w, turns_ + pair * (w * TimeTape::turned_rows + within), now_ + pair * w);
-  }
+  if (within == 0) begin_block(row);
+  std::swap(now_, before_);
+  for (int w = 0; w < tape_.waves(); ++w)
+    turn(width_, base_ + pair * w, turns_ + pair * (w * TimeTape::turned_rows + within), now_ + pair * w);
+}
+
+void LaneForce::values(int place, double** to) noexcept {
   const auto values = tape_.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
-    double* const to = rest_place_[static_cast<std::size_t>(tape_.inputs()) + i];
-    const double* const from = now_ + pair * values[i].wave;
-    if (place == 0)
-      std::copy_n(from + (values[i].sine ? width_ : 0), width_, to);
-    else
-      turn_part(width_, from, by_place_ + pair * (values[i].wave * nodes_ + place), values[i].sine, to);
+    const auto [wave, sine] = values[i];
+    to[i] = place > 0 ? values_ + static_cast<std::ptrdiff_t>(i) * width_ : sine ? this->sine(wave) : cosine(wave);
+    if (place > 0) turn_part(width_, cosine(wave), cosine_of(wave, place), sine, to[i]);
   }
+}
+
+void LaneForce::load(Index row, int place, double* const* out) noexcept {
+  if (place == 0) turn_to(row);
+  values(place, rest_place_.data() + tape_.inputs());
+  std::copy_n(out, tape_.outputs(), rest_place_.begin() + tape_.rest().output_place());
   if (timed_) set_time(row, places_[static_cast<std::size_t>(place)], rest_place_[0]);
   tape_.rest().run_lanes(rest_place_.data(), width_);
 }

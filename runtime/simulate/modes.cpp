@@ -11,9 +11,6 @@ namespace {
 
 /// The width of a surface: this part of the step's time at the greatest speed with which it was met.
 constexpr double surface_width = 1e-13;
-/// Where no speed was met yet: a point on a surface is on the side of its mode, be it by the least.
-constexpr double least_width = 1e-200;
-
 /// Solves a (k x k, row-major) x = b in place by Gaussian elimination with pivoting; false when singular.
 bool solve_small(double* a, double* b, int k) noexcept {
   for (int col = 0; col < k; ++col) {

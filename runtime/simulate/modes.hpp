@@ -6,6 +6,7 @@
 // the same way: there g = dg/dt = 0, and both sides push back by their accelerations. A bound of a state is a mode too:
 // the state is held there while its rate pushes outward. Both integrators, fixed step and SUNDIALS, decide by this one
 // class.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -93,6 +94,20 @@ class ModeMachine {
   double speed(int event) const {
     const int count = static_cast<int>(surfaces_.size());
     return event < count ? surfaces_[event].scale : bounds_[event - count].scale;
+  }
+  void set_speed(int event, double speed) {
+    const int count = static_cast<int>(surfaces_.size());
+    (event < count ? surfaces_[event].scale : bounds_[event - count].scale) = speed;
+  }
+  /// What an event function is raised by for each unit of its speed, so that rounding is no event.
+  double width_time() const { return width_time_; }
+  /// Beside that.
+  static constexpr double least_width = 1e-200;
+  /// The side of a surface, +1 or -1.
+  int side(int surface) const { return surfaces_[surface].mode; }
+  /// No surface is slid upon, no bound held: nothing but the sides of the surfaces makes the mode.
+  bool plain() const {
+    return !sliding() && std::none_of(bounds_.begin(), bounds_.end(), [](const BoundState& b) { return b.held; });
   }
   bool slides_on(int surface) const { return surfaces_[surface].order != 0; }
   /// True when the motion rests on a surface of the displacement: g = dg/dt = 0.

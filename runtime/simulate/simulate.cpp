@@ -36,7 +36,7 @@ struct SensitivitySink : FreeSink {
 void close(RunSummary& summary, const Clock& clock, const ExternalWatch& externals) {
   externals.rethrow();
   summary.seconds = clock.seconds();
-  summary.notes = externals.notes(summary.seconds);
+  summary.notes = externals.notes();
 }
 
 /// A run that cannot begin, or nothing.

@@ -114,7 +114,9 @@ function lunid.state(fields) end
 ---@class lunid.effect.fields
 ---@field name string # snake_case, as results will call it
 ---@field family "stiffness"|"damping"|"friction"|"hysteresis"|"soil"|"inertia"|"extra_dof"|"time_variation"|"input"|"sensor" # kind of physics
----@field contribution any # what it adds to the restoring force, as text or expression; a list: its mirror images
+---@field contribution? any # what it adds to the restoring force, as text or expression; a list: its mirror images
+---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
+---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
 ---@field formula? string # as an engineer writes it; else the text of the first contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess
 ---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit = }
@@ -262,6 +264,7 @@ function lunid.huber(fields) end
 ---@field substeps? integer # of the fixed path, per sample; else chosen
 ---@field sensitivities? boolean # exact ones of every state to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
 ---@field max_memory? number # a run that needs more is refused
+---@field regularise? number # smooth the branches over so much, in the unit of what switches: sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located
 ---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1
 ---@param fields lunid.simulate.fields
 ---@return lunid.run
@@ -481,6 +484,8 @@ function record:summary(fields) end
 ---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
 ---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
 ---@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0
+---@field measures? lunid.table # what displacements and velocities show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
+---@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, affine in F
 ---@field states? table # internal states that the restoring force does not name
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0
 ---@param fields lunid.model.fields
@@ -1338,7 +1343,7 @@ function lunid.thesis_validation(fields) end
 ---@field test? any # opened once, after the verdict; else the last part of each record is held out
 ---@field window? lunid.window # part of the training records
 ---@field test_window? lunid.window # part of the test records; of the training files where no test is given
----@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there
+---@field catalogue? table # names of entries to try, any of `lunid list effects`; else all
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
 ---@field max_effects? integer # named one after another

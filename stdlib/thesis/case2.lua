@@ -39,7 +39,7 @@ plots.data(report, train[1], 1)
 report:section "2.0: the restoring force surface"
 local surface = lunid.rfs { record = train, mass = 1, order = { 4, 4 },
   interpolate = quick and { lunid.grid {}, lunid.nearest {}, lunid.mlp {} } or "all" }
-plots.surface(report, surface)
+plots.surface(report, surface, not quick and train)
 report:table(published.rfs_table(published.case2.rfs, surface))
 plots.pruning(report, train, library, 1)
 

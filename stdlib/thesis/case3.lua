@@ -25,27 +25,30 @@ plots.data(report, train[1], 1)
 report:section "3.0: what shape does the surface have?"
 local surface = lunid.rfs { record = train, mass = 1, order = { 4, 4 },
   interpolate = quick and { lunid.grid {}, lunid.nearest {}, lunid.mlp {} } or "all" }
-plots.surface(report, surface)
+plots.surface(report, surface, not quick and train)
 local proposal = require("shapes").of_surface(surface)
 report:table(proposal.table)
 report:text(("The section of the surface along the displacement proposes %s."):format(proposal.best))
 
 report:section "3.0: polynomials, and what the surface proposes"
-local polynomial = lunid.select { record = train, mass = 1, features = { polynomials }, most_terms = quick and 4 or 6 }
 local function with_tanh(number, fitted)
   return lunid.select { record = fitted, mass = 1, features = { lunid.polynomials({ y, v }, 3), tanh(p*y) }, most_terms = 4,
     search = lunid.search { starts = quick and 2 or 4 } }
 end
 local found = with_tanh(seed, train)
 local cut = lunid.regress { record = train, mass = 1, features = { polynomials }, solver = lunid.stlsq { threshold = 0.05 } }
-local board = lunid.scoreboard { record = train, test = test, truth = system, models = {
+local usual = lunid.regress { record = train, mass = 1, features = { polynomials }, solver = lunid.stlsq { threshold = 0.005 } }
+local models = {
   { "RX made again, polynomials", cut.model },
-  { "usual pipeline made again", polynomial.naive.model },
-  { "best polynomial by free runs", polynomial.model },
+  { "the same, cut off at 0.5 %", usual.model },
   { "RFS, 4 x 4", lunid.model { mass = 1, restoring = surface.restoring } },
-  { "Lunid, tanh as proposed", found.model },
-  { "truth", system },
-} }
+}
+if not quick then  -- each run of a wrong polynomial takes small steps, and many are run
+  models[4] = { "best polynomial by free runs", lunid.select { record = train, mass = 1, features = { polynomials }, most_terms = 5 }.model }
+end
+models[#models + 1] = { "Lunid, tanh as proposed", found.model }
+models[#models + 1] = { "truth", system }
+local board = lunid.scoreboard { record = train, test = test, truth = system, models = models }
 report:table(board:terms())
 report:table(board:measures())
 for _, each in ipairs(board:figures()) do report:figure(each.name, each.figure, each.caption) end
@@ -72,7 +75,7 @@ end
 report:table { head = { "seed", "terms", "p [1/m]", "off [%]", "coefficient of tanh [N]", "run error" }, rows = rows,
   caption = ("The thesis found p = %.1f and a negative coefficient, which polynomials made up for"):format(published.case3.slope) }
 
-local polynomial_run = board:result "best polynomial by free runs"
+local polynomial_run = board:result "RX made again, polynomials"
 polynomial_run.seed, polynomial_run.equation = seed, 1
 local first = board:result "Lunid, tanh as proposed"
 first.seed, first.equation = seed, 1

@@ -23,32 +23,23 @@ function plots.data(report, train, mass)
     style = "points" } }, x = "displacement [m]", y = "velocity [m/s]" }, "Phase portrait of the training data")
 end
 
---- A section along one axis with the points near it, and beside it all points from the side.
-local function section(report, surface, axis, words)
-  local cut = lunid.section { surface, [axis == "y" and "v" or "y"] = 0 }
-  local label = axis == "y" and "displacement [m]" or "velocity [m/s]"
-  report:figure("section_" .. axis, lines { x = label, y = "restoring force [N]", series = {
-    series { cut.points_place, cut.points_f, label = "measured near it", role = "measured", style = "points" },
-    series { cut.place, cut.f, label = surface.kind, role = "final" } } }, "Section of the surface along the " .. words)
-  local points = surface.points
-  report:figure("side_" .. axis, lines { x = label, y = "restoring force [N]", series = {
-    series { points[axis]:every(3), points.f:every(3), label = "all measured points", role = "measured", style = "points" },
-    series { cut.place, cut.f, label = "section at 0", role = "final" } } }, "Side view of the surface: all points over the " .. words)
-end
-
---- The chosen surface, its sections and side views, and the scores of its rivals.
-function plots.surface(report, surface)
+--- The chosen surface from three sides, its sections and side views, and the scores of its rivals; `all`: each rival's surface
+--- too.
+function plots.surface(report, surface, train)
   report:figure("surface", lunid.figure.surface { surface }, "Selected restoring force surface: " .. surface.kind)
-  report:figure("surface_from_the_velocity_side", lunid.figure.surface { surface, azimuth = 0, elevation = 5 },
-    "The surface from the side of the velocity")
-  report:figure("surface_from_the_displacement_side", lunid.figure.surface { surface, azimuth = -90, elevation = 5 },
-    "The surface from the side of the displacement")
-  section(report, surface, "y", "displacement")
-  section(report, surface, "v", "velocity")
+  report:figure("surface_contour", lunid.figure.contour { surface }, "The surface from above; hatched: no data")
+  report:figure("side_views", lunid.figure.side_views { surface }, "Side views of surface and data, over displacement and velocity")
+  local top = math.max(surface.points.v:max(), -surface.points.v:min())
+  report:figure("sections", lunid.figure.sections { surface, v = { -0.5*top, 0, 0.5*top }, y = { 0 } },
+    "Cross sections of the surface along displacement and velocity, with the data near them")
   local rows = {}
   for i, rival in ipairs(surface.rivals) do rows[i] = { rival.kind, rival.left_out and rival.left_out.r2, rival.left_out and rival.left_out.rmse } end
   report:table { head = { "interpolation", "R2 left out", "RMSE left out [N]" }, rows = rows,
     caption = "Surfaces side by side, scored on blocks of time that they had not seen" }
+  for _, kind in ipairs(train and { "grid", "nearest", "triangulation", "mlp", "gaussian_process", "support_vectors", "random_forest" } or {}) do
+    local one = lunid.rfs { record = train, mass = 1, interpolate = lunid[kind] {} }
+    report:figure("surface_" .. kind, lunid.figure.surface { one }, ("Surface by %s: R2 %.3f"):format(one.kind, one.r2))
+  end
 end
 
 --- RMSE of the force against the number of terms, the best subset of each size.
@@ -60,8 +51,7 @@ function plots.pruning(report, train, features, mass)
     rows[i] = { #step.features, step.rmse, ("%.0f"):format(step.criterion), table.concat(step.features, ", ") }
   end
   report:table { head = { "terms", "RMSE [N]", "BIC", "which" }, rows = rows, caption = "Removing terms: the best subset of each size, by equation error" }
-  report:figure("removing_terms", lines { x = "number of terms", y = "RMSE of the force [N]", series = {
-    series { count, rmse, style = "line_points", role = "final" } } }, "Removing unnecessary terms: score against number of terms")
+  report:figure("removing_terms", lunid.figure.score { fit }, "Removing unnecessary terms: score against number of terms")
 end
 
 --- Mutual information and the thesis' significance index of each term; `true_terms` are marked.
@@ -73,6 +63,14 @@ function plots.ranking(report, ranking, true_terms)
   end
   report:table { head = { "term", "mutual information [nat]", "Spearman", "Kendall", "significance index" }, rows = rows,
     caption = "What statistics say of the terms: mutual information with the force, and MI * max|c f|" }
+  local information, significance = {}, {}
+  for i, row in ipairs(ranking) do
+    information[i] = { row.name, row.information }
+    significance[i] = { row.name, row.significance }
+  end
+  report:figure("mutual_information", lunid.figure.contributions { information, axis = "mutual information [nat]" },
+    "Mutual information of the terms with the force")
+  report:figure("significance", lunid.figure.contributions { significance, axis = "MI * max|c f| [N]" }, "The thesis' significance index")
 end
 
 return plots

@@ -27,6 +27,7 @@ for _, rate in ipairs(quick and { 200, 400, 800 } or { 150, 200, 300, 400, 800, 
   local train = lunid.thesis_record { system = system, frequency = { 20, 30 }, dt = 1/rate, seed = 10*seed }
   local test = lunid.thesis_validation { system = system, from = train[1] }
   local good, found = pcall(identified, train)
+  if not good and tostring(found):match "interrupted" then error(found, 0) end
   rows[#rows + 1] = good and { rate, rate/30, found.terms, off(found.model, "c_y"), off(found.model, "c_y3"), off(found.model, "c_v"),
     error_under(found.model, test), error_under(found.naive.model, test) } or { rate, rate/30, "no model runs" }
   runs[#runs + 1] = { rate = rate, terms = good and found.terms or nil }

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "discovery_faults.hpp"
 #include "truth/truth.hpp"
 
 namespace {
@@ -326,6 +327,7 @@ double upper_limit(int count, int all) {
 
 /// Right and all of each kind.
 struct Tally {
+  faults::FaultTally sensors;
   int right[4] = {}, all[4] = {};
   int parameters = 0, inside = 0, closed = 0, closable = 0, wild = 0, false_names = 0;
   int equal[4] = {}, classes = 0, members = 0;
@@ -360,6 +362,8 @@ struct Tally {
         "where named right: parameters within their 95 %% interval %d/%d, test gap within 1.3 floors %d/%d; "
         "longest run %.1f s\n",
         inside, parameters, closed, closable, longest);
+    if (sensors.all > 0)
+      std::printf("faulty sensors and inputs: called physics %d of %d\n", sensors.physics, sensors.all);
     const int nulls = all[at(Kind::null)];
     if (classes > 0)
       std::printf(
@@ -368,9 +372,9 @@ struct Tally {
     if (nulls > 0)
       std::printf("nulls: false names %d of %d, 95 %% limit of the rate %.3f\n", false_names, nulls,
                   upper_limit(false_names, nulls));
-    std::printf("named %d/%d nulls-false %d/%d pairs %d/%d outside %d/%d sensors 0/0\n", right[at(Kind::effect)],
+    std::printf("named %d/%d nulls-false %d/%d pairs %d/%d outside %d/%d sensors %d/%d\n", right[at(Kind::effect)],
                 all[at(Kind::effect)], nulls - right[at(Kind::null)], nulls, right[at(Kind::pair)], all[at(Kind::pair)],
-                right[at(Kind::outside)], all[at(Kind::outside)]);
+                right[at(Kind::outside)], all[at(Kind::outside)], sensors.right, sensors.all);
   }
 };
 
@@ -427,6 +431,8 @@ int main(int argc, char** argv) {
     tally.add(setting, outcome);
     print_row(setting, outcome);
   }
+  if (!plan.brief && plan.nulls == 0)
+    tally.sensors = faults::run_all(argv[1], argv[2], plan.full, plan.rows > 0 ? plan.rows : 6400, plan.only);
   tally.print();
   return plan.check && !tally.clean() ? 1 : 0;
 }

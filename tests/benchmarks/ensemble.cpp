@@ -217,6 +217,47 @@ Work frequency_sweep() {
   return {"frf-sweep", 1.5, [=] { benchmark::DoNotOptimize(ours().data()); }, hand};
 }
 
+/// A stop and Coulomb friction: 500 members side by side, where each by itself takes the hand-written place.
+Work switches() {
+  constexpr int members = 500, rows = 1601;
+  auto pool = std::make_shared<lunid::Pool>();
+  lunid::Model model;
+  model.pool = pool;
+  model.mass = pool->constant(1);
+  model.restoring = lunid::parse(*pool, "k*y + c*v + Fc*sign(v) + 1e5*max(y - 0.01, 0)");
+  auto study = std::make_shared<Study>();
+  study->system = std::make_shared<lunid::System>(lunid::complete(model));
+  study->ensemble.system = study->system.get();
+  study->ensemble.theta.resize(3, members);
+  for (int m = 0; m < members; ++m) {
+    const double part = static_cast<double>(m) / members;
+    study->ensemble.theta.col(m) << 1.5e4 + 1e4 * part, 10 + 5 * part, 5 + 20 * part;
+  }
+  study->ensemble.x0.setZero(2, members);
+  study->options.outputs = {lunid::output_from("rms_y", *study->system)};
+  study->options.substeps = 1;
+  study->options.threads = 1;
+  study->ensemble.force = lunid::MemberForce::of(lunid::Excitation(0, 1 / 800.0, sampled_force(rows, 100)));
+  const auto alone = [=] {
+    double sum = 0;
+    lunid::SimulateOptions options;
+    options.solver = lunid::Solver::fixed;
+    options.substeps = 1;
+    for (int m = 0; m < members; ++m) {
+      const std::span theta(study->ensemble.theta.col(m).data(), 3);
+      sum += lunid::simulate(*study->system, theta, study->ensemble.force.excitation(m), study->ensemble.x0.col(m),
+                             options)
+                 .x(rows - 1, 0);
+    }
+    benchmark::DoNotOptimize(sum);
+  };
+  return {"ensemble-switches", 1,
+          [=, keep = pool] {
+            benchmark::DoNotOptimize(lunid::run_ensemble(study->ensemble, study->options).values.data());
+          },
+          alone};
+}
+
 /// The same ensemble on two threads, beside one: 1.9 times faster.
 Work threads() {
   const Work two = ensemble(2), one = ensemble(1);
@@ -242,6 +283,6 @@ Work compilation() {
 
 }  // namespace
 
-std::vector<Work> ensemble_works() { return {ensemble(1), frequency_sweep(), threads(), compilation()}; }
+std::vector<Work> ensemble_works() { return {ensemble(1), frequency_sweep(), switches(), threads(), compilation()}; }
 
 }  // namespace bench

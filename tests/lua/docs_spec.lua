@@ -86,7 +86,7 @@ spec.case("help answers for every constructor and effect", function()
   spec.contains(overview, "effect               An entry of the catalogue, for lunid.discover { effects = { ... } }.\n")
   assert(not overview:find(" \n", 1, true), "a line ends in a space")
   spec.equal(spec.lunid "list efects",
-    "list: expected effects, features, solvers, excitations or systems, got 'efects', did you mean 'effects'?\n")
+    "list: expected effects, features, solvers, excitations, systems or cases, got 'efects', did you mean 'effects'?\n")
   local said, code = spec.lunid "help regres"
   spec.equal(code, 2)
   spec.equal(said, "no help on 'regres', did you mean 'regress'?\n")

@@ -175,4 +175,21 @@ spec.case("a model as LaTeX, and what cannot be exported", function()
 end)
 
 spec.clean()
+spec.case("branches are smoothed where asked for, and the run says so", function()
+  local friction = lunid.model { mass = 1, restoring = 400*y + 2*lunid.sign(v) }
+  local given = { model = friction, excitation = 0, from = { 0.05, 0 }, duration = 0.5, dt = 1e-3 }
+  local sharp = lunid.simulate(given)
+  spec.equal(#sharp.summary.notes, 0)
+  given.regularise = 1e-3
+  local smooth = lunid.simulate(given)
+  spec.equal(smooth.summary.notes[1], "regularised over 0.001, as asked: sign(v)")
+  spec.contains(tostring(smooth), "\n  note: regularised over 0.001, as asked: sign(v)")
+  spec.equal(smooth.summary.events, 0)
+  spec.near(smooth:column("y")[300], sharp:column("y")[300], 2e-4)
+  given.model = lunid.model { mass = 1, restoring = 400*y }
+  spec.equal(lunid.simulate(given).summary.notes[1], "regularised over 0.001, as asked: there was no branch")
+  given.regularise = 0
+  spec.equal(spec.message_of(function() lunid.simulate(given) end), "simulate: regularise: expected > 0, got 0")
+end)
+
 spec.finish()

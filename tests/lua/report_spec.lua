@@ -94,6 +94,33 @@ spec.case("a named effect is drawn over what it depends on", function()
   spec.equal(rows[#rows][1], "1")
 end)
 
+spec.case("the steps and the rivals are drawn with the numbers of discovery.json", function()
+  local data, values = named.data, {}
+  for _, row in ipairs(numbers("named", "gaps")) do
+    if row[2] == "bar" then values[row[3] .. " " .. row[4]] = tonumber(row[5]) end
+  end
+  spec.equal(values["train baseline"], data.baseline.gap_train)
+  spec.equal(values["test baseline"], data.baseline.gap_test)
+  spec.equal(values["train cubic_stiffness"], data.effects[1].gap_train)
+  spec.equal(values["test final"], data.final.gap_test)
+  assert(not io.open(spec.folder .. "/nothing/figures/gaps.png"), "no step was made, and a figure shows some")
+end)
+
+spec.case("the page draws its figures itself, from numbers that lie inside, and asks for nothing", function()
+  local page = read "named/report.html"
+  local _, charts = page:gsub('<div class="lunid%-figure">', "")
+  local _, pictures = page:gsub('<img alt="[^"]*" src="data:image/png;base64,', "")
+  local _, captions = page:gsub("<figcaption>[^<]", "")
+  spec.equal(charts, 5)
+  spec.equal(pictures, 5)  -- for where scripts are off
+  spec.equal(captions, 5)
+  assert(not page:find("https?://") and not page:find('src="[^d]') and not page:find "<link", "the page asks for something")
+  local first = page:match '<script type="application/json">(.-)</script>'
+  spec.contains(first, '"title":"whole record"')
+  spec.contains(first, '"label":"measured"')
+  spec.contains(page, "document.querySelectorAll(\".lunid-figure\").forEach(build)")
+end)
+
 spec.case("a second discovery of a study does not write over the first", function()
   spec.write("good.csv", (function()
     local rows, y, v = { "t,F,y" }, 0.01, 0

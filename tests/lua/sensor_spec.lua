@@ -137,9 +137,9 @@ end)
 
 spec.case("a known fault stands in a model, is saved and loaded", function()
   local k = lunid.parameter { "k", 400, unit = "N/m" }
-  local model = lunid.model { mass = 1, restoring = k*y + v, measures = effects.sensor_lag { tau = 0.02 },
+  local model = lunid.model { mass = 2, restoring = k*y + v, measures = effects.sensor_lag { tau = 0.02 },
     acts = effects.force_gain { g = 1.1 } }
-  spec.equal(model:equation(), "1*a + k*y + v = force_gain_g*F\ndsensor_lag_x/dt = (y - sensor_lag_x)/sensor_lag_tau\n"
+  spec.equal(model:equation(), "2*a + k*y + v = force_gain_g*F\ndsensor_lag_x/dt = (y - sensor_lag_x)/sensor_lag_tau\n"
     .. "y measured = sensor_lag_x")
   local again = lunid.load(model:save(spec.folder .. "/measuring.lua"))
   spec.equal(again:equation(), model:equation())
@@ -171,7 +171,7 @@ spec.case("messages", function()
     fields.mass, fields.restoring = 1, y
     spec.equal(spec.message_of(function() lunid.model(fields) end), text)
   end
-  refused("model: measures: expected a table { channel = expression }, got the expression y", { measures = y })
+  refused("model: measures: expected a table { channel = expression }, got an expression", { measures = y })
   refused("model: measures: expected a displacement or velocity of the model, got 'F'", { measures = { F = y } })
   refused("model: acts: F: cannot hold the channel 'y' (it may hold F t force_rate)", { acts = { F = y + lunid.force } })
 end)

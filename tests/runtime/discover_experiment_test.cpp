@@ -1,4 +1,5 @@
-// The designed experiment: its scores against closed forms, and whether it does what it promises on the truth generator.
+// The designed experiment: its scores against closed forms, and whether it does what it promises on the truth
+// generator.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -155,7 +156,8 @@ TEST(Experiment, LetsDiscoveryNameWhatTheFirstRecordCouldNot) {
   options.noise_db = 12;
   options.seed = 3;
   for (const Truth& truth : truths()) {
-    const truth::Columns first = truth::make_record(truth.physics, scale, truth::multisine(0.7, 1.2, 20, 5), 0.55, options);
+    const truth::Columns first =
+        truth::make_record(truth.physics, scale, truth::multisine(0.7, 1.2, 20, 5), 0.55, options);
     options.seed += 10;
     const truth::Columns second =
         truth::make_record(truth.physics, scale, truth::multisine(0.7, 1.2, 20, 6), 0.55, options);
@@ -170,9 +172,9 @@ TEST(Experiment, LetsDiscoveryNameWhatTheFirstRecordCouldNot) {
 
     const double noise = before.same_experiment.noise;
     const Model again = baseline("k*y + c*v", scale.mass);
-    const Discovery after = discover(again, rivals(*again.pool),
-                                     {measure(truth.physics, scale, best.excitation, noise, options.seed)},
-                                     {record_of(second, "second")});
+    const Discovery after =
+        discover(again, rivals(*again.pool), {measure(truth.physics, scale, best.excitation, noise, options.seed)},
+                 {record_of(second, "second")});
     EXPECT_EQ(after.verdict, "explained") << truth.name << ": " << after.sentence;
     ASSERT_EQ(after.effects.size(), 1u) << after.sentence;
     EXPECT_EQ(after.effects[0].name, truth.name);

@@ -35,7 +35,8 @@ ResidualRows rows_of(double noise, std::uint64_t seed, const std::function<doubl
 
 TEST(ResidualMaps, ACubicGrowsWithDisplacementIsOddAndFeedsTheThirdHarmonic) {
   // the baseline's spring has absorbed what it can: y^3 - 0.5 y has little first harmonic at these amplitudes
-  const ResidualMaps maps = map_residual(rows_of(0.002, 3, [](double y, double, double) { return y * y * y - 0.42 * y; }));
+  const ResidualMaps maps =
+      map_residual(rows_of(0.002, 3, [](double y, double, double) { return y * y * y - 0.42 * y; }));
   EXPECT_GT(maps.map("y").share, 0.95);
   EXPECT_LT(maps.map("v").share, 0.3);
   EXPECT_TRUE(maps.map("harmonic").above(3));
@@ -83,7 +84,8 @@ TEST(ResidualMaps, HarmonicsAreThoseOfTheForceOverTheMotionsPhase) {
   for (const int k : {2, 3, 5, 6, 7, 8}) EXPECT_NEAR(map.value[k], 0, 1e-9) << k;
 }
 
-/// The level holds for coloured noise: 5 % of records over all bins of a map; of 80 records at most 10 by chance (0.99).
+/// The level holds for coloured noise: 5 % of records over all bins of a map; of 80 records at most 10 by chance
+/// (0.99).
 TEST(ResidualMaps, NoiseAloneSeldomRisesAboveTheLevel) {
   int y = 0, v = 0, harmonic = 0, slow = 0;
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {

@@ -62,13 +62,13 @@ Effect sensor(Pool& pool, const std::string& name, const std::string& map, std::
 
 /// One after another: the gain of a channel that is off already.
 TEST(Sensor, FaultsOfOneChannelAreComposed) {
-  Model model = baseline("k*y", 1);
+  Model model = baseline("k*y", 2);
   Pool& pool = *model.pool;
   const Effect offset = sensor(pool, "offset", "y + offset_b", {testing::row("offset_b")});
   const Effect gain = sensor(pool, "gain", "gain_g*y", {testing::row("gain_g")});
   add_variant(model, offset, 0);
   add_variant(model, gain, 0);
-  EXPECT_EQ(model.equation(), "1*a + k*y = F\ny measured = gain_g*(y + offset_b)");
+  EXPECT_EQ(model.equation(), "2*a + k*y = F\ny measured = gain_g*(y + offset_b)");
   EXPECT_FALSE(is_physics(offset));
   EXPECT_EQ(physics_in({{&offset, 0}, {&gain, 0}}), 0);
 }

@@ -187,10 +187,10 @@ TEST_F(External, what_is_not_finite_is_not_handed_on) {
 TEST_F(External, a_watch_tells_derivatives_by_differences) {
   const Expr called = call(sine_growth(false), {y, v});
   const ExternalWatch watch(pool);
-  EXPECT_TRUE(watch.notes(1).empty());
+  EXPECT_TRUE(watch.notes().empty());
   at(derivative(called, y), 0.1, 0.2);
-  ASSERT_EQ(watch.notes(1).size(), 1u);
-  EXPECT_EQ(watch.notes(1)[0], "function 'f': 1 derivatives by central differences, for want of a gradient");
+  ASSERT_EQ(watch.notes().size(), 1u);
+  EXPECT_EQ(watch.notes()[0], "function 'f': 1 derivatives by central differences, for want of a gradient");
 }
 
 }  // namespace

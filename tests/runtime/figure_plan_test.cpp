@@ -416,6 +416,31 @@ TEST(FigureCurve, thinning_keeps_the_extremes_and_the_ends) {
   EXPECT_TRUE(std::is_sorted(thinned.begin(), thinned.end(), [](Point a, Point b) { return a.x < b.x; }));
 }
 
+TEST(FigureCurve, a_spiral_of_many_turns_is_covered_everywhere) {
+  SeenSegments seen({0, 0, 200, 200}, 0.5);
+  Stroke spiral;
+  for (int i = 0; i < 500000; ++i) {
+    const double radius = 95.0 * std::exp(-2e-6 * i), angle = 0.01 * i;
+    spiral.push_back({100.0 + radius * std::cos(angle), 100.0 + radius * std::sin(angle)});
+  }
+  const std::vector<Stroke> drawn = seen.fresh(spiral);
+  std::size_t count = 0;
+  for (const Stroke& stroke : drawn) count += stroke.size();
+  EXPECT_LT(count, 100000u);
+  // No turn is farther from ink than a cell and its neighbour: lines there are 1.25 wide.
+  for (std::size_t i = 0; i < spiral.size(); i += 2503) {
+    double nearest = 1e9;
+    for (const Stroke& stroke : drawn)
+      for (std::size_t k = 1; k < stroke.size(); ++k) {
+        const Point a = stroke[k - 1], b = stroke[k], p = spiral[i];
+        const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+        const double t = square > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0.0;
+        nearest = std::min(nearest, std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy));
+      }
+    EXPECT_LT(nearest, 1.0) << i;
+  }
+}
+
 TEST(FigureCurve, nan_breaks_a_line) {
   Figure figure;
   Panel p;

@@ -77,7 +77,9 @@ class StreamedRegression : public testing::Test {
     const Regression whole = regress(records, options), part = regress(streams, options);
     expect_same(part, whole);
     EXPECT_NEAR(whole.terms[0].coefficient, 2e4, 600);
-    if (!whole.implicit.empty()) EXPECT_EQ(part.implicit[0].value, whole.implicit[0].value);
+    if (!whole.implicit.empty()) {
+      EXPECT_EQ(part.implicit[0].value, whole.implicit[0].value);
+    }
   }
   TextFile file{duffing(50000)};
   Study study;

@@ -131,6 +131,43 @@ TEST(Ensemble, ModelsWithSwitchesAndBounds) {
                      keeping(slider, {"max_y", "rms_a"}, 2, 2));
 }
 
+// Every kind of switch, so often met that lanes are outside the bundle about as long as in it.
+TEST(Ensemble, LanesLeaveAtTheirSwitchesAndComeBack) {
+  const Excitation smooth(0, 0.002, three_tones(220, 40), Interpolation::cubic);
+  const Excitation jumps(0, 0.002, three_tones(120, 40), Interpolation::hold);
+  const std::pair<Model, std::vector<double>> models[] = {
+      {model_of("1", "k*y + c*v + Fc*sign(v)"), {9e3, 3, 12}},                  // sticks
+      {model_of("1", "k*y + h*max(y - 0.002, 0)^2 + 2*abs(v)*v"), {9e3, 1e7}},  // a stop and drag
+      {model_of("1", "k*y + where(y > 0.001, h*y, min(3*v, 1))"), {9e3, 1e3}},  // conditions of both kinds
+      {model_of("1", "k*y + P*sign(y)"), {9e3, 5}},                             // rests on a preload
+      {model_of("1", "k*y + sqrt(abs(v) + 0.01) + z", {{"z", "e*v", "-2", "2"}}), {9e3, 700}},  // yields at bounds
+      {model_of("1", "k*y + c*v*tanh(30*y) + Fc*sign(v - 0.05*sin(40*t))"), {9e3, 3, 8}},  // no machine code; moves
+      {model_of("1", "k*y + h*max(y - 0.1*y^3 - 0.001, 0)"), {9e3, 1e5}}};                 // its gradient moves
+  for (const auto& [model, theta] : models)
+    for (const int substeps : {1, 3}) {
+      const System system(model);
+      expect_single_runs(spread(system, theta, 21, MemberForce::of(smooth)),
+                         keeping(system, {"max_y", "rms_a"}, substeps));
+      expect_single_runs(spread(system, theta, 9, MemberForce::of(jumps)),
+                         keeping(system, {"max_y", "rms_a"}, substeps));
+    }
+}
+
+TEST(Ensemble, LanesWithSwitchesMayDifferInTheirExcitation) {
+  const Model model = model_of("1", "k*y + c*v + Fc*sign(v)");
+  const System system(model);
+  const VectorXd omega = VectorXd::LinSpaced(67, 50, 150), amplitude = VectorXd::LinSpaced(67, 1, 60);
+  expect_single_runs(spread(system, {9e3, 4, 6}, 67, harmonics(*model.pool, amplitude, omega, 130, 24)),
+                     keeping(system, {"max_y", "rms_a"}, 2, 2));
+}
+
+TEST(Ensemble, ALaneWithSwitchesThatStopsLeavesTheOthersAlone) {
+  const System system(model_of("1", "k*y + c*v - k3*y^3 + Fc*sign(v)"));
+  Ensemble e = spread(system, {100, 1, 1, 2}, 21, MemberForce::of(Excitation(0, 0.01, three_tones(300, 20))));
+  for (const Index m : {0, 7, 8, 20}) e.theta(2, m) = 4e4;
+  expect_single_runs(e, keeping(system, {"max_y", "rms_a"}, 2), 4);
+}
+
 TEST(Ensemble, SeveralDegreesOfFreedomAndInputs) {
   const System system(model_of_many({{"1", "k*y1 + c*v1 + h*(y1 - y2)^3"}, {"2", "h*(y2 - y1)^3 + k*y2"}}));
   const Excitation first(0, 0.002, three_tones(150, 40)), second(0, 0.002, three_tones(150, -7));

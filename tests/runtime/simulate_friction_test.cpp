@@ -1,4 +1,5 @@
 // Dry friction: sliding, stopping, sticking and break-away against closed forms, by every solver.
+#include "simulate/regularise.hpp"
 #include "simulate_models.hpp"
 
 namespace lunid {
@@ -45,6 +46,51 @@ TEST_P(EverySolver, ABlockOnARoughTableStopsAndStays) {
     }
   }
   EXPECT_NEAR(run.summary.stuck, 2 - stop, 1e-7);
+}
+
+// v' = -mu g tanh(v/w) has the solution sinh(v/w) = sinh(v0/w) exp(-mu g t/w); nothing is located.
+TEST(Regularised, FrictionHasItsClosedForm) {
+  constexpr double w = 0.05, v0 = 0.4;
+  const Regularised smooth = regularised(model_of("m", "mu*m*9.81*sign(v)"), w);
+  EXPECT_EQ(smooth.replaced, std::vector<std::string>{"sign(v)"});
+  const System system(smooth.model);
+  const auto theta = theta_of(system, {{"m", 2.5}, {"mu", 0.3}});
+  const lunid::Run run =
+      simulate(system, theta, zero_force(0.3, 0.01), state({0, v0}), with_solver(Solver::bdf, 1e-10));
+  ASSERT_TRUE(run.summary.completed) << run.summary.cause;
+  EXPECT_EQ(run.summary.events, 0);
+  for (Eigen::Index i = 0; i < run.x.rows(); ++i) {
+    const double t = 0.01 * static_cast<double>(i);
+    EXPECT_NEAR(run.x(i, 1), w * std::asinh(std::sinh(v0 / w) * std::exp(-0.3 * 9.81 * t / w)), 1e-8) << t;
+  }
+}
+
+TEST(Regularised, EveryBranchTendsToItsOwn) {
+  const char* const branches[] = {"sign(y)",
+                                  "abs(y - 1)",
+                                  "max(y, v)",
+                                  "min(2*y, v)",
+                                  "where(y > 1, y^2, v)",
+                                  "where(y < v, 3, y)",
+                                  "where(v, 1, -1)",
+                                  "where(y >= max(v, 0), abs(v), 2)"};
+  for (const char* const branch : branches) {
+    const Model sharp = model_of("1", branch);
+    const Regularised smooth = regularised(sharp, 1e-3);
+    EXPECT_FALSE(smooth.replaced.empty()) << branch;
+    const Expr inputs[] = {sharp.pool->channel("y"), sharp.pool->channel("v")};
+    const Expr both[] = {sharp.restoring, smooth.model.restoring};
+    const Tape tape(both, inputs);
+    EXPECT_EQ(Tape(std::span(both).subspan(1), inputs).switches(), 0) << branch;
+    std::vector<double> scratch(static_cast<std::size_t>(tape.registers()) + 1);
+    for (const double y : {-1.7, -0.3, 0.4, 1.2})
+      for (const double v : {-1.1, -0.2, 0.7, 1.9}) {  // far from every switch
+        const double in[] = {y, v};
+        double out[2];
+        tape.run_point(in, out, scratch.data());
+        EXPECT_NEAR(out[1], out[0], 1e-12) << branch << " at " << y << ", " << v;
+      }
+  }
 }
 
 // Below the break-away force nothing moves; a ramp breaks away when it passes Fc, and no earlier.

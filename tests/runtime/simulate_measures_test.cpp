@@ -39,7 +39,7 @@ TEST(Measures, EquationSaysThem) {
 TEST(Measures, SlopesAreThoseOfWhatIsShown) {
   const std::vector<std::pair<Model, std::vector<double>>> cases = {
       {measuring(model_of("1", "k*y + c*v"), {{"y", "g*y + b + d*t^2"}}), {4, 0.3, 1.2, 0.1, 0.02}},
-      {measuring(model_of("1", "k*y + c*v", {{"x", "(y - x)/tau"}}), {{"y", "x"}}), {4, 0.3, 0.2}},
+      {measuring(model_of("1", "k*y + c*v", {{"x", "(y - x)/tau", "", ""}}), {{"y", "x"}}), {4, 0.3, 0.2}},
       {measuring(model_of("1", "k*y + c*v"), {{"y", "min(max(y, -level), level)"}}), {4, 0.3, 0.5}},
       {measuring(model_of("1", "k*y + c*v"), {}, {{"F", "g*F + tau*force_rate"}}), {4, 0.3, 1.1, 0.15}},
   };
@@ -71,11 +71,11 @@ TEST(Measures, SlopesAreThoseOfWhatIsShown) {
 
 /// A lag of a cosine in its steady state is known: amplitude 1/sqrt(1 + (w tau)^2), phase -atan(w tau).
 TEST(Measures, ALagIsThatOfItsFrequencyResponse) {
-  const System system(measuring(model_of("1", "k*y + c*v", {{"x", "(y - x)/tau"}}), {{"y", "x"}}));
+  const System system(measuring(model_of("1", "k*y + c*v", {{"x", "(y - x)/tau", "", ""}}), {{"y", "x"}}));
   const std::vector<double> theta = theta_of(system, {{"k", 4}, {"c", 1.5}, {"tau", 0.3}});
   const double w = 1.3;
   const Excitation force(0, 0.02, 4000, std::function<double(double)>([&](double t) { return std::cos(w * t); }));
-  const Run run = simulate(system, theta, force, state({0, 0, 0}), {});
+  const lunid::Run run = simulate(system, theta, force, state({0, 0, 0}), {});
   const Eigen::VectorXd y = shown(system, theta, run);
   const std::complex<double> i(0, 1), gain = 1.0 / ((4 - w * w + 1.5 * w * i) * (1.0 + 0.3 * w * i));
   for (Eigen::Index row = 3000; row < 4000; row += 37)
@@ -88,7 +88,7 @@ TEST(Measures, AFitFindsThePhysicsBehindAFaultyChannel) {
   const Excitation force = drive(dt, 1500);
   const System truth(model_of("1", "k*y + c*v + q*y^3"));
   const std::vector<double> physics = theta_of(truth, {{"k", 4}, {"c", 0.3}, {"q", 0.5}});
-  const Run run = simulate(truth, physics, force, state({0.1, 0}), {});
+  const lunid::Run run = simulate(truth, physics, force, state({0.1, 0}), {});
   const Record faulty = derive_motion(Record(
       "faulty", 0, dt,
       {channel("F", force.samples() / 1.25), channel("y", (run.x.col(0).array() + 0.3).cwiseMin(0.9).matrix())}));
@@ -123,7 +123,7 @@ TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
 TEST(Measures, SaysWhatCanBeUndone) {
   EXPECT_TRUE(can_be_undone(measuring(model_of("1", "y"), {{"y", "g*y + b*t"}}, {{"F", "g*F"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"y", "min(y, b)"}})));
-  EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y", {{"x", "y - x"}}), {{"y", "x"}})));
+  EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y", {{"x", "y - x", "", ""}}), {{"y", "x"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {}, {{"F", "F + g*force_rate"}})));
 }
 

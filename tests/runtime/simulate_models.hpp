@@ -13,7 +13,7 @@
 namespace lunid::testing {
 
 struct StateText {
-  std::string name, rate, min, max;
+  std::string name, rate, min{}, max{};
   double initial = 0;
 };
 

@@ -9,6 +9,8 @@ namespace {
 const char* const linear = "k*y + c*v";
 
 double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+double place(double x, double) { return x; }
+double speed(double, double v) { return v; }
 double above(double x) { return x > 0 ? x : 0; }
 
 Case law_case(const char* name, Kind kind, Law law, double k = 1, const char* baseline = linear) {
@@ -33,19 +35,20 @@ std::vector<Case> of_the_motion() {
       effect("quintic_stiffness", of_motion([](double x, double) { return 0.012 * std::pow(x, 5); })),
       effect("bilinear_stiffness", of_motion([](double x, double) { return 0.6 * above(x - 0.3); })),
       effect("saturating_stiffness", of_motion([](double x, double) { return 0.5 * std::tanh(2 * x); }), 0.7),
-      effect("preload", of_motion([](double x, double) { return 0.25 * sign(x); })),
+      effect("preload", of_motion([](double x, double) { return 0.25 * sign(x); }, place)),
       effect("sinusoidal_stiffness", of_motion([](double x, double) { return 0.25 * std::sin(3.5 * x); })),
       effect("odd_quadratic_stiffness", of_motion([](double x, double) { return 0.15 * std::abs(x) * x; })),
       effect("impact_hunt_crossley",
              of_motion([](double x, double v) { return std::pow(above(x - 0.7), 1.5) * above(1 + 0.5 * v); })),
       effect("cubic_damping", of_motion([](double, double v) { return 0.05 * v * v * v; })),
-      effect("power_law_damping", of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); })),
+      effect("power_law_damping",
+             of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); }, speed)),
       effect("van_der_pol_damping", of_motion([](double x, double v) { return 0.12 * x * x * v; })),
       effect("asymmetric_damping", of_motion([](double, double v) { return 0.25 * above(v); })),
       effect("position_dependent_friction",
-             of_motion([](double x, double v) { return (0.05 + 0.15 * std::abs(x)) * sign(v); })),
+             of_motion([](double x, double v) { return (0.05 + 0.15 * std::abs(x)) * sign(v); }, speed)),
       effect("stribeck_friction",
-             of_motion([](double, double v) { return (0.15 + 0.25 * std::exp(-v * v / 0.06)) * sign(v); })),
+             of_motion([](double, double v) { return (0.15 + 0.25 * std::exp(-v * v / 0.06)) * sign(v); }, speed)),
       effect("hyperbolic_soil", of_motion([](double x, double) { return x / (1 + std::abs(x) / 0.6); }), 0.5),
   };
 }
@@ -97,8 +100,10 @@ std::vector<Case> beyond_the_catalogue() {
   using laws::of_motion;
   const auto outside = [](const char* name, Law law) { return law_case(name, Kind::outside, std::move(law)); };
   return {
-      outside("outside_square_wave", of_motion([](double x, double) { return 0.2 * sign(std::sin(4 * x)); })),
-      outside("outside_damping_in_a_gap", of_motion([](double x, double v) { return 0.6 * (x > 0.6 && x < 1.4) * v; })),
+      outside("outside_square_wave", of_motion([](double x, double) { return 0.2 * sign(std::sin(4 * x)); },
+                                               [](double x, double) { return std::sin(4 * x); })),
+      outside("outside_damping_in_a_gap", of_motion([](double x, double v) { return 0.6 * (x > 0.6 && x < 1.4) * v; },
+                                                    [](double x, double) { return (x - 0.6) * (x - 1.4); })),
       outside("outside_y_abs_v", of_motion([](double x, double v) { return 0.25 * x * std::abs(v); })),
   };
 }

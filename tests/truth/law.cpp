@@ -5,8 +5,9 @@
 
 namespace truth::laws {
 
-Law of_motion(std::function<double(double, double)> force) {
+Law of_motion(std::function<double(double, double)> force, std::function<double(double, double)> jump) {
   Law law;
+  law.jump = std::move(jump);
   law.force = [force](double, double x, double v, const double*) { return force(x, v); };
   return law;
 }

@@ -14,11 +14,12 @@ struct Law {
   std::function<void(double tau, double x, double v, const double* z, double* rate)> rate;
   std::function<void(double x, double v, double* z)> settle;  ///< brings the states within their limits, after a step
   std::function<double(double x, double v)> mass;             ///< beside the oscillator's 1
+  std::function<double(double x, double v)> jump;  ///< the force jumps where its sign changes: a step is split there
 };
 
 namespace laws {
 
-Law of_motion(std::function<double(double x, double v)> force);
+Law of_motion(std::function<double(double x, double v)> force, std::function<double(double x, double v)> jump = {});
 Law of_time(std::function<double(double tau, double x, double v)> force);
 /// A mass that depends on the motion, and the force that comes with it.
 Law inertia(std::function<double(double x, double v)> mass, std::function<double(double x, double v)> force);

@@ -181,6 +181,39 @@ Motion integrate_law(const Physics& physics, const Signal& signal, double level,
   const auto moved = [&](const Vector& k, double by) {
     for (int i = 0; i < n; ++i) at[i] = s[i] + by * k[i];
   };
+  const auto advance = [&](double t, double u, double length, double end) {
+    const double middle = level * signal(t + length / 2);
+    rate(t, u, s, k1);
+    moved(k1, length / 2);
+    rate(t + length / 2, middle, at, k2);
+    moved(k2, length / 2);
+    rate(t + length / 2, middle, at, k3);
+    moved(k3, length);
+    rate(t + length, end, at, k4);
+    for (int i = 0; i < n; ++i) s[i] += length / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+  };
+  const auto step = [&](double t, double u, double length, double end) {
+    advance(t, u, length, end);
+    if (law.settle) law.settle(s[0], s[1], s.data() + 2);
+  };
+  // The part of a step until just beyond the jump that falls into it, or all of it.
+  const auto before_jump = [&](double t, double length) {
+    const Vector start = s;
+    const double side = law.jump(s[0], s[1]);
+    const auto beyond = [&](double part) {
+      advance(t, level * signal(t), part, level * signal(t + part));
+      const bool crossed = law.jump(s[0], s[1]) * side < 0;
+      s = start;
+      return crossed;
+    };
+    if (!beyond(length)) return length;
+    double low = 0, high = length;
+    for (int pass = 0; pass < 30; ++pass) {
+      const double middle = 0.5 * (low + high);
+      (beyond(middle) ? high : low) = middle;
+    }
+    return high;
+  };
   Motion motion;
   double now = level * signal(0);
   for (int row = 0; row < rows; ++row) {
@@ -194,18 +227,11 @@ Motion integrate_law(const Physics& physics, const Signal& signal, double level,
     motion.hidden.push_back(hidden);
     motion.restoring.push_back(linear(s) + hidden);
     for (int j = 0; j < steps && row + 1 < rows; ++j) {
-      const double t = tau + j * h;
-      const double middle = level * signal(t + h / 2), end = level * signal(t + h);
-      rate(t, now, s, k1);
-      moved(k1, h / 2);
-      rate(t + h / 2, middle, at, k2);
-      moved(k2, h / 2);
-      rate(t + h / 2, middle, at, k3);
-      moved(k3, h);
-      rate(t + h, end, at, k4);
+      const double t = tau + j * h, end = level * signal(t + h);
+      const double part = law.jump ? before_jump(t, h) : h;
+      step(t, now, part, part < h ? level * signal(t + part) : end);
+      if (part < h) step(t + part, level * signal(t + part), h - part, end);
       now = end;
-      for (int i = 0; i < n; ++i) s[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
-      if (law.settle) law.settle(s[0], s[1], s.data() + 2);
     }
   }
   return motion;

@@ -46,7 +46,7 @@ vtkSmartPointer<vtkRenderWindow> Display::window(int width, int height) {
   auto result = vtkSmartPointer<vtkRenderWindow>::New();
   result->SetDisplayId(connection_);
   result->SetOffScreenRendering(1);
-  result->SetMultiSamples(8);
+  result->SetMultiSamples(4);
   result->SetDPI(72);
   result->SetSize(width, height);
   return result;
