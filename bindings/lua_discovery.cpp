@@ -1,5 +1,6 @@
 // Discovery: the catalogue's entries cross from Lua as data plus a guess function; the result goes back whole.
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -107,9 +107,8 @@ local function baseline(lunid, options)
     return value
   end
   local good, model = pcall(function()
-    local model = lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring,
+    return lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring,
       "--restoring"), motion = options.imposed_motion and "imposed" or "free" }
-    return require("lunid.units").complete(model)
   end)
   if not good then fault(model, "usage") end
   return model
@@ -129,6 +128,7 @@ commands["discover"] = function(options)
     local discovery = require "lunid.discovery"
     local model = baseline(lunid, options)
     local train = read_all(lunid, options.train, options)
+    if not options.baseline then model = require("lunid.units").complete(model, train[1]) end
     local test = options.test and read_all(lunid, options.test, options)
     local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
       window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }

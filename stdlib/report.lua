@@ -276,11 +276,10 @@ function report.write(found, prefix)
     "<h1>What the model lacks</h1>",
     ('<p class="verdict"><b>%s</b>: %s</p>'):format(escape(data.verdict), escape(data.sentence)),
     "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
-    named_section(data), gap_section(data), figure_section(drawn, why_none), rivals_section(data),
-    "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
+    named_section(data), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
-    removable_section(data), next_section(data), warnings_section(data), provenance(data), page_of.script(),
-    "</body></html>\n" }, "\n")
+    removable_section(data), rivals_section(data), next_section(data), figure_section(drawn, why_none),
+    warnings_section(data), provenance(data), page_of.script(), "</body></html>\n" }, "\n")
   return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
     folder = count > 0 and output.shown(prefix .. "figures") or nil }
 end

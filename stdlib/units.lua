@@ -20,10 +20,10 @@ end
 
 local function raised(name, exponent) return exponent == 1 and name or ("%s^%d"):format(name, exponent) end
 
---- "N s/m" from { "N", s = 1, m = -1 }
-local function text(whole, s, m)
+--- "N s/m" from { "N", s = 1, m = -1 }; `length`: the unit of y.
+local function text(whole, s, m, length)
   local above, below = { whole }, {}
-  for _, each in ipairs { { "s", s }, { "m", m } } do
+  for _, each in ipairs { { "s", s }, { length, m } } do
     if each[2] > 0 then above[#above + 1] = raised(each[1], each[2]) end
     if each[2] < 0 then below[#below + 1] = raised(each[1], -each[2]) end
   end
@@ -31,7 +31,7 @@ local function text(whole, s, m)
 end
 
 --- The unit of the parameter `name` in an expression whose own unit is `whole`: "" where the parameter is no plain factor.
-local function unit_in(expression, name, whole)
+local function unit_in(expression, name, whole, length)
   local factor = expression:derivative(core.parse(name, name))
   for _, other in ipairs(factor:symbols()) do
     if other.kind ~= "channel" or other.name == "F" then return "" end
@@ -42,16 +42,29 @@ local function unit_in(expression, name, whole)
     if not exponent then return "" end
     m, s = m - exponent * signal.m, s - exponent * signal.s
   end
-  return text(whole, s, m)
+  return text(whole, s, m, length)
 end
 
---- The model with units for those of its parameters that have none.
-function units.complete(model)
+--- The units of y, of F and of the mass between them, as the record has y and F.
+local function units_of(record)
+  local function unit(name, otherwise)
+    local channel = record and record.channels[name]
+    return channel and channel.unit ~= "" and channel.unit or otherwise
+  end
+  local length, force = unit("y", "m"), unit("F", "N")
+  local mass = length == "m" and force == "N" and "kg" or length == "rad" and force == "N m" and "kg m^2"
+    or force .. " s^2/" .. length
+  return length, force, mass
+end
+
+--- The model with units for those of its parameters that have none, where its motion is that of `record` (nil: m and N).
+function units.complete(model, record)
   local rows = {}
-  for _, part in ipairs { { model.mass, "kg" }, { model.restoring, "N" } } do
+  local length, force, mass = units_of(record)
+  for _, part in ipairs { { model.mass, mass }, { model.restoring, force } } do
     for _, symbol in ipairs(part[1]:symbols()) do
       if symbol.kind == "parameter" and model.parameters[symbol.name].unit == "" and not rows[symbol.name] then
-        rows[symbol.name] = { unit = unit_in(part[1], symbol.name, part[2]) }
+        rows[symbol.name] = { unit = unit_in(part[1], symbol.name, part[2], length) }
       end
     end
   end

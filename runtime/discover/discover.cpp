@@ -91,9 +91,23 @@ class Spine {
     check_excitation();
     fit(study_, baseline_, fit_options(40));
     from_given_guess();
-    if (!baseline_.ran())
-      out_.warnings.push_back("the baseline cannot be simulated over the training records (" + baseline_.fit.stopped +
-                              ")");
+    say_first(baseline_);
+  }
+
+  /// A baseline that cannot be run, or whose parameters sit at bounds, is said before anything else.
+  void say_first(const Candidate& c) {
+    std::vector<std::string> said;
+    if (!c.ran())
+      said.push_back("the baseline cannot be simulated over the training records (" + c.fit.stopped + ")");
+    const auto& table = c.system->model().parameters;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed) {
+        char value[32];
+        std::snprintf(value, sizeof value, "%.4g", c.fit.theta[static_cast<Eigen::Index>(i)]);
+        said.push_back("the baseline's " + table[i].name + " sits at its bound " + value +
+                       ": widen it, or see what the baseline's other terms leave to it");
+      }
+    out_.warnings.insert(out_.warnings.begin(), said.begin(), said.end());
   }
 
   void from_given_guess() {
@@ -476,9 +490,9 @@ class Spine {
       const double share = excess > 0 ? (out_.baseline_test.value - out_.final_test.value) / excess : 0;
       std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
                     100 * std::clamp(share, 0.0, 1.0));
-      std::string out = out_.verdict == "ambiguous"
-                            ? names + " or another of equal simplicity that this record cannot tell from it"
-                            : names;
+      std::string out = names;
+      for (const std::string& tie : found.ties) out += " or " + tie;
+      if (!found.ties.empty()) out += " (of equal simplicity: this record cannot tell them apart)";
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
       if (left_.material)

@@ -15,6 +15,16 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
+/// What was integrated twice from an accelerometer has lost its slow part: every free run would be held against that.
+void refuse_doubly_integrated(const Record& record, const SourceSpan& where) {
+  if (!record.has("v") || !record.channel("y").derived) return;
+  if (record.channel("v").derivation.rfind("of a by integration, less a polynomial", 0) != 0) return;
+  throw InputError(
+      "discover: the displacement is known from the acceleration alone, integrated twice: its slow part is lost, and "
+      "every free run would be held against that; record y or v too",
+      where, Fault::data);
+}
+
 void check_record(const Record& record, bool imposed) {
   const SourceSpan where{record.name(), 0, 0};
   if (record.rows() < 30)
@@ -26,6 +36,7 @@ void check_record(const Record& record, bool imposed) {
       throw InputError(std::string("discover: the record has no channel '") + name +
                            "'; name its column, e.g. --columns \"" + name + "=header [unit]\"",
                        where, Fault::data);
+  refuse_doubly_integrated(record, where);
   const auto y = record["y"];
   const auto [low, high] = std::minmax_element(y.begin(), y.end());
   if (!(*high > *low))
@@ -37,6 +48,20 @@ void check_record(const Record& record, bool imposed) {
   if (imposed && !(*most > *least))
     throw InputError("discover: imposed motion: the force is constant; it is what the model has to predict", where,
                      Fault::data);
+}
+
+/// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
+Record with_force_of_decay(const Record& record, std::vector<std::string>& warnings) {
+  if (record.has("F") || !record.has("y") || record.rows() < 30) return record;
+  const auto y = record["y"];
+  const std::size_t quarter = y.size() / 4;
+  if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return record;
+  warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
+  Channel force;
+  force.name = force.source = "F";
+  force.unit = "N";
+  force.values = Eigen::VectorXd::Zero(record.rows());
+  return record.with(std::move(force));
 }
 
 /// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
@@ -176,12 +201,15 @@ double Study::sensor_noise() const {
   return std::sqrt(sum / static_cast<double>(rows));
 }
 
-Study prepare(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
               const DiscoverOptions& options) {
   if (train.empty()) throw InputError("discover: expected at least one training record, got none", {}, Fault::usage);
   Study study;
   study.options = &options;
   study.imposed = baseline.imposed_motion;
+  for (auto* list : {&train, &test})
+    for (Record& record : *list)
+      if (!study.imposed) record = with_force_of_decay(record, study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(record, study.imposed);

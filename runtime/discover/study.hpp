@@ -29,8 +29,8 @@ struct Study {
   double sensor_noise() const;  ///< of the output, over the training records
 };
 
-/// Cuts the holdout, checks the records (rows, motion, force, channels) and smooths them. Throws InputError.
-Study prepare(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+/// A record without a force whose motion dies away gets F = 0. Cuts the holdout, checks the records (rows, motion, force, channels) and smooths them. Throws InputError.
+Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
               const DiscoverOptions& options);
 
 /// The force between the samples of the first training record and of all records that look like it; others keep what

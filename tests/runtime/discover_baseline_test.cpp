@@ -1,0 +1,113 @@
+// Which baselines and records discovery takes, what it says of them first, and what it offers to take away.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover_catalogue.hpp"
+#include "message.hpp"
+#include "record/random.hpp"
+#include "statistics/moments.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::record_of;
+using testing::small_catalogue;
+
+Channel channel(const std::string& name, const std::string& unit, const std::vector<double>& values) {
+  Channel c;
+  c.name = c.source = name;
+  c.unit = unit;
+  c.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  c.noise = noise_level(values);
+  return c;
+}
+
+/// A free decay of the truth (k = 1, zeta = 0.02, k3 = 0.1) from x0, 1 % noise; y alone, in `unit`.
+Record decay(double x0, std::uint64_t seed, const std::string& unit) {
+  truth::Physics physics;
+  physics.zeta = 0.02;
+  physics.k3 = 0.1;
+  const double spacing = 2 * M_PI / 30;
+  truth::Motion motion = truth::integrate(physics, truth::none(), 0, {x0, 0, 0}, 700, spacing, 24);
+  Philox random(seed, 0);
+  const double noise = 0.01 * moments::standard_deviation(motion.x);
+  for (double& x : motion.x) x += noise * random.normal();
+  return Record("decay " + std::to_string(seed), 0, spacing, {channel("y", unit, motion.x)});
+}
+
+TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
+  const Model model = baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  catalogue[0].parameters[0].unit = "N/m^3";
+  const Discovery d = discover(model, catalogue, {decay(2, 1, "rad")}, {decay(1.4, 2, "rad")});
+  EXPECT_EQ(d.warnings[0], "decay 1 has no force and its motion dies away: taken for a free decay, F = 0");
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  const Parameter& k3 = d.effects[0].parameters.front();
+  EXPECT_NEAR(k3.value, 0.1, 4 * k3.std);
+  EXPECT_EQ(k3.unit, "N/rad^3");
+  EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
+}
+
+/// Record of a case at the "milli" scale.
+truth::Records made(const char* name) {
+  truth::RecordOptions options;
+  options.rows = 1500;
+  options.noise_db = 30;
+  options.seed = 4;
+  return truth::make_records(truth::case_named(name), truth::scale_named("milli"), options);
+}
+
+Discovery find(const Model& model, const truth::Records& records) {
+  return discover(model, small_catalogue(*model.pool), {record_of(records.train, "train")},
+                  {record_of(records.test, "test")});
+}
+
+TEST(DiscoverySaysFirst, ThatAParameterOfTheBaselineSitsAtABound) {
+  Model model = baseline("k*y + c*v", 49);
+  model = complete(model);
+  const double wanted = 49 * std::pow(2 * M_PI * 20, 2);  // the truth's k
+  model.find("k")->max = 0.9 * wanted;
+  const Discovery d = find(model, made("null_linear"));
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the baseline's k sits at its bound %.4g: widen it, or see what the baseline's other terms leave to it",
+                0.9 * wanted);
+  EXPECT_EQ(d.warnings[0], text);
+}
+
+TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
+  const Model model = baseline("k*y + c*v + Fc*sign(v)", 49);
+  const Discovery absent = find(model, made("null_linear"));
+  ASSERT_EQ(absent.removable.size(), 1u);
+  EXPECT_EQ(absent.removable[0].parameter, "Fc");
+  EXPECT_EQ(absent.removable[0].term, "Fc*sign(v)");
+  EXPECT_TRUE(absent.final.find("Fc") != nullptr);
+  const Discovery there = find(baseline("k*y + c*v + Fc*sign(v)", 49), made("coulomb_friction"));
+  EXPECT_TRUE(there.removable.empty());
+}
+
+TEST(DiscoveryRefuses, AnAccelerometerAlone) {
+  const Record whole = decay(2, 3, "m");
+  const Eigen::VectorXd a = savitzky_golay(whole["y"], whole.dt(), 2, {6, 3});
+  const std::vector<double> values(a.begin(), a.end()), force(values.size(), 0.0);
+  const Record record = derive_motion(
+      Record("shaker.csv", 0, whole.dt(), {channel("F", "N", force), channel("a", "m/s^2", values)}));
+  const Model model = baseline("k*y + c*v", 1);
+  EXPECT_EQ(message([&] { discover(model, small_catalogue(*model.pool), {record}, {}); }),
+            "shaker.csv: discover: the displacement is known from the acceleration alone, integrated twice: its slow "
+            "part is lost, and every free run would be held against that; record y or v too");
+}
+
+TEST(DiscoveryRefuses, SeveralCoordinates) {
+  Model model = baseline("k*y1 + c*v1 + k*(y1 - y2)", 1);
+  model.further.push_back({model.pool->constant(1), parse(*model.pool, "k*(y2 - y1)")});
+  EXPECT_EQ(message([&] { discover(model, small_catalogue(*model.pool), {decay(2, 1, "m")}, {}); }),
+            "discover: expected a model of one degree of freedom, got 2");
+}
+
+}  // namespace
+}  // namespace lunid
