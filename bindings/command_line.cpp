@@ -85,7 +85,8 @@ void add_small_commands(CLI::App& app, Values& values) {
   CLI::App* check = app.add_subcommand("check", "look through a study without running it");
   check->add_option("study", values.study, "STUDY.lua")->required();
   CLI::App* list = app.add_subcommand("list", "list effects, features, solvers, excitations, systems or cases");
-  list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems | cases")->expected(0, 1);
+  list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems | cases")
+      ->expected(0, 1);
   CLI::App* help = app.add_subcommand("help", "explain a constructor, a group of them, a command or an effect");
   help->add_option("topic", values.topic, "such as regress, discover, cubic_stiffness, or systems duffing");
   add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);

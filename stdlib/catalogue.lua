@@ -23,6 +23,10 @@ catalogue.names = {
   "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping",
 }
 
+-- Those that discovery tries where a study names none.
+catalogue.searched = { "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "clearance", "one_sided_stop",
+  "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen" }
+
 local loaded = {}
 
 --- The entry of that name, which must be one of catalogue.names.
@@ -31,11 +35,11 @@ function catalogue.entry(name)
   return loaded[name]
 end
 
---- The entries of these names (nil: all), in the catalogue's order. Raises on a name that there is not.
+--- The entries of these names (nil: those searched), in the catalogue's order. Raises on a name that there is not.
 function catalogue.entries(names)
   local wanted, known, entries = {}, {}, {}
   for _, name in ipairs(catalogue.names) do known[name] = true end
-  for _, name in ipairs(names or catalogue.names) do
+  for _, name in ipairs(names or catalogue.searched) do
     if not known[name] then
       local near = core.nearest(name, catalogue.names)
       schema.fail("discover: catalogue", ("unknown effect '%s'%s"):format(name,

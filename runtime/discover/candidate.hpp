@@ -25,6 +25,7 @@ struct Candidate {
   std::vector<std::pair<std::size_t, std::pair<double, double>>>
       shown;                            ///< parameter, and where the record can show it
   std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
+  double force_misfit = INFINITY;       ///< squared misfit of the force as it is, unweighted; infinite: not looked at
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
   bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
   FitResult fit;

@@ -97,8 +97,7 @@ class Spine {
   /// A baseline that cannot be run, or whose parameters sit at bounds, is said before anything else.
   void say_first(const Candidate& c) {
     std::vector<std::string> said;
-    if (!c.ran())
-      said.push_back("the baseline cannot be simulated over the training records (" + c.fit.stopped + ")");
+    if (!c.ran()) said.push_back("the baseline cannot be simulated over the training records (" + c.fit.stopped + ")");
     const auto& table = c.system->model().parameters;
     for (std::size_t i = 0; i < table.size(); ++i)
       if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed) {

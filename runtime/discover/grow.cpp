@@ -32,7 +32,8 @@ class Grower {
         baseline_(baseline),
         catalogue_(catalogue),
         progress_(progress),
-        proposer_(study) {}
+        proposer_(study),
+        plain_(study, false) {}
 
   Grown run() {
     progress_("run the catalogue along the motion", 0.12);
@@ -120,6 +121,7 @@ class Grower {
     const Candidate* parent;
     const Proposer::Parent* space;
     Standing standing;
+    double misfit = INFINITY;  ///< of the force as it is
   };
 
   std::vector<Candidate> add_one(const std::vector<Candidate>& parents, int size) {
@@ -143,7 +145,11 @@ class Grower {
     std::vector<std::size_t> order(offers.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
-    if (size == 1) leave_aside(offers);
+    if (size == 1) {
+      leave_aside(offers);
+      const Proposer::Parent space = plain_.parent(parents.front(), theta_of(parents.front()));
+      each(order, [&](Offer& o) { o.misfit = misfit(*o.standing.shape, space); });
+    }
     std::erase_if(order,
                   [&](std::size_t i) { return !offers[i].standing.shown || !std::isfinite(offers[i].standing.cost); });
     const auto by_cost = [&](std::size_t a, std::size_t b) {
@@ -157,6 +163,16 @@ class Grower {
     each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
     return fit_list(offers, shortlist(offers, order, size), parents, size);
+  }
+
+  /// What an entry without memory would leave of the force itself.
+  double misfit(const Shape& shape, const Proposer::Parent& space) const {
+    if (!shape.system->model().states.empty()) return INFINITY;
+    Shape alone = shape;
+    alone.columns.clear();
+    plain_.run(alone);
+    const Standing standing = plain_.score(alone, space);
+    return standing.shown && std::isfinite(standing.cost) ? standing.cost : INFINITY;
   }
 
   /// Solved for at once: nothing to refine.
@@ -182,21 +198,32 @@ class Grower {
     std::vector<int> count(9, 0);
     std::vector<Choices> seen;
     const int always = size == 1 ? first_runs : later_runs;
+    const double plainly = plain_limit(offers, order);
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
       const Offer& o = offers[order[rank]];
       Choices set = o.parent->choices;
       set.push_back(o.standing.shape->choice);
       const bool again = std::any_of(seen.begin(), seen.end(), [&](const Choices& c) { return same(c, set); });
       if (again) continue;
-      const auto parameters = std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
+      const auto parameters =
+          std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
-      if (!first && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
+      if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
       ++count[parameters];
       seen.push_back(std::move(set));
       list.push_back(order[rank]);
     }
     return list;
+  }
+
+  /// The misfit of the second best on the force as it is; those are run in any case.
+  static double plain_limit(const std::vector<Offer>& offers, const std::vector<std::size_t>& order) {
+    std::vector<double> all;
+    for (const auto i : order)
+      if (std::isfinite(offers[i].misfit)) all.push_back(offers[i].misfit);
+    std::sort(all.begin(), all.end());
+    return all.empty() ? -1 : all[std::min<std::size_t>(1, all.size() - 1)];
   }
 
   // ---- faults of channels: no force to be proposed, but few, and fitted in any case ----
@@ -244,6 +271,7 @@ class Grower {
       start << o.standing.parent, o.standing.own;
       c.starts.push_back(std::move(start));
       c.force_cost = o.standing.cost;
+      c.force_misfit = o.misfit;
       level.push_back(std::move(c));
       parent_of.push_back(o.parent);
     }
@@ -294,8 +322,9 @@ class Grower {
     if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
   }
 
-  /// The best on the trajectory, and those of few and of many parameters that explain most of the force. They differ where one missing effect makes
-  /// free runs drift so far that another does not show in them.
+  /// The best on the trajectory, and those of few and of many parameters that explain most of the force. They differ
+  /// where one missing effect makes free runs drift so far that another does not show in them (friction under a
+  /// constant force, without a spring): there the force as it is says more than the force as the trajectory feels it.
   static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
     std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
     for (std::size_t richness = 1; richness <= force_beam; ++richness) {
@@ -305,11 +334,20 @@ class Grower {
         if (std::min<std::size_t>(parameters, force_beam) != richness) continue;
         if (!best || sorted[i].force_cost < best->force_cost) best = &sorted[i];
       }
-      if (!best || best < &sorted[0] + std::min<std::ptrdiff_t>(beam, std::ssize(sorted))) continue;
-      parents.push_back(*best);
-      parents.back().fit.theta = best->starts.front();
+      if (best) take_from_force(*best, parents);
     }
+    const auto plainest = std::min_element(sorted.begin(), sorted.end(), [](const Candidate& a, const Candidate& b) {
+      return a.force_misfit < b.force_misfit;
+    });
+    if (std::isfinite(plainest->force_misfit)) take_from_force(*plainest, parents);
     return parents;
+  }
+
+  static void take_from_force(const Candidate& c, std::vector<Candidate>& parents) {
+    if (std::any_of(parents.begin(), parents.end(), [&](const Candidate& p) { return same(p.choices, c.choices); }))
+      return;
+    parents.push_back(c);
+    parents.back().fit.theta = c.starts.front();
   }
 
   const Study& study_;
@@ -317,7 +355,7 @@ class Grower {
   const Candidate& baseline_;
   const std::vector<Effect>& catalogue_;
   const std::function<void(const std::string&, double)>& progress_;
-  const Proposer proposer_;
+  const Proposer proposer_, plain_;
   struct ChannelFault {
     Choice choice;
     std::vector<Guess> guesses;

@@ -109,7 +109,7 @@ std::vector<Guess> spread_unknown(const Shape& shape, std::vector<Guess> guesses
 
 }  // namespace
 
-Proposer::Proposer(const Study& study) {
+Proposer::Proposer(const Study& study, bool weigh) {
   Eigen::Index all = 0;
   for (const auto& data : study.force) all += data.record.rows();
   for (const auto& data : study.force) {
@@ -123,7 +123,7 @@ Proposer::Proposer(const Study& study) {
     measured_.segment(row, data.record.rows()) = column(data.record, "F");
     row += data.record.rows();
   }
-  if (study.imposed) return;
+  if (study.imposed || !weigh) return;
   // A spring that is not there, or no damping, would make the filter drift or ring through the whole record.
   constexpr double least_frequency = 0.3, least_damping = 0.05;
   const Eigen::Vector3d found = linear_system(study);

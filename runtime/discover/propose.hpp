@@ -33,7 +33,8 @@ struct Standing {
 /// 1965, IEEE Trans. Autom. Control 10, 461).
 class Proposer {
  public:
-  explicit Proposer(const Study& study);
+  /// `weigh` false: forces as they are, for what a drifting free run would hide.
+  explicit Proposer(const Study& study, bool weigh = true);
 
   /// Compiles a variant of an entry. Changes the pool: main thread only.
   Shape shape(const Model& model, const Choice& choice, const RecordScales& scales) const;

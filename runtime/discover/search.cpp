@@ -128,7 +128,6 @@ class Search {
     std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
     std::size_t pick = alike.front();
     prune(field, pick);
-    simplify(field, pick);
     Candidate chosen = field[pick];
     progress_("free runs over left-out blocks", 0.8);
     accept(field, chosen, alike, pick);
@@ -149,20 +148,6 @@ class Search {
           break;
         }
       }
-    }
-  }
-
-  /// Far above the sensor's noise no model is true, and a likelihood prefers the richest. There a set of more parameters
-  /// must lower the error by the least gain to stand before one of fewer.
-  void simplify(const std::vector<Candidate>& field, std::size_t& pick) const {
-    const double gap = rms_error(field[pick].fit) / study_.measured_std();
-    const double needed = required_gain(study_, gap);
-    if (!(needed > study_.options->minimum_gain)) return;
-    const double limit = rms_error(field[pick].fit) / (1 - needed);
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      if (!field[i].ran() || rms_error(field[i].fit) > limit) continue;
-      const auto rank = [](const Candidate& c) { return std::make_pair(c.parameters(), rms_error(c.fit)); };
-      if (rank(field[i]) < rank(field[pick])) pick = i;
     }
   }
 

@@ -29,7 +29,8 @@ struct Study {
   double sensor_noise() const;  ///< of the output, over the training records
 };
 
-/// A record without a force whose motion dies away gets F = 0. Cuts the holdout, checks the records (rows, motion, force, channels) and smooths them. Throws InputError.
+/// A record without a force whose motion dies away gets F = 0. Cuts the holdout, checks the records (rows, motion,
+/// force, channels) and smooths them. Throws InputError.
 Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
               const DiscoverOptions& options);
 

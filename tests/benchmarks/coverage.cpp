@@ -1,5 +1,5 @@
-// Coverage of intervals: how often the 95 % interval of a final model's parameter holds the truth, over short records of
-// tests/truth whose hidden effect was named.
+// Coverage of intervals: how often the 95 % interval of a final model's parameter holds the truth, over short records
+// of tests/truth whose hidden effect was named.
 //   lunid_coverage [RUNS]      400 by default; exit 1 where the share is outside 90 to 98 %
 #include <cmath>
 #include <cstdio>
@@ -44,9 +44,9 @@ Tally run(int index) {
   const Model model = testing::baseline(which.baseline, scale.mass);
   DiscoverOptions discover_options;
   discover_options.threads = 1;
-  const Discovery found = discover(model, testing::small_catalogue(*model.pool),
-                                   {testing::record_of(records.train, "train")},
-                                   {testing::record_of(records.test, "test")}, discover_options);
+  const Discovery found =
+      discover(model, testing::small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
+               {testing::record_of(records.test, "test")}, discover_options);
   Tally tally;
   tally.runs = 1;
   if (found.effects.size() != 1 || found.effects[0].name != which.effects.front()) return tally;
