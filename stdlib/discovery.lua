@@ -51,7 +51,7 @@ local definition = {
     { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
-    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else all" },
+    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there" },
     { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
       help = "entries of your own, beside the catalogue" },
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,

@@ -15,24 +15,25 @@ local function parameter(row)
   return text .. (row.fixed and ", held" or "")
 end
 
-local function row(entry)
+local function row(entry, searched)
   local parameters = {}
   for i, each in ipairs(entry.parameters) do parameters[i] = parameter(each) end
   for _, text in ipairs(entry.requires) do parameters[#parameters + 1] = text end
-  return ("| `%s` | %s | `%s` | %s | %s |"):format(entry.name, entry.family, entry.formula,
+  return ("| `%s`%s | %s | `%s` | %s | %s |"):format(entry.name, searched and " *" or "", entry.family, entry.formula,
     table.concat(parameters, "; "), entry.sentence)
 end
 
 --- The whole table, in sections.
 function effects_table.text()
-  local lines, title = {}, nil
-  for _, entry in ipairs(catalogue.entries()) do
+  local searched, lines, title = {}, {}, nil
+  for _, name in ipairs(catalogue.searched) do searched[name] = true end
+  for _, entry in ipairs(catalogue.entries(catalogue.names)) do
     if titles[entry.family] ~= title then
       title = titles[entry.family]
       lines[#lines + 1] = (#lines > 0 and "\n" or "") .. "### " .. title
       lines[#lines + 1] = "\n| name | family | force | parameters | what it is |\n|---|---|---|---|---|"
     end
-    lines[#lines + 1] = row(entry)
+    lines[#lines + 1] = row(entry, searched[entry.name])
   end
   return table.concat(lines, "\n") .. "\n"
 end

@@ -113,6 +113,7 @@ local function overview()
   end
   print "\nEffects that discovery tries (lunid help NAME)"
   for _, entry in ipairs(catalogue.entries()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
+  print(("  and %d more in the catalogue: lunid list effects"):format(#catalogue.names - #catalogue.searched))
 end
 
 function help.explain(topic)
@@ -156,10 +157,13 @@ end
 local lists = {}
 
 function lists.effects()
-  for _, entry in ipairs(catalogue.entries()) do
-    print(("%-30s%-15s%s\n%45s%s"):format(entry.name, entry.family, entry.formula, "", entry.sentence))
+  local searched = {}
+  for _, name in ipairs(catalogue.searched) do searched[name] = true end
+  for _, entry in ipairs(catalogue.entries(catalogue.names)) do
+    print(("%s %-30s%-15s%s\n%47s%s"):format(searched[entry.name] and "*" or " ", entry.name, entry.family,
+      entry.formula, "", entry.sentence))
   end
-  print "\n(a study may restrict discovery to some of them: lunid.discover { catalogue = { ... } })"
+  print "\n(* tried by discovery; the others where a study names them: lunid.discover { catalogue = { ... } })"
 end
 
 function lists.features()

