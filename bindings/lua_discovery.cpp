@@ -204,6 +204,7 @@ DiscoverOptions read_discover_options(lua_State* L, int index) {
   DiscoverOptions options;
   options.alpha = number_field(L, index, "alpha").value_or(options.alpha);
   options.minimum_gain = number_field(L, index, "minimum_gain").value_or(options.minimum_gain);
+  options.first = static_cast<int>(number_field(L, index, "first").value_or(options.first));
   options.max_effects = static_cast<int>(number_field(L, index, "max_effects").value_or(options.max_effects));
   options.blocks = static_cast<int>(number_field(L, index, "blocks").value_or(options.blocks));
   options.holdout = number_field(L, index, "holdout").value_or(options.holdout);

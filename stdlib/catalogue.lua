@@ -23,7 +23,7 @@ catalogue.names = {
   "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping",
 }
 
--- Those that discovery tries where a study names none.
+-- Those that discovery tries first where a study names none; the others where these leave it open.
 catalogue.searched = { "linear_stiffness", "quadratic_stiffness", "cubic_stiffness", "clearance", "one_sided_stop",
   "constant_force", "viscous_damping", "quadratic_drag", "coulomb_friction", "bouc_wen" }
 
@@ -51,6 +51,16 @@ function catalogue.entries(names)
     if wanted[name] then entries[#entries + 1] = catalogue.entry(name) end
   end
   return entries
+end
+
+--- The entries that are not among those searched first.
+function catalogue.others()
+  local first, names = {}, {}
+  for _, name in ipairs(catalogue.searched) do first[name] = true end
+  for _, name in ipairs(catalogue.names) do
+    if not first[name] then names[#names + 1] = name end
+  end
+  return catalogue.entries(names)
 end
 
 catalogue.public = { effect = effect, effects = schema.strict_list("lunid.effects", catalogue.names, catalogue.entry) }

@@ -51,7 +51,7 @@ local definition = {
     { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
-    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there" },
+    { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open" },
     { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
       help = "entries of your own, beside the catalogue" },
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
@@ -69,12 +69,16 @@ local definition = {
 local function search(given)
   local entries = catalogue.entries(given.catalogue)
   for _, entry in ipairs(given.effects) do
-    for _, known in ipairs(entries) do
-      if known.name == entry.name then
+    for _, known in ipairs(given.catalogue or catalogue.names) do
+      if known == entry.name then
         schema.fail("discover: effects", ("'%s' is in the catalogue already; give it another name"):format(entry.name))
       end
     end
     entries[#entries + 1] = entry
+  end
+  if not given.catalogue then  -- what these leave open is held against all
+    given.first = #entries
+    for _, entry in ipairs(catalogue.others()) do entries[#entries + 1] = entry end
   end
   local train, test = as_list(given.train), given.test and as_list(given.test) or {}
   if given.test_window then test = cut(#test > 0 and test or train, given.test_window) end

@@ -163,7 +163,7 @@ function lists.effects()
     print(("%s %-30s%-15s%s\n%47s%s"):format(searched[entry.name] and "*" or " ", entry.name, entry.family,
       entry.formula, "", entry.sentence))
   end
-  print "\n(* tried by discovery; the others where a study names them: lunid.discover { catalogue = { ... } })"
+  print "\n(* tried first by discovery, the others where these leave it open; lunid.discover { catalogue = { ... } } restricts it)"
 end
 
 function lists.features()

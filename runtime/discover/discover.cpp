@@ -39,22 +39,27 @@ class Spine {
     out_.baseline_before = model_.parameters;
     std::vector<std::string> left;
     catalogue_ = testable(study_, catalogue, left);
+    const auto many =
+        options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(catalogue)) : std::ssize(catalogue);
+    std::vector<std::string> known;
+    first_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, known);
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
   Discovery run() {
     refit_baseline();
-    SearchResult found = search(study_, model_, baseline_, catalogue_, step());
+    SearchResult found = search(study_, model_, baseline_, first_, step());
     const Interpolation guessed = study_.interpolation;
     const double gain = rechoose_interpolation(found.chosen);
     if (gain > interpolation_gain) {
       fit(study_, baseline_, fit_options(40));
-      found = search(study_, model_, baseline_, catalogue_, step());
+      found = search(study_, model_, baseline_, first_, step());
     } else if (study_.interpolation != guessed) {
       refit_on_current_force(found);
     }
     progress("decide", 0.88);
     decide(found);
+    if (out_.verdict == "unknown-effect" && first_.size() < catalogue_.size()) look_further(found);
     progress("open the test record", 0.94);
     validate_on_test(found);
     show(found);
@@ -63,6 +68,17 @@ class Spine {
   }
 
  private:
+  /// What the first entries leave open is held against all.
+  void look_further(SearchResult& found) {
+    progress("the whole catalogue", 0.1);
+    withdrawn_.clear();
+    const int tried = found.tried;
+    found = search(study_, model_, baseline_, catalogue_, step());
+    found.tried += tried;
+    progress("decide", 0.88);
+    decide(found);
+  }
+
   void progress(const std::string& stage, double fraction) const {
     if (options_.cancelled && *options_.cancelled)
       throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
@@ -520,7 +536,7 @@ class Spine {
   }
 
   const DiscoverOptions& options_;
-  std::vector<Effect> catalogue_;
+  std::vector<Effect> catalogue_, first_;
   std::string untested_;
   Model model_;
   Study study_;

@@ -16,9 +16,10 @@ namespace lunid {
 struct DiscoverOptions {
   double alpha = 0.01;         ///< false-alarm level of the whole search, 0 < alpha < 0.5
   double minimum_gain = 0.05;  ///< least relative drop of the left-out gap for which an effect is named, 0..1
-  int max_effects = 4;         ///< named one after another, >= 1
-  int blocks = 6;              ///< left-out blocks of the training records, >= 3
-  double holdout = 0.3;        ///< last part of each record held out when no test is given, 0..0.9
+  int first = 0;         ///< so many entries are tried first, the others where these leave it open; 0: all at once
+  int max_effects = 4;   ///< named one after another, >= 1
+  int blocks = 6;        ///< left-out blocks of the training records, >= 3
+  double holdout = 0.3;  ///< last part of each record held out when no test is given, 0..0.9
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
   std::function<void(const std::string& stage, double fraction)> progress;

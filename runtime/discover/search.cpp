@@ -194,13 +194,14 @@ class Search {
     return out;
   }
 
-  /// A part of a fitted set, from the field where it is there; else fitted from the parameters of that set, and from
-  /// those with the baseline's own.
+  /// A part of a fitted set, fitted from the parameters of that set, and from those with the baseline's own; as the
+  /// field has it where that is as good (alone it may have ended elsewhere).
   Candidate obtain(const std::vector<Candidate>& field, const Choices& set, const Candidate& larger) {
-    for (const auto& c : field)
-      if (same(c.choices, set)) return c;
-    Candidate c = compile(study_, model_, set);
+    const auto known =
+        std::find_if(field.begin(), field.end(), [&](const Candidate& c) { return same(c.choices, set); });
+    Candidate c = known != field.end() ? *known : compile(study_, model_, set);
     fit_from(c, larger);
+    if (known != field.end() && !(squared_error(c.fit) < 0.98 * squared_error(known->fit))) return *known;
     judge(study_, c, result_.whitening);
     return c;
   }

@@ -1343,7 +1343,7 @@ function lunid.thesis_validation(fields) end
 ---@field test? any # opened once, after the verdict; else the last part of each record is held out
 ---@field window? lunid.window # part of the training records
 ---@field test_window? lunid.window # part of the test records; of the training files where no test is given
----@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there
+---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
 ---@field max_effects? integer # named one after another
