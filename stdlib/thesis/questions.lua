@@ -24,8 +24,7 @@ local function chosen(train, features, most)
 end
 
 local function run_error(model, test)
-  local found = lunid.compare { model = model, record = test, lags = 1 }
-  return found.nrmse, found
+  return lunid.compare { model = model, record = test, lags = 1 }.nrmse
 end
 
 --- False and missing terms, and the largest error of the true ones in per cent.

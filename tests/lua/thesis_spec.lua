@@ -1,4 +1,4 @@
--- Where the thesis failed (issue 6, item 5), on its own noisy protocol: what `lunid thesis CASE --quick` finds, read from results.json,
+-- Where the thesis failed, on its own noisy protocol: what `lunid thesis CASE --quick` finds, read from results.json,
 -- and the choice of case 1 in five seeds of the noise. Truth is that of section 2.3 to 2.6 and appendix J.
 local lunid = require "lunid"
 local spec = require "spec"
@@ -124,6 +124,15 @@ spec.case("lunid.scoreboard: terms against the truth, and a model that runs away
   if not board:result("wrong").free_run.stopped_at then error "a run without a bound should have stopped" end
   spec.equal(spec.message_of(function() lunid.scoreboard { models = { { "a", 3 } }, record = train, test = test } end),
     "scoreboard: models: entry 1: expected { name, model }, got { the string 'a', 3 }")
+end)
+
+spec.case("the research questions, in their quick form: a drift of the stiffness is seen, and needed beyond the fit", function()
+  local said = spec.lunid "thesis questions --quick --out questions"
+  spec.contains(said, "7 of 7")
+  local still, moving = said:match "time%-invariant, fitted on the first half +[%d.e+]+ +%- +[%d.]+ +([%d.]+)",
+    said:match "with a drift of k, fitted on the first half +[%d.e+]+ +%-%d+ %+%- %d+ +[%d.]+ +([%d.]+)"
+  assert(tonumber(moving) < tonumber(still) / 5, said)
+  spec.contains(spec.shell "cat questions/results.json", '"time"')
 end)
 
 spec.finish()

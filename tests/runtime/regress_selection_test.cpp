@@ -141,7 +141,9 @@ TEST(RegressStepwise, no_single_step_lowers_the_criterion) {
       for (Index j = 0; j < 7; ++j)
         if (fit.coefficients[j] != 0) mask |= 1u << j;
       for (Index j = 0; j < 7; ++j) EXPECT_GE(value(mask ^ (1u << j)), value(mask) - 1e-9);
-      if (!fit.steps.empty()) EXPECT_NEAR(fit.steps.back().criterion, value(mask), 1e-9);
+      if (!fit.steps.empty()) {
+        EXPECT_NEAR(fit.steps.back().criterion, value(mask), 1e-9);
+      }
     }
   }
 }
