@@ -4,6 +4,7 @@
 
 #include "expr/external.hpp"
 #include "runtime.hpp"
+#include "simulate/fit_check.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -80,6 +81,8 @@ int fit(lua_State* L) {
   fit.result = fit_progressively(
       *fit.system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), fit.data,
       fit.options);
+  if (boolean_field(L, 3, "check", false))
+    fit.checked = check_by_sundials(*fit.system, fit.result, fit.data, fit.options);
   fit.notes = externals.notes();
   push<TrajectoryFit>(L, std::move(fit));
   return 1;
@@ -126,6 +129,10 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   lua_setfield(L, -2, "cost");
   lua_pushnumber(L, std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))));
   lua_setfield(L, -2, "rmse");
+  if (!std::isnan(fit.checked)) {
+    lua_pushnumber(L, fit.checked);
+    lua_setfield(L, -2, "checked");
+  }
 }
 
 /// The correlations between what was fitted, as rows; 0 where there is no deviation.
@@ -234,6 +241,15 @@ int to_string(lua_State* L) {
     if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])
       all += " (at its bound)";
     if (parameter.fixed) all += " (fixed)";
+  }
+  constexpr double worth_saying = 1e-4;
+  if (fit.checked > worth_saying) {
+    std::snprintf(
+        text, sizeof text,
+        "\n  note: SUNDIALS' runs differ from these by %.2g of the motion's deviation: the motion is chaotic, "
+        "or the steps are too long",
+        fit.checked);
+    all += text;
   }
   for (const std::string& note : fit.notes) all += "\n  note: " + note;
   push_text(L, all);
