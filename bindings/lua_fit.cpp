@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "expr/external.hpp"
+#include "record/spectra.hpp"
 #include "runtime.hpp"
 #include "simulate/fit_check.hpp"
 #include "types.hpp"
@@ -11,11 +12,27 @@ namespace lunid::lua {
 
 namespace {
 
-std::vector<FitData> data_of(lua_State* L, int index, const System& system,
-                             std::optional<Interpolation> interpolation) {
+/// The record with the noise of its channels as outliers do not reach it: a fit weighs its channels by it.
+Record with_robust_noise(const Record& record) {
+  Record robust = record;
+  for (const Channel& given : record.channels()) {
+    const auto values = record[given.name];
+    const double noise = noise_report(values, record.dt()).robust;
+    if (!(given.noise > 0) || !(noise > 0)) continue;
+    Channel channel = given;
+    channel.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    channel.noise = noise;
+    robust = robust.with(std::move(channel));
+  }
+  return robust;
+}
+
+std::vector<FitData> data_of(lua_State* L, int index, const System& system, std::optional<Interpolation> interpolation,
+                             bool outliers) {
   std::vector<FitData> data;
   for_each(L, index, [&](lua_Integer) {
-    const Record& record = check<Record>(L, -1);
+    const Record& given = check<Record>(L, -1);
+    const Record record = outliers ? with_robust_noise(given) : given;
     const bool imposed = system.model().imposed_motion;
     data.push_back({record, imposed ? Excitations() : excitations_of(system, record, interpolation), {}});
   });
@@ -68,7 +85,7 @@ int fit(lua_State* L) {
   fit.system = std::make_shared<const System>(check<Model>(L, 1));
   check_table(L, 2);
   check_table(L, 3);
-  fit.data = data_of(L, 2, *fit.system, interpolation_field(L, 3));
+  fit.data = data_of(L, 2, *fit.system, interpolation_field(L, 3), string_field(L, 3, "loss").value_or("") == "huber");
   if (fit.data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
   const Model& model = fit.system->model();
   fit.options = options_of(L, 3, model, fit.data[0].record.dt());

@@ -22,7 +22,8 @@ Excitations finer(const Excitations& excitation, int parts) {
   Excitations fine;
   for (int i = 0; i < excitation.count(); ++i) {
     const Excitation& signal = excitation[i];
-    const bool between = signal.interpolation() == Interpolation::hold || signal.interpolation() == Interpolation::linear;
+    const bool between =
+        signal.interpolation() == Interpolation::hold || signal.interpolation() == Interpolation::linear;
     Eigen::VectorXd samples(rows);
     if (between) {
       const Eigen::VectorXd refined = signal.refined(parts);  // the middles of the parts, too
@@ -63,7 +64,8 @@ Run run_up_to(const System& system, std::span<const double> theta, const Excitat
   while (rows < run.x.rows() && run.x.row(rows).allFinite()) ++rows;
   const double last = run.t0 + run.dt * static_cast<double>(rows - 1), place = (t - run.t0) / run.dt;
   if (!(place >= -on_row) || !(place <= static_cast<double>(rows - 1) + on_row))
-    throw InputError("at: t: expected within the run, " + number(run.t0) + " to " + number(last) + " s, got " + number(t));
+    throw InputError("at: t: expected within the run, " + number(run.t0) + " to " + number(last) + " s, got " +
+                     number(t));
   const auto row = std::min(static_cast<Index>(place + on_row), rows - 1);
   const double from = run.t0 + run.dt * static_cast<double>(row);
   if (std::abs(place - static_cast<double>(row)) <= on_row) {

@@ -26,8 +26,8 @@ double check_by_sundials(const System& system, const FitResult& result, const st
   for (const FitSegment& segment : result.segments) {
     const Eigen::VectorXd theta = layout.of_record(result.theta, segment.record);
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-    const Excitations excitation =
-        data[static_cast<std::size_t>(segment.record)].excitation.part(segment.first, std::min(segment.count, most_rows));
+    const Excitations excitation = data[static_cast<std::size_t>(segment.record)].excitation.part(
+        segment.first, std::min(segment.count, most_rows));
     const Run ours = simulate(system, values, excitation, segment.x0, fixed),
               theirs = simulate(system, values, excitation, segment.x0, sundials);
     worst = std::max(std::isnan(worst) ? 0 : worst, relative_change(ours, theirs));
