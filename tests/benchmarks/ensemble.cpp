@@ -294,8 +294,15 @@ Work threads() {
     return made;
   };
   Work work{"threads", 1 / 1.9, [] {}, [] {}};
-  work.ours_seconds = [two = study(2)] { return busiest(*two); };
-  work.hand_seconds = [one = study(1)] { return busiest(*one); };
+  const auto least = [](std::shared_ptr<Study> of) {  // where others use the cores, one thread may be given less to do
+    return [of] {
+      double seconds = busiest(*of);
+      for (int run = 1; run < 10; ++run) seconds = std::min(seconds, busiest(*of));
+      return seconds;
+    };
+  };
+  work.ours_seconds = least(study(2));
+  work.hand_seconds = least(study(1));
   return work;
 }
 
