@@ -4,6 +4,7 @@
 #include <map>
 
 #include "runtime.hpp"
+#include "simulate/acceleration.hpp"
 #include "simulate/dense.hpp"
 #include "simulate/fit.hpp"
 #include "simulate/regularise.hpp"
@@ -169,8 +170,10 @@ int run(lua_State* L) {
   if (result.place.size() > 2) result.place.resize(result.place.size() - 2);  // ": "
   if (sensitivities) {
     SensitivityRun exact = simulate_sensitivities(system, system.model().values(), excitation, x0, options);
+    std::vector<Eigen::MatrixXd> of_a = acceleration_slopes(system, system.model().values(), excitation, exact);
     result.run = std::move(exact.run);
     result.sensitivities = std::move(exact.dx);
+    std::move(of_a.begin(), of_a.end(), std::back_inserter(result.sensitivities));
     for (const Parameter& parameter : system.model().parameters) result.parameters.push_back(parameter.name);
   } else {
     result.run = simulate(system, system.model().values(), excitation, x0, options);
@@ -300,8 +303,9 @@ int sensitivity(lua_State* L) {
   if (free.sensitivities.empty()) throw InputError("sensitivity: the run has none; simulate with sensitivities = true");
   std::vector<std::string> columns = free.parameters;
   for (const std::string& state : free.states) columns.push_back(state + "(0)");
-  const std::size_t of = place_of(free.states, check_string(L, 2), "of"),
-                    to = place_of(columns, check_string(L, 3), "to");
+  std::vector<std::string> rows = free.states;
+  rows.insert(rows.end(), free.accelerations.begin(), free.accelerations.end());
+  const std::size_t of = place_of(rows, check_string(L, 2), "of"), to = place_of(columns, check_string(L, 3), "to");
   push_column(L, free.sensitivities[of].col(static_cast<Eigen::Index>(to)));
   return 1;
 }

@@ -67,8 +67,8 @@ local simulate = schema.define({
     { "atol", types.number { above = 0 }, help = "absolute tolerance of SUNDIALS, for all states; else rtol times the scale "
       .. "of each" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "of the fixed path, per sample; else chosen" },
-    { "sensitivities", types.boolean, default = false, help = "exact ones of every state to every parameter and first "
-      .. "state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams" },
+    { "sensitivities", types.boolean, default = false, help = "exact ones of every state and acceleration to every parameter "
+      .. "and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams" },
     { "max_memory", types.number { above = 0 }, default = 8, unit = "GB", help = "a run that needs more is refused" },
     { "regularise", types.number { above = 0 }, help = "smooth the branches over so much, in the unit of what switches: "
       .. "sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located" },

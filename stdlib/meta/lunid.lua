@@ -263,7 +263,7 @@ function lunid.huber(fields) end
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field atol? number # absolute tolerance of SUNDIALS, for all states; else rtol times the scale of each
 ---@field substeps? integer # of the fixed path, per sample; else chosen
----@field sensitivities? boolean # exact ones of every state to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
+---@field sensitivities? boolean # exact ones of every state and acceleration to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
 ---@field max_memory? number # a run that needs more is refused
 ---@field regularise? number # smooth the branches over so much, in the unit of what switches: sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located
 ---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1; looked at four times per sample, then located

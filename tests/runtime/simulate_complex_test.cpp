@@ -70,8 +70,8 @@ TEST(ComplexStep, HasTheSensitivitiesOfEveryOperation) {
   for (const Operation& o : operations) {
     const System system(model_of("1", std::string("0.3*v + 20*y + ") + o.text));
     const auto theta = theta_of(system, {{"p", 1.7}, {"q", 0.6}});
-    const SensitivityRun run = simulate_sensitivities(system, theta, zero_force(dt * (rows - 1), dt), state({0.3, -0.4}),
-                                                      with_substeps(substeps));
+    const SensitivityRun run = simulate_sensitivities(system, theta, zero_force(dt * (rows - 1), dt),
+                                                      state({0.3, -0.4}), with_substeps(substeps));
     ASSERT_TRUE(run.run.summary.completed) << o.text << ": " << run.run.summary.cause;
     for (int c = 0; c < 4; ++c) {
       Complex values[] = {theta[0], theta[1], 0.3, -0.4};
