@@ -257,15 +257,16 @@ function lunid.huber(fields) end
 ---@field excitation any # a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
 ---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run; of a record, else all
----@field dt? number # sample time of the result, where the force is an expression
+---@field dt? number # sample time of the result; of a record its own, else a whole part of that
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
+---@field atol? number # absolute tolerance of SUNDIALS, for all states; else rtol times the scale of each
 ---@field substeps? integer # of the fixed path, per sample; else chosen
----@field sensitivities? boolean # exact ones of every state to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
+---@field sensitivities? boolean # exact ones of every state and acceleration to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
 ---@field max_memory? number # a run that needs more is refused
 ---@field regularise? number # smooth the branches over so much, in the unit of what switches: sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located
----@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1
+---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1; looked at four times per sample, then located
 ---@param fields lunid.simulate.fields
 ---@return lunid.run
 function lunid.simulate(fields) end
@@ -283,6 +284,7 @@ function lunid.simulate(fields) end
 ---@field solver? "auto"|"fixed"|"bdf"|"adams" # what integrates the runs and their sensitivities; auto: fixed, or bdf where the model is stiff at the start
 ---@field gradient? "auto"|"forward"|"adjoint" # forward: sensitivities and Levenberg-Marquardt; adjoint: one backward sweep for all parameters and NLopt's L-BFGS; auto: adjoint from 40 parameters on, or beyond 64 states
 ---@field max_iterations? integer # of Levenberg-Marquardt; L-BFGS may take 25 evaluations for each
+---@field check? boolean # compare the final runs of the fixed path with SUNDIALS': summary.checked
 ---@param fields lunid.fit_trajectory.fields
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
