@@ -126,6 +126,9 @@ surfaces.rfs = schema.define({
     { "blocks", types.integer { min = 2, max = 1000 }, default = 6,
       help = "blocks of time left out in turn, for the score and the deviation" },
     { "name", types.string, default = "surface", help = "how it is written in equations" },
+    { "between", types.choice { "linear", "cubic" },
+      help = "what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in "
+        .. "its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, support_vectors)" },
   },
   returns = "surface",
   example = [[

@@ -94,6 +94,13 @@ std::string name_of(const Interpolator& how) {
   return names[how.index()];
 }
 
+bool is_smooth(const Interpolator& how) {
+  return std::visit(Overloaded{[](const PolynomialOptions&) { return true; }, [](const MlpOptions&) { return true; },
+                               [](const GaussianProcessOptions&) { return true; },
+                               [](const SupportVectorOptions&) { return true; }, [](const auto&) { return false; }},
+                    how);
+}
+
 FittedSurface fit_surface(const SurfacePoints& points, const Interpolator& how) {
   validate(how);
   const auto start = std::chrono::steady_clock::now();

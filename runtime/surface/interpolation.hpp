@@ -56,6 +56,8 @@ void validate(const Interpolator& how);
 /// "polynomial", "bilinear grid", "nearest neighbours", "triangulation", "neural network", "Gaussian process",
 /// "support vectors", "random forest": what the surface's name() says.
 std::string name_of(const Interpolator& how);
+/// Whether its derivatives have no jumps.
+bool is_smooth(const Interpolator& how);
 
 /// A surface that was fitted to points, and how well.
 struct FittedSurface {
