@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "record/method_parts.hpp"
 #include "record/motion.hpp"
@@ -17,8 +18,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr const char* where = "stream";
-/// A parameter that spectra do not give is chosen on so many parts of so many rows, or on a whole record that is no longer.
-constexpr Index parts_of_sample = 8, rows_of_part = 8192;
+/// A parameter that spectra do not give is chosen on so many parts of so many rows, or on a whole record that is no
+/// longer.
+constexpr Index parts_of_sample = 4, rows_of_part = 8192;
 
 std::span<const double> span_of(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -112,7 +114,7 @@ class Deriver {
   }
 
   /// The method with nothing left to choose, and words on how that was done.
-  std::pair<DerivativeMethod, std::string> chosen_for(std::size_t from, int derivative) const {
+  std::pair<DerivativeMethod, std::string> chosen_for(std::size_t from, int derivative) {
     const double noise = layout_.channels[from].noise;
     const auto error = [&] { return DerivativeError(*spectra_[from], noise, derivative); };
     if (const auto* m = std::get_if<FiniteDifferences>(&options_.derivative))
@@ -123,12 +125,14 @@ class Deriver {
       return {m->rows ? *m : chosen(*m, error(), layout_.rows, derivative), ""};
     const auto* spline = std::get_if<SmoothingSpline>(&options_.derivative);
     if (!spline || spline->weight > 0) return {options_.derivative, ""};
-    const auto parts = sample({from});
-    std::vector<std::span<const double>> spans;
-    for (const auto& part : parts) spans.push_back(span_of(part[0]));
-    SmoothingSpline fixed = *spline;
-    fixed.weight = chosen_weight(*spline, spans, layout_.dt, noise);
-    return {fixed, choice_words(*spline) + sample_words()};
+    const auto [fixed, fresh] = splines_.try_emplace(from, *spline);  // of all derivatives
+    if (fresh) {
+      const auto parts = sample({from});
+      std::vector<std::span<const double>> spans;
+      for (const auto& part : parts) spans.push_back(span_of(part[0]));
+      fixed->second.weight = chosen_weight(*spline, spans, layout_.dt, noise);
+    }
+    return {fixed->second, choice_words(*spline) + sample_words()};
   }
 
   void singly(const std::string& suffix, const std::vector<std::size_t>& channels, const std::vector<int>& ranks) {
@@ -146,8 +150,7 @@ class Deriver {
       }
       const auto [method, words] = chosen_for(from, derivative);
       const int own_rank = rank - derivative;
-      const auto [settled, reach] =
-          settled_reach(method, {&own_rank, 1}, {&source.noise, 1}, layout_.dt, derivative);
+      const auto [settled, reach] = settled_reach(method, {&own_rank, 1}, {&source.noise, 1}, layout_.dt, derivative);
       // What it leaves of the noise, and its words: of any signal that is long enough.
       const VectorXd any = VectorXd::LinSpaced(std::max<Index>(2 * reach + 1, 8), 0, 1);
       const Derivative tried = differentiate(span_of(any), layout_.dt, source.noise, derivative, settled);
@@ -173,7 +176,8 @@ class Deriver {
     if (wanted.empty()) return;
     for (const std::size_t channel : channels)
       if (still_[channel])
-        refuse(where, "derivative: kalman: channel '" + given[channel].name + "' is constant: there is no motion in it");
+        refuse(where,
+               "derivative: kalman: channel '" + given[channel].name + "' is constant: there is no motion in it");
     const auto parts = sample(channels);
     BlockwiseChannels made{channels, ranks, {}, {}, {}, {}, 0};
     std::vector<std::vector<Measurement>> measured(parts.size());
@@ -228,6 +232,7 @@ class Deriver {
   std::size_t measured_;
   std::vector<std::optional<Spectrum>> spectra_;
   std::vector<bool> still_;
+  std::map<std::size_t, SmoothingSpline> splines_;
   std::vector<BlockwiseChannels> made_;
 };
 
@@ -244,8 +249,8 @@ MatrixXd BlockwiseChannels::values(const std::vector<VectorXd>& columns, double 
     return out;
   }
   for (Index k = 0; k < out.cols(); ++k)
-    out.col(k) = differentiate(span_of(columns[from[0]]), dt, noise[0], derivatives[static_cast<std::size_t>(k)], method)
-                     .values;
+    out.col(k) =
+        differentiate(span_of(columns[from[0]]), dt, noise[0], derivatives[static_cast<std::size_t>(k)], method).values;
   return out;
 }
 

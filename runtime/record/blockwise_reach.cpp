@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 
 constexpr const char* where = "stream";
-constexpr double digits = 32;              // exp(-32) = 1e-14
+constexpr double digits = 32;                 // exp(-32) = 1e-14
 constexpr Index furthest = 16 * stream_rows;  // rows
 
 /// Slowest decay per row of the filter 1/(c[0] + c[1] w^2 + ... + w^(2n)), c >= 0 and c[0] > 0: the poles of w lie off
@@ -30,8 +30,8 @@ double slowest_decay(const Eigen::VectorXd& c) {
   return least;
 }
 
-/// Rows after which a filter of this decay has died away; `most`: the decay of the sampled filter where the continuous one
-/// is faster than the samples.
+/// Rows after which a filter of this decay has died away; `most`: the decay of the sampled filter where the continuous
+/// one is faster than the samples.
 Index rows_of_decay(const char* method, double decay, double most) {
   const double rows = std::ceil(1.5 * digits / std::min(decay, most));
   if (!(rows <= static_cast<double>(furthest)))
@@ -71,9 +71,10 @@ Settled settled(const KalmanSmoother& m, std::span<const int> ranks, std::span<c
 
 template <class Method>
 [[noreturn]] Settled endless(const Method& m, const std::string& why) {
-  refuse(where, "derivative: " + name_of(DerivativeMethod(m)) + ": " + why +
-                    ": take savitzky_golay, spline or kalman, which a stream makes block by block, or the whole record by "
-                    "lunid.read");
+  refuse(where,
+         "derivative: " + name_of(DerivativeMethod(m)) + ": " + why +
+             ": take savitzky_golay, spline or kalman, which a stream makes block by block, or the whole record by "
+             "lunid.read");
 }
 
 Settled settled(const FourierFilter& m, std::span<const int>, std::span<const double>, double, int) {

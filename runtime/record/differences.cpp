@@ -131,8 +131,7 @@ PolynomialWindow chosen(const PolynomialWindow& given, const DerivativeError& er
   return {2 * filter.half_width + 1, filter.order};
 }
 
-SmoothedDifferences chosen(const SmoothedDifferences& given, const DerivativeError& error, Index rows,
-                           int derivative) {
+SmoothedDifferences chosen(const SmoothedDifferences& given, const DerivativeError& error, Index rows, int derivative) {
   check_differences("smoothed_differences", given.accuracy, 1, derivative, rows);
   const VectorXd weights = central_weights(derivative, given.accuracy);
   const auto widest = static_cast<int>(std::min(rows, error.length()) / 10);

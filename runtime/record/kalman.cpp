@@ -96,10 +96,10 @@ double highest_density(Parts parts) {
   double highest = 0;
   for (const Problem& problem : parts)
     for (const Measurement& m : problem.measured) {
-    VectorXd d = Eigen::Map<const VectorXd>(m.values.data(), problem.rows) * std::pow(problem.dt, m.rank);
-    for (int k = m.rank; k < problem.lowest + problem.states; ++k)
-      d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
-    highest = std::max(highest, d.squaredNorm() / static_cast<double>(d.size()));
+      VectorXd d = Eigen::Map<const VectorXd>(m.values.data(), problem.rows) * std::pow(problem.dt, m.rank);
+      for (int k = m.rank; k < problem.lowest + problem.states; ++k)
+        d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
+      highest = std::max(highest, d.squaredNorm() / static_cast<double>(d.size()));
     }
   return 100 * highest;
 }

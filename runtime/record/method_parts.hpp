@@ -27,8 +27,7 @@ Derivative differentiate_by(const KalmanSmoother& method, std::span<const double
 // What a method leaves open, chosen from the estimated error of a signal of so many rows.
 FiniteDifferences chosen(const FiniteDifferences& given, const DerivativeError& error, double noise, Eigen::Index rows,
                          int derivative);
-PolynomialWindow chosen(const PolynomialWindow& given, const DerivativeError& error, Eigen::Index rows,
-                        int derivative);
+PolynomialWindow chosen(const PolynomialWindow& given, const DerivativeError& error, Eigen::Index rows, int derivative);
 SmoothedDifferences chosen(const SmoothedDifferences& given, const DerivativeError& error, Eigen::Index rows,
                            int derivative);
 // The same from parts of a signal, each with ends of its own: one part where it is whole.

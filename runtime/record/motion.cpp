@@ -56,7 +56,8 @@ Channel differentiate(const Record& record, const std::string& from, const std::
   Channel channel;
   channel.name = name;
   channel.unit = motion_unit(source.unit, rank);
-  if (std::all_of(x.begin(), x.end(), [&](double value) { return value == x[0]; })) return at_rest(channel, from, record.rows());
+  if (std::all_of(x.begin(), x.end(), [&](double value) { return value == x[0]; }))
+    return at_rest(channel, from, record.rows());
   const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
   channel.values = savitzky_golay(x, record.dt(), derivative, filter);
   channel.noise = source.noise * savitzky_golay_noise(record.dt(), derivative, filter);

@@ -72,9 +72,9 @@ class Stream {
 
 struct StreamOptions {
   ReadOptions read;  ///< resample must be false
-  /// Of what was not measured. Windows give the bits of the whole record; a smoothing spline and a Kalman smoother reach
-  /// so far beyond a block that they give its numbers to 1e-9 of a deviation, their parameters chosen on 65536 rows where
-  /// there are more. A Fourier filter and total variation need the whole record.
+  /// Of what was not measured. Windows give the bits of the whole record; a smoothing spline and a Kalman smoother
+  /// reach so far beyond a block that they give its numbers to 1e-9 of a deviation, their parameters chosen on 32768
+  /// rows where there are more. A Fourier filter and total variation need the whole record.
   DerivativeMethod derivative = PolynomialWindow{};
   bool smooth = false;  ///< measured y, v and a as well are replaced by what the method makes of them
   std::function<void(double fraction)> progress;  ///< of the first looks; may throw, which ends them

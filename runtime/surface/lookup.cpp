@@ -172,7 +172,8 @@ double Lookup::cubic(const double* x, double* slopes) const {
   const Place p = place(axes_[0], x[0]);
   const detail::CubicWeights first = detail::cubic_weights(p.along, p.width);
   const auto along_first = [&](const Eigen::Array4d& w, const MatrixXd& value, const MatrixXd& slope, Index j) {
-    return w[0] * value(p.cell, j) + w[1] * slope(p.cell, j) + w[2] * value(p.cell + 1, j) + w[3] * slope(p.cell + 1, j);
+    return w[0] * value(p.cell, j) + w[1] * slope(p.cell, j) + w[2] * value(p.cell + 1, j) +
+           w[3] * slope(p.cell + 1, j);
   };
   if (axes_.size() == 1) {
     if (slopes) slopes[0] = along_first(first.of_slope, values_, by_first_, 0);

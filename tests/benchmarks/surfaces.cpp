@@ -1,4 +1,5 @@
-// The surface kinds that a library learns beside that library called directly, with the same options on the same points.
+// The surface kinds that a library learns beside that library called directly, with the same options on the same
+// points.
 #include <benchmark/benchmark.h>
 #include <dlib/random_forest.h>
 #include <dlib/svm.h>

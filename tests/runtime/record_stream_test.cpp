@@ -114,10 +114,11 @@ TEST(Stream, SmoothsAndDifferentiatesAsARecord) {
 }
 
 TEST(Stream, ChoosesWindowsAsForARecord) {
-  const TextFile file(ringing(20000));
+  const TextFile file(ringing(17000));
   const Record record = read_csv(file.path());
-  for (const DerivativeMethod& method : {DerivativeMethod(FiniteDifferences{}), DerivativeMethod(FiniteDifferences{4, 0}),
-                                         DerivativeMethod(PolynomialWindow{0, 5}), DerivativeMethod(SmoothedDifferences{})}) {
+  for (const DerivativeMethod& method :
+       {DerivativeMethod(FiniteDifferences{}), DerivativeMethod(FiniteDifferences{4, 0}),
+        DerivativeMethod(PolynomialWindow{0, 5}), DerivativeMethod(SmoothedDifferences{})}) {
     StreamOptions options;
     options.derivative = method;
     options.smooth = !std::holds_alternative<FiniteDifferences>(method);
@@ -126,7 +127,7 @@ TEST(Stream, ChoosesWindowsAsForARecord) {
     EXPECT_EQ(stream.channel("v").derivation, derived.channel("v").derivation);
     EXPECT_EQ(stream.channel("a").noise, derived.channel("a").noise);
     EXPECT_EQ(stream.channel("y").derivation, derived.channel("y").derivation);
-    expect_same_rows(stream, derived, 0, 20000);
+    expect_same_rows(stream, derived, 0, 17000);
   }
 }
 
@@ -137,8 +138,8 @@ void expect_near_rows(const Stream& stream, const Record& record, double toleran
     const Eigen::Map<const Eigen::VectorXd> whole(values.data(), record.rows());
     const double deviation = std::sqrt((whole.array() - whole.mean()).square().mean());
     double most = 0;
-    for (Index first = 0; first < record.rows(); first += 3777) {
-      const Index count = std::min<Index>(3777, record.rows() - first);
+    for (Index first = 0; first < record.rows(); first += 1777) {
+      const Index count = std::min<Index>(1777, record.rows() - first);
       const Record part = stream.read(first, count);
       most = std::max(most, (Eigen::Map<const Eigen::VectorXd>(part[name].data(), count) - whole.segment(first, count))
                                 .cwiseAbs()
@@ -172,36 +173,37 @@ std::string swinging(int rows, bool with_velocity) {
 }
 
 TEST_P(StreamOverlap, GivesTheNumbersOfTheWholeRecord) {
+  const bool joint = std::holds_alternative<KalmanSmoother>(GetParam());
   for (const bool with_velocity : {false, true}) {
-    const TextFile file(swinging(6000, with_velocity));
-    for (const bool smooth : {false, true}) {
-      StreamOptions options;
-      options.derivative = GetParam();
-      options.smooth = smooth;
-      const Stream stream = open_stream(file.path(), options);
-      const Record record = derive(read_csv(file.path()), {GetParam(), {}, "", smooth});
-      for (const char* name : {"y", "v", "a"}) {
-        EXPECT_EQ(stream.channel(name).derivation, record.channel(name).derivation);
-        EXPECT_EQ(stream.channel(name).derived, record.channel(name).derived);
-        EXPECT_EQ(stream.channel(name).unit, record.channel(name).unit);
-        EXPECT_NEAR(stream.channel(name).noise, record.channel(name).noise, 1e-6 * record.channel(name).noise);
-      }
-      expect_near_rows(stream, record, 1e-9);
+    if (with_velocity && !joint) continue;
+    const TextFile file(swinging(5000, with_velocity));
+    StreamOptions options;
+    options.derivative = GetParam();
+    options.smooth = !with_velocity;
+    const Stream stream = open_stream(file.path(), options);
+    const Record record = derive(read_csv(file.path()), {GetParam(), {}, "", options.smooth});
+    for (const char* name : {"y", "v", "a"}) {
+      EXPECT_EQ(stream.channel(name).derivation, record.channel(name).derivation);
+      EXPECT_EQ(stream.channel(name).derived, record.channel(name).derived);
+      EXPECT_EQ(stream.channel(name).unit, record.channel(name).unit);
+      EXPECT_NEAR(stream.channel(name).noise, record.channel(name).noise, 1e-6 * record.channel(name).noise);
     }
+    expect_near_rows(stream, record, 1e-9);
   }
 }
 
 TEST(Stream, ChoosesAParameterOnPartsOfALongRecord) {
-  const TextFile file(ringing(70000));
+  const TextFile file(ringing(40000));
   StreamOptions options;
   options.derivative = SmoothingSpline{};
   const Stream stream = open_stream(file.path(), options);
   const std::string text = stream.channel("v").derivation;
-  const std::string end = " s^5 by the noise, chosen on 8 parts of 8192 rows";
+  const std::string end = " s^5 by the noise, chosen on 4 parts of 8192 rows";
   ASSERT_GT(text.size(), end.size());
   EXPECT_EQ(text.substr(text.size() - end.size()), end) << text;
-  // The weight itself is that of the whole record but for chance: so is the noise that it leaves.
-  const Record record = derive(read_csv(file.path()), {SmoothingSpline{}, {}, "", false});
+  // The weight itself is that of another part but for chance: so is the noise that it leaves.
+  const TextFile part(ringing(10000));
+  const Record record = derive(read_csv(part.path()), {SmoothingSpline{}, {"v"}, "", false});
   EXPECT_NEAR(stream.channel("v").noise, record.channel("v").noise, 0.05 * record.channel("v").noise);
 }
 
@@ -279,13 +281,15 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
             "stream: derivative: total_variation: each of its pieces depends on all rows" + instead);
   options.derivative = SmoothingSpline{5, {}, 1e9};
-  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
-            "stream: derivative: spline: smooths over 7.971e+05 rows on either side, expected at most 262144: less noise "
-            "in the channels, or the whole record by lunid.read");
+  EXPECT_EQ(
+      message([&] { open_stream(file.path(), options); }),
+      "stream: derivative: spline: smooths over 7.971e+05 rows on either side, expected at most 262144: less noise "
+      "in the channels, or the whole record by lunid.read");
   // The integral of a velocity without noise tells less and less of where the motion began.
   std::string exact = "t,y,v\n";
   for (int i = 0; i < 3000; ++i)
-    exact += std::to_string(1e-3 * i) + "," + std::to_string(i * 7 % 10) + "," + std::to_string(std::sin(0.05 * i)) + "\n";
+    exact +=
+        std::to_string(1e-3 * i) + "," + std::to_string(i * 7 % 10) + "," + std::to_string(std::sin(0.05 * i)) + "\n";
   const TextFile drifting(exact);
   options.derivative = KalmanSmoother{};
   EXPECT_NE(message([&] { open_stream(drifting.path(), options); }).find("stream: derivative: kalman: smooths over "),

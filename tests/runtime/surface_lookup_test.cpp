@@ -142,8 +142,7 @@ TEST(SurfaceLookup, splines_approach_a_smooth_function_in_the_fourth_order) {
 }
 
 TEST(SurfaceLookup, names_what_is_between) {
-  for (const Between between : {Between::linear, Between::cubic})
-    EXPECT_EQ(between_from(to_string(between)), between);
+  for (const Between between : {Between::linear, Between::cubic}) EXPECT_EQ(between_from(to_string(between)), between);
   EXPECT_EQ(message([] { between_from("smooth"); }), "between: expected linear or cubic, got 'smooth'");
 }
 
