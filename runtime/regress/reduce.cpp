@@ -181,9 +181,9 @@ Problem reduce(const Statistic& data, std::span<const Constraint> constraints, c
     }
   }
   if (static_cast<Index>(candidates.size()) > data.rows())
-    throw InputError(
-        std::to_string(candidates.size()) + " features need at least as many rows, got " + std::to_string(data.rows()),
-        {}, Fault::data);
+    throw InputError(std::to_string(candidates.size()) + " features need at least as many rows, got " +
+                         std::to_string(data.rows()) + ": take fewer features or more of the record",
+                     {}, Fault::data);
   p.columns = excited(data, r, size, candidates, p.unexcited);
 
   const Index f = static_cast<Index>(p.columns.size());
