@@ -37,7 +37,8 @@ int integer_field(lua_State* L, const char* field, int otherwise) {
 GridOptions grid_options(lua_State* L) {
   const GridOptions d;
   return {integer_field(L, "cells_y", d.cells_y), integer_field(L, "cells_v", d.cells_v),
-          integer_field(L, "least_count", d.least_count), number_field(L, -1, "smoothness").value_or(d.smoothness)};
+          integer_field(L, "least_count", d.least_count), number_field(L, -1, "smoothness").value_or(d.smoothness),
+          between_from(string_field(L, -1, "between").value_or("linear"))};
 }
 
 MlpOptions mlp_options(lua_State* L) {

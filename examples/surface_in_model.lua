@@ -13,8 +13,8 @@ local surface = lunid.rfs { record = record, mass = 1, interpolate = lunid.grid 
 print(surface)
 
 local identified = lunid.model { mass = 1, restoring = surface(y, v) }
-local spline = lunid.rfs { record = record, mass = 1, interpolate = lunid.grid { cells = { 12, 12 } }, between = "cubic",
-  name = "spline" }
+local spline = lunid.rfs { record = record, mass = 1, name = "spline",
+  interpolate = lunid.grid { cells = { 12, 12 }, between = "cubic" } }
 local smooth = lunid.model { mass = 1, restoring = spline(y, v) }
 local in_lua = lunid.lua_function { "damping", damping }
 local called = lunid.model { mass = 1, restoring = 2e4*y + in_lua(y, v) }

@@ -219,13 +219,10 @@ std::shared_ptr<const Lookup> lookup_of(const ForceSurface& surface, std::string
   const auto* grid = dynamic_cast<const GridSurface*>(&surface);
   const VectorXd y = ends(data.y_min(), data.y_max(), grid ? data.cells_y() : cells),
                  v = ends(data.v_min(), data.v_max(), grid ? data.cells_v() : cells);
-  MatrixXd nodes(y.size(), v.size());
   const auto at = [&](Index i, Index j) {
-    if (grid) return grid->nodes()(i, j);
     return surface.has_data(y[i], v[j]) ? surface.value(y[i], v[j]) : std::nan("");
   };
-  for (Index i = 0; i < y.size(); ++i)
-    for (Index j = 0; j < v.size(); ++j) nodes(i, j) = at(i, j);
+  const MatrixXd nodes = grid ? grid->nodes() : MatrixXd(MatrixXd::NullaryExpr(y.size(), v.size(), at));
   return std::make_shared<const Lookup>(std::move(name), std::vector{y, v}, Filling(nodes).run(), between);
 }
 

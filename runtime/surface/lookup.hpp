@@ -11,12 +11,6 @@
 
 namespace lunid {
 
-/// What a table does between its points.
-enum class Between { linear, cubic };
-/// "linear" "cubic". Throws InputError with the choices.
-Between between_from(const std::string& name);
-std::string to_string(Between between);
-
 /// Linear: straight between the points of one axis, bilinear between those of two. Cubic: a spline with a continuous
 /// second derivative, the product of two on two axes; an integrator keeps its order to the fourth on it. Beyond its
 /// ends each axis goes on straight. The gradient is exact, that of the linear kind one-sided at the points.

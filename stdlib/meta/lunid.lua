@@ -783,11 +783,12 @@ function lunid.history_model(fields) end
 ---@return lunid.selection
 function lunid.select(fields) end
 
----Bilinear interpolation between the corners of equal cells; cells without data stay empty.
+---A bilinear or bicubic spline over equal cells, by least squares; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
 ---@field least_count? integer # cells with fewer points have no data
 ---@field smoothness? number # weight of the squared second differences
+---@field between? "linear"|"cubic" # the corners of the cells: straight lines, or a spline without a jump in its first and second derivatives
 ---@param fields lunid.grid.fields
 ---@return lunid.interpolator
 function lunid.grid(fields) end
@@ -852,7 +853,7 @@ function lunid.random_forest(fields) end
 ---@field expand? "regression"|"quadrature" # the polynomial's coefficients: from the points, or from the surface by Gauss-Chebyshev quadrature
 ---@field blocks? integer # blocks of time left out in turn, for the score and the deviation
 ---@field name? string # how it is written in equations
----@field between? "linear"|"cubic" # what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, support_vectors)
+---@field between? "linear"|"cubic" # what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, support_vectors, a cubic grid)
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end

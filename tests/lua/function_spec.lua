@@ -240,6 +240,8 @@ spec.case("a smooth surface is a smooth function", function()
   local grid = lunid.grid { cells = { 8, 8 } }
   spec.near(off(grid), 0, 1e-10)
   assert(off(grid, "cubic") > 1e-3)
+  local cubic = lunid.grid { cells = { 8, 8 }, between = "cubic" }
+  assert(off(cubic) < 0.1*off(cubic, "linear"))
 end)
 
 spec.clean()
