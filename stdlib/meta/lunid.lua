@@ -51,8 +51,8 @@ function lunid.record(fields) end
 ---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
 ---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
 ---@field interval? number # the same as the time between rows
----@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences with accuracy and step; others need the whole record
----@field smooth? boolean # smooth measured y, v and a too (savitzky_golay)
+---@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default. fourier and total_variation need the whole record; spline and kalman give its numbers to 1e-9 of a deviation
+---@field smooth? boolean # smooth measured y, v and a too, by the same method
 ---@field window? lunid.window # part of the record to keep
 ---@param fields lunid.stream.fields
 ---@return lunid.stream
@@ -299,11 +299,12 @@ function lunid.fit_trajectory(fields) end
 ---@return lunid.function
 function lunid.lua_function(fields) end
 
----A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
+---A table of values as a function of one or two variables. Beyond its ends it goes on straight.
 ---@class lunid.lookup.fields
 ---@field name string # how it is written in equations
 ---@field axes table # one list of increasing values, or two
 ---@field values table # one number for each point; with two axes a list over the second axis for each point of the first
+---@field between? "linear"|"cubic" # the points: straight lines, or a spline without a jump in its first and second derivatives
 ---@param fields lunid.lookup.fields
 ---@return lunid.function
 function lunid.lookup(fields) end
@@ -784,11 +785,12 @@ function lunid.history_model(fields) end
 ---@return lunid.selection
 function lunid.select(fields) end
 
----Bilinear interpolation between the corners of equal cells; cells without data stay empty.
+---A bilinear or bicubic spline over equal cells, by least squares; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
 ---@field least_count? integer # cells with fewer points have no data
 ---@field smoothness? number # weight of the squared second differences
+---@field between? "linear"|"cubic" # the corners of the cells: straight lines, or a spline without a jump in its first and second derivatives
 ---@param fields lunid.grid.fields
 ---@return lunid.interpolator
 function lunid.grid(fields) end
@@ -853,6 +855,7 @@ function lunid.random_forest(fields) end
 ---@field expand? "regression"|"quadrature" # the polynomial's coefficients: from the points, or from the surface by Gauss-Chebyshev quadrature
 ---@field blocks? integer # blocks of time left out in turn, for the score and the deviation
 ---@field name? string # how it is written in equations
+---@field between? "linear"|"cubic" # what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, support_vectors, a cubic grid)
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end

@@ -23,6 +23,7 @@ std::vector<Work> trajectory_fit_works();
 std::vector<Work> regression_works();
 std::vector<Work> ensemble_works();
 std::vector<Work> statistics_works();
+std::vector<Work> surface_works();
 /// Whole processes: `lunid` is the executable.
 std::vector<Work> process_works(const std::string& lunid);
 
