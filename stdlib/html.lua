@@ -31,12 +31,6 @@ function html.table(given)
   return table.concat(lines, "\n")
 end
 
---- A figure whose image (PNG, base64) lies inside the page.
-function html.figure(image, caption)
-  return ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>'):format(
-    html.escape(caption), image, html.escape(caption))
-end
-
 function html.page(title, body)
   return table.concat({ '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>' .. html.escape(title)
     .. "</title><style>" .. html.style .. "</style></head><body>", body, "</body></html>\n" }, "\n")

@@ -82,7 +82,7 @@ double right_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   const double lines = static_cast<double>(plan.colour_title.size());
   const double title = lines > 0.0 ? lines * line_height(look.axis_text) + look.gap : 0.0;
   const double labels = widest_label(meter, look, *plan.colour) + title;
-  const double no_data = plan.no_data ? meter.width("no data", look.tick_text, false) : 0.0;
+  const double no_data = plan.no_data ? meter.width(plan.panel->map->missing, look.tick_text, false) : 0.0;
   return bar_away + bar_width + look.tick_length + look.gap + std::max(labels, no_data);
 }
 
