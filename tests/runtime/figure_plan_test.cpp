@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "figure/draw.hpp"
 #include "figure/scene_view.hpp"
@@ -439,6 +440,46 @@ TEST(FigureCurve, a_spiral_of_many_turns_is_covered_everywhere) {
       }
     EXPECT_LT(nearest, 1.0) << i;
   }
+}
+
+TEST(FigureCurve, noise_over_noise_leaves_no_hole_and_is_not_drawn_twice) {
+  SeenSegments seen({0, 0, 100, 100}, 0.5);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0.0, 100.0);
+  Stroke noise;
+  for (int i = 0; i < 60000; ++i) noise.push_back({place(random), place(random)});
+  std::size_t drawn = 0;
+  for (const Stroke& stroke : seen.fresh(noise)) drawn += stroke.size();
+  EXPECT_GT(drawn, 200u);
+  EXPECT_LT(drawn, 10000u);
+  // The plane is inked by now, up to its edges: hardly anything is new, wherever it runs.
+  std::size_t again = 0;
+  for (const Stroke& stroke : seen.fresh(noise)) again += stroke.size();
+  EXPECT_LT(again, drawn / 20);
+}
+
+TEST(FigureCurve, a_coloured_noise_keeps_its_extremes_in_few_strokes) {
+  Panel p;
+  Series s{"", {}, {}, Style::line, Role::first, 1.0, {}};
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  for (int i = 0; i < 200000; ++i) {
+    s.x.push_back(i);
+    s.y.push_back(noise(random));
+    s.colour.push_back(i % 7);
+  }
+  p.series = {s};
+  p.colour = {.name = "cycle", .unit = ""};
+  Figure figure;
+  figure.panels = {p};
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, look_for(figure), figure);
+  const auto strokes = coloured_strokes(plan.panels[0], s);
+  EXPECT_LT(strokes.size(), 10000u);
+  double top = 0.0;
+  for (const ColouredStroke& stroke : strokes)
+    for (const Point& point : stroke.stroke) top = std::max(top, point.y);
+  EXPECT_NEAR(top, plan.panels[0].at(0.0, *std::max_element(s.y.begin(), s.y.end())).y, 1e-9);
 }
 
 TEST(FigureCurve, nan_breaks_a_line) {
