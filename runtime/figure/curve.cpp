@@ -127,7 +127,7 @@ Stroke thin(const Stroke& stroke, double column) {
 
 namespace {
 
-constexpr std::size_t block = 16;  // cells each way
+constexpr std::size_t block = 8;  // cells each way
 
 }  // namespace
 

@@ -34,7 +34,7 @@ class SeenSegments {
   Box box_;
   double cell_;
   std::size_t columns_, rows_, block_columns_;
-  std::vector<bool> inked_;  ///< cells, row by row; empty while no long stroke came
+  std::vector<char> inked_;  ///< cells, row by row; empty while no long stroke came
   std::vector<int> clear_;   ///< cells without ink in each block: a walk leaps over the full ones
 };
 
