@@ -87,11 +87,25 @@ class AxesPainter {
       const Point end{p.x + look_.tick_length * edge.outward.x, p.y + look_.tick_length * edge.outward.y};
       canvas_.line(p, end, look_.palette.ink, look_.frame);
       const double away = 3.0 + clearance(tick.label, look_.tick_text, edge.outward);
-      canvas_.text({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label,
-                   centred(look_.tick_text));
+      label({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label);
       reach = std::max(reach, look_.tick_length + 3.0 + 2.0 * clearance(tick.label, look_.tick_text, edge.outward));
     }
     title(plan, edge, reach);
+  }
+
+  /// The label of a tick; where another stands, such as that of the next axis at their common corner, a little higher.
+  void label(Point at, const std::string& text) {
+    const double half = 0.5 * meter_.width(text, look_.tick_text, false), size = look_.tick_text;
+    for (const double lift : {0.0, 0.5, 1.0}) {
+      const double y = at.y + lift * size;
+      const Box box{at.x - half, y - 0.6 * size, at.x + half, y + 0.6 * size};
+      const bool free = std::none_of(labels_.begin(), labels_.end(), [&](const Box& b) {
+        return box.left < b.right && b.left < box.right && box.bottom < b.top && b.bottom < box.top;
+      });
+      if (!free) continue;
+      labels_.push_back(box);
+      return canvas_.text({at.x, y}, text, centred(size));
+    }
   }
 
   void title(const AxisPlan& plan, const Edge& edge, double reach) {
@@ -102,20 +116,26 @@ class AxesPainter {
     const TextStyle style = centred(look_.axis_text);
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
-    const double x = std::clamp(p.x + away * edge.outward.x, std::min(view_.room.left + half, view_.room.right - half),
+    const double wanted = p.x + away * edge.outward.x;
+    const double x = std::clamp(wanted, std::min(view_.room.left + half, view_.room.right - half),
                                 std::max(view_.room.left + half, view_.room.right - half));
-    const double y = std::max(p.y + away * edge.outward.y, view_.room.bottom + 0.5 * look_.axis_text);
+    // Pushed back from the end of the room it would run into its tick labels, on the far left into the title of z: it
+    // goes below them.
+    const double lowest = view_.room.bottom + 0.5 * look_.axis_text;
+    const double y =
+        std::abs(x - wanted) > 1.0 || edge.outward.x < -0.7 ? lowest : std::max(p.y + away * edge.outward.y, lowest);
     canvas_.text({x, y}, plan.title, style);
   }
 
   /// The title of z: above the lower end of its edge, where labels of the other axes are.
   void upright_title(const AxisPlan& plan, Point middle, double reach) {
     const double half_edge = 0.5 * view_.size[2] * view_.scale * view_.up[2];
-    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, view_.room.height()));
+    const double floor = view_.room.bottom + 1.2 * look_.axis_text;  // below it are the titles of the other axes
+    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, view_.room.top - floor));
     style.vertical = true;
     const double half = 0.5 * meter_.width(plan.title, style.size, false);
-    const double lowest = std::max(middle.y - half_edge + look_.tick_text, view_.room.bottom) + half;
-    const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, view_.room.bottom + half));
+    const double lowest = std::max(middle.y - half_edge + look_.tick_text, floor) + half;
+    const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, floor + half));
     canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
   }
 
@@ -125,6 +145,7 @@ class AxesPainter {
   TextMeter& meter_;
   Look look_;
   const SceneView& view_;
+  std::vector<Box> labels_;  ///< of ticks, so far
 };
 
 }  // namespace

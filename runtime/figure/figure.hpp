@@ -85,10 +85,10 @@ struct HeatMap {
   std::vector<double> x;
   std::vector<double> y;
   Eigen::MatrixXd z;
-  Axis colour;            ///< name and unit of z; min and max fix the colour range (to compare two maps)
-  bool diverging = true;  ///< colours symmetric about zero (residuals); false: from low to high (counts)
-  bool numbers = false;   ///< written into the cells
-  bool contours = false;  ///< lines of equal z, at the ticks of the colour bar
+  Axis colour;                      ///< name and unit of z; min and max fix the colour range (to compare two maps)
+  bool diverging = true;            ///< colours symmetric about zero (residuals); false: from low to high (counts)
+  bool numbers = false;             ///< written into the cells
+  bool contours = false;            ///< lines of equal z, at the ticks of the colour bar
   std::string missing = "no data";  ///< what a cell without a number stands for
 };
 

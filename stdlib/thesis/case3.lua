@@ -78,7 +78,7 @@ report:text "The thesis prints no coefficients for case 3.0: custom RX, PySINDy 
 -- ---- 3.2: the tanh is offered ----
 
 report:section "3.2: the tanh offered, p unknown"
-plots.pruning(report, train, { lunid.polynomials({ y, v }, 3), tanh(found.model.parameters.p.value*y) }, 1)
+plots.pruning(report, train, { lunid.polynomials({ y, v }, 3), tanh(tonumber(("%.4g"):format(found.model.parameters.p.value))*y) }, 1)
 local runs, rows = {}, {}
 for number = seed, seed + (quick and 1 or 4) do
   local fitted, validation = train, test

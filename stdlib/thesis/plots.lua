@@ -27,9 +27,9 @@ function plots.learners(report, name, record, mass, kinds)
   local list = {}
   for i, kind in ipairs(kinds) do
     local one = lunid.rfs { record = record, mass = mass, interpolate = lunid[kind] {} }
-    list[i] = lunid.figure.surface { one, title = ("%s, R2 %.3f"):format(one.kind:gsub("_", " "), one.r2) }
+    list[i] = lunid.figure.surface { one, points = false, title = ("%s, R2 %.3f"):format(one.kind:gsub("_", " "), one.r2) }
   end
-  report:figure(name .. "surfaces", grid { list, columns = 2 }, "Surfaces fitted by several learners, and their R2 on their own data")
+  report:figure(name .. "surfaces", grid { list, columns = 2, width = 24, height = 10*math.ceil(#list/2) + 1 }, "Surfaces fitted by several learners, and their R2 on their own data")
 end
 
 --- A surface seen from four sides.
@@ -38,7 +38,7 @@ function plots.views(report, name, surface, what)
   for i, azimuth in ipairs { -130, -40, 50, 140 } do
     list[i] = lunid.figure.surface { surface, azimuth = azimuth, title = ("from %d degrees"):format(azimuth) }
   end
-  report:figure(name .. "views", grid { list, columns = 2 }, ("%s from four sides"):format(what))
+  report:figure(name .. "views", grid { list, columns = 2, width = 24, height = 21 }, ("%s from four sides"):format(what))
 end
 
 --- The chosen surface: in space, from above, from the sides, cut near and far.

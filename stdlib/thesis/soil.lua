@@ -205,7 +205,7 @@ function soil.rivals(tests, test, found, fits, from, to)
       return lunid.record { dt = which.gauges.dt, channels = { { "F", which.gauges.head }, { "R", measured(which, part) } } }
     end
     local model = lunid.arx { record = record_of(tests[1]):window(2, 8), output = "R", input = "F", outputs = 4, inputs = 4, delay = 0, constant = true }
-    arx[part] = soil.score_along(test, model:free_run(record_of(test)).predicted:list(), part, from, to)
+    arx[part] = soil.score_along(test, model:free_run(record_of(test)).values:list(), part, from, to)
   end
   list[#list + 1] = arx
   local rx, noise = { "RX made again, along the measured motion" }, { "the channels, put right (limit of the noise)" }

@@ -102,6 +102,18 @@ TEST(FigureLayout, a_surface_keeps_its_labels_apart_from_every_side) {
     }
 }
 
+TEST(FigureLayout, surfaces_side_by_side_keep_their_labels_apart) {
+  Figure figure = surface();
+  figure.columns = 2;
+  figure.size = {24.0, 21.0, 250};
+  for (const double azimuth : {-40.0, 50.0, 140.0, 0.0, 87.0}) {
+    figure.panels.push_back(figure.panels.front());
+    figure.panels.back().scene->azimuth = azimuth;
+  }
+  Typewriter meter;
+  expect_legible(drawn(figure).texts, plan_figure(meter, look_for(figure), figure).extent, "six surfaces");
+}
+
 SceneView seen(const Scene& scene) {
   Typewriter meter;
   return plan_scene(meter, Look(Theme::light), scene, {10.0, 10.0, 450.0, 330.0});
