@@ -53,6 +53,20 @@ function catalogue.entries(names)
   return entries
 end
 
+--- The entries of these names and a user's own behind them. Raises, as `where`, on an own one whose name is `taken`.
+function catalogue.with_own(where, names, own, taken)
+  local entries = catalogue.entries(names)
+  for _, entry in ipairs(own) do
+    for _, name in ipairs(taken) do
+      if name == entry.name then
+        schema.fail(where .. ": effects", ("'%s' is in the catalogue already; give it another name"):format(name))
+      end
+    end
+    entries[#entries + 1] = entry
+  end
+  return entries
+end
+
 --- The entries that are not among those searched first.
 function catalogue.others()
   local first, names = {}, {}

@@ -1,5 +1,6 @@
 -- Nonlinear regressions: the parameters of any formula of measured columns.
 local core = require "lunid.core"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -38,11 +39,7 @@ local function data_of(given)
     schema.fail("fit_curve", "expected either record or data")
   end
   if given.data then return named_columns(given.data) end
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, each in ipairs(list) do
-    list[i] = given.window and each:window(given.window.from, given.window.to) or each
-  end
-  return list
+  return record_list(given.record, given.window)
 end
 
 local function words_of(fit)

@@ -3,6 +3,7 @@ local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local models = require "lunid.models"
 local output = require "lunid.output"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -11,15 +12,6 @@ local discovery = {}
 local record = types.is("record", "lunid.read")
 local records = types.either(record, types.list(record, 1))
 local window = types.is("window", "lunid.window")
-
-local function as_list(value) return type(value) == "table" and value or { value } end
-
-local function cut(list, part)
-  if not part then return list end
-  local kept = {}
-  for i, each in ipairs(list) do kept[i] = each:window(part.from, part.to) end
-  return kept
-end
 
 --- Writes discovery.json, results.json, model.lua, report.html and figures into `folder`; returns what was made.
 function discovery.save(found, folder)
@@ -67,22 +59,14 @@ local definition = {
 
 --- Checks the catalogue, cuts the windows and runs the search.
 local function search(given)
-  local entries = catalogue.entries(given.catalogue)
-  for _, entry in ipairs(given.effects) do
-    for _, known in ipairs(given.catalogue or catalogue.names) do
-      if known == entry.name then
-        schema.fail("discover: effects", ("'%s' is in the catalogue already; give it another name"):format(entry.name))
-      end
-    end
-    entries[#entries + 1] = entry
-  end
+  local entries = catalogue.with_own("discover", given.catalogue, given.effects, given.catalogue or catalogue.names)
   if not given.catalogue then  -- what these leave open is held against all
     given.first = #entries
     for _, entry in ipairs(catalogue.others()) do entries[#entries + 1] = entry end
   end
-  local train, test = as_list(given.train), given.test and as_list(given.test) or {}
-  if given.test_window then test = cut(#test > 0 and test or train, given.test_window) end
-  train = cut(train, given.window)
+  local train = record_list(given.train, given.window)
+  local tested = given.test or given.test_window and given.train
+  local test = tested and record_list(tested, given.test_window) or {}
   return core.discover(given.model, entries, train, test, given)
 end
 

@@ -1,6 +1,7 @@
 -- History models: the next sample of the output from samples before it.
 local core = require "lunid.core"
 local output = require "lunid.output"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -25,14 +26,6 @@ local fields = {
   window = { "window", types.is("window", "lunid.window"), help = "part of the records" },
 }
 
-local function records_of(given)
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, each in ipairs(list) do
-    list[i] = given.window and each:window(given.window.from, given.window.to) or each
-  end
-  return list
-end
-
 local function constructor(name, help, names, example)
   local chosen = {}
   for i, field in ipairs(names) do
@@ -45,7 +38,7 @@ local function constructor(name, help, names, example)
     fields = chosen,
     returns = "history_model",
     example = example,
-  }, function(given) return core.fit_history(records_of(given), given) end)
+  }, function(given) return core.fit_history(record_list(given.record, given.window), given) end)
 end
 
 constructor("arx", "The next output as a linear sum of past outputs and inputs, by least squares. Noise that is measured "
@@ -73,7 +66,7 @@ histories.history_orders = schema.define({
   returns = "orders",
   example = [[print(lunid.history_orders { record = train })]],
 }, function(given)
-  local list = core.history_orders(records_of(given), given)
+  local list = core.history_orders(record_list(given.record, given.window), given)
   return schema.object("orders", list, nil, function(orders)
     local lines = { "outputs  inputs  residual std         AIC         BIC" }
     for _, row in ipairs(orders) do

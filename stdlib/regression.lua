@@ -1,6 +1,7 @@
 -- Regressions: F - m*a = sum of coefficient * feature.
 local core = require "lunid.core"
 local features = require "lunid.features"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -116,10 +117,7 @@ public.regress = schema.define({
   returns = "regression",
   example = [[local fit = lunid.regress { record = train, mass = 49, features = { lunid.polynomials({ y, v }, 3) } }]],
 }, function(given)
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, each in ipairs(list) do
-    list[i] = given.window and each:window(given.window.from, given.window.to) or each
-  end
+  local list = record_list(given.record, given.window)
   given.blocks = given.blocks or given.bootstrap and 32 or 8
   given.features, given.places, given.notes = features.flat(given.features, range_over(list), core.place())
   given.constraints, given.groups, given.passive = sorted(given.constraints)

@@ -1,5 +1,6 @@
 -- Free runs, and fits on the trajectory.
 local core = require "lunid.core"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -122,11 +123,7 @@ local fit_trajectory = schema.define({
   returns = "trajectory_fit",
   example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],
 }, function(given)
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, record in ipairs(list) do
-    list[i] = given.window and record:window(given.window.from, given.window.to) or record
-  end
-  local fit = core.fit_trajectory(given.model, list, given)
+  local fit = core.fit_trajectory(given.model, record_list(given.record, given.window), given)
   if not fit.summary.converged then
     print(("%s: fit_trajectory: did not converge (%s)"):format(core.place(), fit.summary.stopped))
   end

@@ -1,6 +1,7 @@
 -- The stages of discovery one by one: where a model fails, which entries would help, how given sets compare.
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -13,27 +14,6 @@ local catalogue_field = { "catalogue", types.list(types.string, 1),
   help = "names of entries, any of `lunid list effects`; else those marked * there" }
 local effects_field = { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
   help = "entries of your own, beside the catalogue" }
-
-local function records_of(given)
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, each in ipairs(list) do
-    list[i] = given.window and each:window(given.window.from, given.window.to) or each
-  end
-  return list
-end
-
-local function entries_of(where, given)
-  local entries = catalogue.entries(given.catalogue)
-  for _, entry in ipairs(given.effects) do
-    for _, known in ipairs(entries) do
-      if known.name == entry.name then
-        schema.fail(where .. ": effects", ("'%s' is in the catalogue already; give it another name"):format(entry.name))
-      end
-    end
-    entries[#entries + 1] = entry
-  end
-  return entries
-end
 
 local function number(value) return value and ("%.3g"):format(value) or "none" end
 
@@ -63,7 +43,7 @@ local locate = schema.define({
 print(where)
 print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
 }, function(given)
-  local found = core.locate(given.model, records_of(given), {})
+  local found = core.locate(given.model, record_list(given.record, given.window), {})
   return schema.object("location", found, nil, function(self)
     local where = {}
     for _, over in ipairs { "time", "y", "v", "amplitude", "harmonic", "frequency" } do
@@ -86,7 +66,7 @@ local propose = schema.define({
   example = [[local list = lunid.propose { model = model, record = train }
 print(list[1].name, list[1].gain)]],
 }, function(given)
-  local found = core.propose(given.model, entries_of("propose", given), records_of(given), {})
+  local found = core.propose(given.model, catalogue.with_own("propose", given.catalogue, given.effects, given.catalogue or catalogue.searched), record_list(given.record, given.window), {})
   local list = found.proposals
   list.model, list.gap, list.warnings = found.model, found.gap, found.warnings
   return schema.object("proposals", list, nil, function(self)
@@ -179,7 +159,7 @@ local rank = schema.define({
 print(rows[1].name, rows[1].model)]],
 }, function(given)
   local entries = entries_named(given)
-  local rows = core.rank_sets(given.model, entries, sets_of(given, entries), records_of(given), { blocks = given.blocks })
+  local rows = core.rank_sets(given.model, entries, sets_of(given, entries), record_list(given.record, given.window), { blocks = given.blocks })
   rows = judge(rows, given.criterion or function() return true end)
   return schema.object("ranking", rows, nil, function(self)
     local text = lines_of(("%-40s %10s %10s %12s %8s"):format("set", "left out", "gap", "log L", "z"), self, function(row)

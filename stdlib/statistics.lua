@@ -20,20 +20,26 @@ end
 
 -- ---- two columns, one number ----
 
-local function of_model(name, help, example)
-  define({
-    name = name,
-    help = help,
-    style = "arguments",
-    positional = { "measured", "model" },
-    fields = {
-      { "measured", column, required = true, help = "what was measured" },
-      { "model", column, required = true, help = "what the model says, row by row" },
-    },
-    returns = "number",
-    example = example,
-  }, function(given) return measures[name](given.measured, given.model) end)
+--- Declares measures of two columns, told by their names and what they are.
+local function of_pair(first, first_help, second, second_help)
+  return function(name, help, example)
+    define({
+      name = name,
+      help = help,
+      style = "arguments",
+      positional = { first, second },
+      fields = {
+        { first, column, required = true, help = first_help },
+        { second, column, required = true, help = second_help },
+      },
+      returns = "number",
+      example = example,
+    }, function(given) return measures[name](given[first], given[second]) end)
+  end
 end
+
+local of_model = of_pair("measured", "what was measured", "model", "what the model says, row by row")
+local of_two = of_pair("a", "one column", "b", "another of the same length")
 
 of_model("rmse", "Root of the mean squared error, in the unit of the columns.",
   [[local error = lunid.statistics.rmse(record:column "y", run:column "y")]])
@@ -43,21 +49,6 @@ of_model("r2", "Share of the measured variance that the model explains, 1 - nrms
   [[local share = lunid.statistics.r2(record:column "y", run:column "y")]])
 of_model("fit", "100 (1 - nrmse) %: 100 for a perfect model, 0 for the measured mean.",
   [[local percent = lunid.statistics.fit(record:column "y", run:column "y")]])
-
-local function of_two(name, help, example)
-  define({
-    name = name,
-    help = help,
-    style = "arguments",
-    positional = { "a", "b" },
-    fields = {
-      { "a", column, required = true, help = "one column" },
-      { "b", column, required = true, help = "another of the same length" },
-    },
-    returns = "number",
-    example = example,
-  }, function(given) return measures[name](given.a, given.b) end)
-end
 
 of_two("correlation", "Pearson's correlation. A second value is the probability of one as far from 0 by chance, by a block "
   .. "bootstrap that holds for coloured rows.", [[local r, p = lunid.statistics.correlation(record:column "F", record:column "y")]])

@@ -1,5 +1,6 @@
 -- Restoring force surfaces: f(y, v) = F - m*a over the plane of displacement and velocity.
 local core = require "lunid.core"
+local record_list = require "lunid.record_list"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -132,10 +133,7 @@ local surface = lunid.rfs { record = train, mass = 49, interpolate = { lunid.gri
 print(surface)
 local model = lunid.model { mass = 49, restoring = surface(y, v) }]],
 }, function(given)
-  local list = type(given.record) == "table" and given.record or { given.record }
-  for i, each in ipairs(list) do
-    list[i] = given.window and each:window(given.window.from, given.window.to) or each
-  end
+  local list = record_list(given.record, given.window)
   given.order_y, given.order_v = given.order[1], given.order[2]
   given.kinds = kinds_of(given)
   return core.rfs(list, given)

@@ -38,11 +38,12 @@ class Spine {
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
     out_.baseline_before = model_.parameters;
     std::vector<std::string> left;
-    catalogue_ = testable(study_, catalogue, left);
     const auto many =
         options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(catalogue)) : std::ssize(catalogue);
-    std::vector<std::string> known;
-    first_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, known);
+    first_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
+    catalogue_ = first_;
+    for (Effect& effect : testable(study_, {catalogue.begin() + many, catalogue.end()}, left))
+      catalogue_.push_back(std::move(effect));
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 

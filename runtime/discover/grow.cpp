@@ -380,6 +380,11 @@ bool same(Choices a, Choices b) {
   return a == b;
 }
 
+bool within(const Choices& part, const Choices& whole) {
+  return std::all_of(part.begin(), part.end(),
+                     [&](const Choice& x) { return std::find(whole.begin(), whole.end(), x) != whole.end(); });
+}
+
 FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
                    int substeps) {
   FitOptions options;

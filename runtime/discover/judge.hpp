@@ -26,6 +26,8 @@ void run_left_out(const Study& study, Candidate& candidate);
 /// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.
 double improvement_p_value(const Candidate& smaller, const Candidate& larger);
 
+/// z-score from which on a set is rejected against another: 1 %, one-sided.
+inline constexpr double vuong_level = 2.33;
 /// z-score of "a is closer to the truth than b" from the innovations (Vuong 1989, Econometrica 57, 307), Schwarz'
 /// correction for the number of parameters, long-run variance by Newey-West.
 double vuong_z(const Candidate& a, const Candidate& b);

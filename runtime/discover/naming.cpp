@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/grow.hpp"
+#include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "record/random.hpp"
 #include "statistics/statistics.hpp"
@@ -16,8 +18,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rejected = 2.33;  ///< as the search has it
-constexpr double ridge = 1e-9;     ///< on columns of length one
+constexpr double ridge = 1e-9;  ///< on columns of length one
 
 /// Sums over each block of a finalist's linearised problem.
 struct Finalist {
@@ -116,11 +117,7 @@ class Resampler {
     return -2 * d.log_likelihood.sum() + parameters(i) * std::log(rows);
   }
 
-  bool within(std::size_t small, std::size_t large) const {
-    const Choices &a = finalists_[small].candidate->choices, &b = finalists_[large].candidate->choices;
-    return std::all_of(a.begin(), a.end(),
-                       [&](const Choice& x) { return std::find(b.begin(), b.end(), x) != b.end(); });
-  }
+  const Choices& choices(std::size_t i) const { return finalists_[i].candidate->choices; }
 
   /// Corrected p-value of the larger of two nested sets.
   double p_value(const std::vector<Drawn>& all, std::size_t small, std::size_t large, double rows) const {
@@ -145,7 +142,8 @@ class Resampler {
     std::size_t pick = best;
     const double alpha = study_.options->alpha;
     for (std::size_t i = 1; i < all.size(); ++i) {
-      const bool stays = within(i, best) ? p_value(all, i, best, rows) > alpha : vuong(all, best, i, rows) < rejected;
+      const bool stays = within(choices(i), choices(best)) ? p_value(all, i, best, rows) > alpha
+                                                           : vuong(all, best, i, rows) < vuong_level;
       if (stays && parameters(i) < parameters(pick)) pick = i;
     }
     return p_value(all, 0, pick, rows) > alpha ? 0 : pick;

@@ -108,11 +108,8 @@ class Search {
 
   /// Not rejected against the best: nested sets by the likelihood ratio, others by Vuong's test.
   bool not_rejected(const Candidate& c, const Candidate& best) const {
-    const bool nested = std::all_of(c.choices.begin(), c.choices.end(), [&](const Choice& x) {
-      return std::find(best.choices.begin(), best.choices.end(), x) != best.choices.end();
-    });
-    if (nested) return corrected(improvement_p_value(c, best)) > study_.options->alpha;
-    return vuong_z(best, c) < 2.33;
+    if (within(c.choices, best.choices)) return corrected(improvement_p_value(c, best)) > study_.options->alpha;
+    return vuong_z(best, c) < vuong_level;
   }
 
   void choose(std::vector<Candidate>& field) {
@@ -139,10 +136,8 @@ class Search {
       again = false;
       for (std::size_t i = 0; i < field.size(); ++i) {
         if (field[i].choices.size() + 1 != field[pick].choices.size()) continue;
-        const bool subset = std::all_of(field[i].choices.begin(), field[i].choices.end(), [&](const Choice& x) {
-          return std::find(field[pick].choices.begin(), field[pick].choices.end(), x) != field[pick].choices.end();
-        });
-        if (subset && corrected(improvement_p_value(field[i], field[pick])) > study_.options->alpha) {
+        if (within(field[i].choices, field[pick].choices) &&
+            corrected(improvement_p_value(field[i], field[pick])) > study_.options->alpha) {
           pick = i;
           again = true;
           break;
@@ -267,7 +262,8 @@ class Search {
       // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
       if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
         result_.aliases.push_back(c.name());
-      else if (std::abs(vuong_z(chosen, c)) < 2.33 && improvement_p_value(result_.baseline, c) < study_.options->alpha)
+      else if (std::abs(vuong_z(chosen, c)) < vuong_level &&
+               improvement_p_value(result_.baseline, c) < study_.options->alpha)
         result_.ties.push_back(c.name());
     }
   }
@@ -303,7 +299,7 @@ class Search {
         remark = "does not lower the left-out gap by the least gain";
       else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
         remark = "not better by what its extra parameters cost";
-      else if (vuong_z(chosen, c) > 2.33)
+      else if (vuong_z(chosen, c) > vuong_level)
         remark = "fits worse";
       else
         remark = "fits no better";
