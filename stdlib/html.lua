@@ -12,7 +12,7 @@ table { border-collapse: collapse; margin: .8rem 0; font-size: .92rem } caption 
 th, td { padding: .25rem .7rem; text-align: left; border-bottom: 1px solid #e2e2e2; vertical-align: top }
 pre { background: #f5f5f5; padding: .7rem; overflow-x: auto } td.n { font-variant-numeric: tabular-nums } .scroll { overflow-x: auto }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(30rem, 1fr)); gap: 1rem }
-figure { margin: 0 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem } nav a { margin-right: 1rem }]]
+figure { margin: 0 } figure.wide { grid-column: 1 / -1 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem } nav a { margin-right: 1rem }]]
 
 local function row(cells, count, tag)
   local parts = {}
