@@ -23,11 +23,11 @@ class AxesPainter {
   void paint() {
     walls();
     const double near_x = near(0), near_y = near(1), floor = -0.5 * view_.size[2];
-    axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
-    axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
     // Of the two upright edges of the outline, the one on the left.
     const Vector a{near_x, -near_y, 0.0}, b{-near_x, near_y, 0.0};
     axis(view_.z, {2, view_.on_paper(a).x < view_.on_paper(b).x ? a : b, {-1.0, 0.0}});
+    axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
+    axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
   }
 
  private:
@@ -93,17 +93,22 @@ class AxesPainter {
     title(plan, edge, reach);
   }
 
-  /// The label of a tick; where another stands, such as that of the next axis at their common corner, a little higher.
+  /// Whether nothing is written in a box yet.
+  bool is_free(const Box& box) const {
+    return std::none_of(written_.begin(), written_.end(), [&](const Box& b) {
+      return box.left < b.right && b.left < box.right && box.bottom < b.top && b.bottom < box.top;
+    });
+  }
+
+  /// The label of a tick; where another stands, such as that of the next axis at their common corner, a little higher
+  /// or lower.
   void label(Point at, const std::string& text) {
     const double half = 0.5 * meter_.width(text, look_.tick_text, false), size = look_.tick_text;
-    for (const double lift : {0.0, 0.5, 1.0}) {
+    for (const double lift : {0.0, 0.5, -0.5, 1.0, -1.0}) {
       const double y = at.y + lift * size;
       const Box box{at.x - half, y - 0.6 * size, at.x + half, y + 0.6 * size};
-      const bool free = std::none_of(labels_.begin(), labels_.end(), [&](const Box& b) {
-        return box.left < b.right && b.left < box.right && box.bottom < b.top && b.bottom < box.top;
-      });
-      if (!free) continue;
-      labels_.push_back(box);
+      if (!is_free(box)) continue;
+      written_.push_back(box);
       return canvas_.text({at.x, y}, text, centred(size));
     }
   }
@@ -116,14 +121,14 @@ class AxesPainter {
     const TextStyle style = centred(look_.axis_text);
     const double away = reach + 2.0 + clearance(plan.title, look_.axis_text, edge.outward);
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
-    const double wanted = p.x + away * edge.outward.x;
-    const double x = std::clamp(wanted, std::min(view_.room.left + half, view_.room.right - half),
+    const double x = std::clamp(p.x + away * edge.outward.x, std::min(view_.room.left + half, view_.room.right - half),
                                 std::max(view_.room.left + half, view_.room.right - half));
-    // Pushed back from the end of the room it would run into its tick labels, on the far left into the title of z: it
-    // goes below them.
-    const double lowest = view_.room.bottom + 0.5 * look_.axis_text;
-    const double y =
-        std::abs(x - wanted) > 1.0 || edge.outward.x < -0.7 ? lowest : std::max(p.y + away * edge.outward.y, lowest);
+    // Pushed back from the end of the room it may run into labels, on the far left into the title of z: it goes below.
+    const double size = look_.axis_text, lowest = view_.room.bottom + 0.5 * size;
+    double y = std::max(p.y + away * edge.outward.y, lowest);
+    while (y > lowest && !is_free({x - half, y - 0.6 * size, x + half, y + 0.6 * size}))
+      y = std::max(y - 0.5 * size, lowest);
+    written_.push_back({x - half, y - 0.6 * size, x + half, y + 0.6 * size});
     canvas_.text({x, y}, plan.title, style);
   }
 
@@ -136,7 +141,9 @@ class AxesPainter {
     const double half = 0.5 * meter_.width(plan.title, style.size, false);
     const double lowest = std::max(middle.y - half_edge + look_.tick_text, floor) + half;
     const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, floor + half));
-    canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
+    const double x = middle.x - reach - 0.9 * look_.axis_text;
+    written_.push_back({x - 0.6 * style.size, y - half, x + 0.6 * style.size, y + half});
+    canvas_.text({x, y}, plan.title, style);
   }
 
   TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }
@@ -145,7 +152,7 @@ class AxesPainter {
   TextMeter& meter_;
   Look look_;
   const SceneView& view_;
-  std::vector<Box> labels_;  ///< of ticks, so far
+  std::vector<Box> written_;  ///< room of the texts so far
 };
 
 }  // namespace
