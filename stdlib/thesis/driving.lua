@@ -137,7 +137,7 @@ end
 --- What a fit says of a part's force beside the gauges, for three periods from a time on: a panel.
 local function fitted_panel(fit, test, part, mass, from)
   local record = driving.force_record(test, part, mass, from, from + 3/test.frequency)
-  return lines { x = "time [s]", y = part .. " force [N]", title = ("%s, at %g s"):format(test.name:match "^[^(]+", from), series = {
+  return lines { x = "time [s]", y = part .. " force [N]", title = ("%s, at %g s"):format(test.name:match "^test %d+", from), series = {
     series { record:column "t", record:column "F", label = "measured", role = "measured" },
     series { record:column "t", lunid.compare { model = fit.model, record = record, lags = 1 }.predicted, label = "fit", role = "final", style = "dashed" } } }
 end
@@ -157,7 +157,7 @@ end
 function driving.show_part(report, part, number, tests, mass, fit, quick)
   local test, name = tests[number], ("%s%d_"):format(part, number)
   local record = driving.force_record(test, part, mass, 4, 6)
-  plots.learners(report, name, record, 0, plots.learners_of(quick))
+  plots.learners(report, name, record, 0, plots.learners_of(quick), true)
   local surface = lunid.rfs { record = record, order = { 2, 2 }, interpolate = lunid.grid {} }
   plots.faces(report, name, surface, part .. " force")
   plots.views(report, name, surface, ("Surface of the %s force of %s (2 x 2 as a polynomial: R2 %.3f)"):format(part, test.name, surface.r2))

@@ -22,12 +22,12 @@ function plots.data(report, train, mass)
     style = "points" } }, x = "displacement [m]", y = "velocity [m/s]" }, "Phase portrait of the training data")
 end
 
---- Surfaces by several learners side by side, each fitted to `record`.
-function plots.learners(report, name, record, mass, kinds)
+--- Surfaces by several learners side by side, each fitted to `record`; with_points: where the data are a loop, and hardly a surface.
+function plots.learners(report, name, record, mass, kinds, with_points)
   local list = {}
   for i, kind in ipairs(kinds) do
     local one = lunid.rfs { record = record, mass = mass, interpolate = lunid[kind] {} }
-    list[i] = lunid.figure.surface { one, points = false, title = ("%s, R2 %.3f"):format(one.kind:gsub("_", " "), one.r2) }
+    list[i] = lunid.figure.surface { one, points = with_points == true, title = ("%s, R2 %.3f"):format(one.kind:gsub("_", " "), one.r2) }
   end
   report:figure(name .. "surfaces", grid { list, columns = 2, width = 24, height = 10*math.ceil(#list/2) + 1 }, "Surfaces fitted by several learners, and their R2 on their own data")
 end
