@@ -162,8 +162,13 @@ SeenSegments::Walk SeenSegments::walk(Point a, Point b) const {
           (b.y - a.y) / cell_ / steps, steps};
 }
 
-bool SeenSegments::is_fresh(Point a, Point b) const {
-  const Walk w = walk(a, b);
+bool SeenSegments::is_clear(const Walk& w, int k) const {
+  const std::size_t column = w.column(k), row = w.row(k);
+  return row + 1 < rows_ && column + 1 < columns_ && !inked_[row * columns_ + column];
+}
+
+/// The first step of a walk at a cell without ink; -1 where there is none.
+int SeenSegments::first_clear(const Walk& w) const {
   for (int k = 0; k <= w.steps;) {
     const std::size_t column = w.column(k), row = w.row(k);
     const bool inside = row + 1 < rows_ && column + 1 < columns_;
@@ -171,10 +176,24 @@ bool SeenSegments::is_fresh(Point a, Point b) const {
       k += w.leap(k);
       continue;
     }
-    if (inside && !inked_[row * columns_ + column]) return true;
+    if (is_clear(w, k)) return k;
     ++k;
   }
-  return false;
+  return -1;
+}
+
+/// Of a long segment that is new in a small part of it, draws that part alone: the rest has ink.
+bool SeenSegments::draw_part(Point a, Point b, const Walk& w, int first, std::vector<Stroke>& parts) {
+  constexpr int is_long = 60, margin = 3;  // cells
+  if (w.steps < is_long) return false;
+  int last = w.steps;
+  while (last > first && !is_clear(w, last)) --last;
+  if (2 * (last - first) > w.steps) return false;
+  const Point from = along(a, b, std::max(0.0, double(first - margin) / w.steps));
+  const Point to = along(a, b, std::min(1.0, double(last + margin) / w.steps));
+  ink(from, to);
+  parts.push_back({from, to});
+  return true;
 }
 
 void SeenSegments::ink(std::size_t column, std::size_t row) {
@@ -213,7 +232,10 @@ std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
   Point last = stroke.front();
   for (std::size_t i = 1; i < stroke.size(); ++i) {
     if (std::hypot(stroke[i].x - last.x, stroke[i].y - last.y) < cell_ && i + 1 < stroke.size()) continue;
-    stale = is_fresh(last, stroke[i]) ? 0 : stale + 1;
+    const Walk w = walk(last, stroke[i]);
+    const int first = first_clear(w);
+    const bool in_part = first >= 0 && draw_part(last, stroke[i], w, first, parts);
+    stale = in_part ? patience + 1 : first >= 0 ? 0 : stale + 1;
     if (stale == 0 && current.empty()) current.push_back(last);
     if (stale <= patience && !current.empty()) {
       current.push_back(stroke[i]);

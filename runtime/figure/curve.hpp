@@ -27,7 +27,9 @@ class SeenSegments {
  private:
   struct Walk;
   Walk walk(Point a, Point b) const;
-  bool is_fresh(Point a, Point b) const;
+  bool is_clear(const Walk& w, int k) const;
+  int first_clear(const Walk& w) const;
+  bool draw_part(Point a, Point b, const Walk& w, int first, std::vector<Stroke>& parts);
   void ink(Point a, Point b);
   void ink(std::size_t column, std::size_t row);
 

@@ -70,15 +70,20 @@ function plots.learners_of(quick)
 end
 
 --- Each term's share of the excitation in per cent, with the cut-off that the thesis drops terms by; and the score of the force
---- against the number of terms, the best subset of each size. name: before those of the figures.
-function plots.pruning(report, train, features, mass, name)
+--- against the number of terms, the best subset of each size. name: before those of the figures; labels: of features whose text is long.
+function plots.pruning(report, train, features, mass, name, labels)
   name, features = name or "", getmetatable(features) and { features } or features
+  local function label(term) return labels and labels[term] or term end
   local all = lunid.regress { record = train, mass = mass, features = features }
-  report:figure(name .. "cut_off", lunid.figure.contributions { all, cut_off = 5 }, "Contribution of each term, and the cut-off at 5 %")
+  local shares = {}
+  for i, term in ipairs(all.terms) do shares[i] = { label(term.name), 100*term.contribution } end
+  report:figure(name .. "cut_off", lunid.figure.contributions { shares, cut_off = 5 }, "Contribution of each term, and the cut-off at 5 %")
   local fit = lunid.regress { record = train, mass = mass, features = features, solver = lunid.best_subset {} }
   local rows = {}
   for i, step in ipairs(fit.steps) do
-    rows[i] = { #step.features, step.rmse, ("%.0f"):format(step.criterion), table.concat(step.features, ", ") }
+    local which = {}
+    for k, feature in ipairs(step.features) do which[k] = label(feature) end
+    rows[i] = { #which, step.rmse, ("%.0f"):format(step.criterion), table.concat(which, ", ") }
   end
   report:table { head = { "terms", "RMSE [N]", "BIC", "which" }, rows = rows, caption = "Removing terms: the best subset of each size, by equation error" }
   report:figure(name .. "removing_terms", lunid.figure.score { fit }, "Removing unnecessary terms: score against number of terms")

@@ -566,6 +566,26 @@ TEST(FigureText, latex_is_shown_where_single_characters_can) {
     EXPECT_EQ(typeset(same), same);
 }
 
+TEST(FigureText, a_text_that_is_too_long_ends_in_dots_after_few_looks) {
+  class Counting : public Typewriter {
+   public:
+    double width(const std::string& text, double size, bool bold) override {
+      ++count;
+      return Typewriter::width(text, size, bold);
+    }
+    int count = 0;
+  } meter;
+  std::string formula;
+  for (int i = 0; i < 4000; ++i) formula += i % 2 ? "π" : "y";
+  const std::string cut = shortened(meter, formula, 10.0, false, 100.0);
+  EXPECT_LT(meter.count, 20);
+  EXPECT_TRUE(cut.ends_with("…"));
+  EXPECT_EQ(printable(cut), cut);  // no half character
+  EXPECT_LE(meter.width(cut, 10.0, false), 100.0);
+  EXPECT_GT(meter.width(cut + "yy", 10.0, false), 100.0);
+  EXPECT_EQ(shortened(meter, "short", 10.0, false, 100.0), "short");
+}
+
 TEST(FigureText, bad_bytes_become_question_marks) {
   EXPECT_EQ(printable("y [\xb5m]"), "y [?m]");
   EXPECT_EQ(printable("y [µm] \xe2\x82"), "y [µm] ??");
