@@ -162,6 +162,8 @@ Effect read_effect(lua_State* L) {
   effect.channels = strings_field(L, -1, "channels");
   effect.parameters = read_rows(L);
   effect.variants = read_variants(L);
+  with_field(L, -1, "margins",
+             [&] { for_each(L, -1, [&](lua_Integer) { effect.margins.push_back(check_value(L, -1).expr); }); });
   with_field(L, -1, "state_values", [&] {
     for_each(L, -1, [&](lua_Integer) {
       for (const DeclaredState& row : check_value(L, -1).declared->states) effect.states.push_back(row.state);

@@ -152,8 +152,13 @@ return schema.define({
     variants[i] = make(each.form)
     maps[i] = { field = each.field, channel = each.channel }
   end
-  for i, text in ipairs(given.requires) do conditions[i] = condition(where, text) end
+  local margins = {}
+  for i, text in ipairs(given.requires) do
+    conditions[i] = condition(where, text)
+    margins[i] = make(conditions[i].left) - make(conditions[i].right)
+  end
   given.rows, given.states, given.variants, given.conditions = rows, states, variants, conditions
+  given.margins = margins
   given.maps = maps
   given.state_values = {}
   for i, state in ipairs(states) do given.state_values[i] = core.state(state) end

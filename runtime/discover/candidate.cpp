@@ -149,6 +149,13 @@ Model extend(const Model& baseline, const Choices& choices, const RecordScales& 
   return complete(std::move(model));
 }
 
+Tape margins_of(const Choices& choices, const Model& model) {
+  std::vector<Expr> margins, parameters;
+  for (const auto& c : choices) margins.insert(margins.end(), c.effect->margins.begin(), c.effect->margins.end());
+  for (const auto& p : model.parameters) parameters.push_back(model.pool->parameter(p.name));
+  return Tape(margins, parameters);
+}
+
 }  // namespace
 
 std::size_t Candidate::added() const {
@@ -200,7 +207,10 @@ bool Candidate::degenerate() const {
     const double margin = 1e-3 * (most - least);
     if (value < least + margin || value > most - margin) return true;
   }
-  return false;
+  std::vector<double> margin(static_cast<std::size_t>(margins.outputs()));
+  std::vector<double> scratch(static_cast<std::size_t>(margins.registers()));
+  margins.run_point(fit.theta.data(), margin.data(), scratch.data());
+  return std::any_of(margin.begin(), margin.end(), [](double m) { return m < 0; });
 }
 
 Candidate compile(const Study& study, const Model& baseline, const Choices& choices) {
@@ -210,6 +220,7 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
   for (std::size_t i = baseline.parameters.size(); i < model.parameters.size(); ++i)
     model.parameters[i].unit = unit_on(study.full.front(), model.parameters[i].unit);
   candidate.linear = linear_parameters(model);
+  candidate.margins = margins_of(choices, model);
   candidate.seen_by_force = can_be_undone(model);
   candidate.system = std::make_shared<const System>(model);
   if (model.imposed_motion) {

@@ -24,6 +24,7 @@ struct Candidate {
   std::vector<std::uint8_t> linear;                    ///< parameters in which the force is affine, all at once
   std::vector<std::pair<std::size_t, std::pair<double, double>>>
       shown;                            ///< parameter, and where the record can show it
+  Tape margins;                         ///< of the entries' conditions, from all parameters
   std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
   double force_misfit = INFINITY;       ///< squared misfit of the force as it is, unweighted; infinite: not looked at
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
@@ -41,7 +42,8 @@ struct Candidate {
   /// Parameters and first values of internal states: all that a fit may use to explain noise.
   int unknowns() const { return parameters() + system->states() - 2 * system->degrees(); }
   bool ran() const { return std::isfinite(fit.cost); }
-  /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit.
+  /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit, or
+  /// its conditions do not hold.
   bool degenerate() const;
   std::size_t added() const;  ///< parameters of the effects, the last of the model's
   std::string name() const;

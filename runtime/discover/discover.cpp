@@ -40,8 +40,8 @@ class Spine {
     std::vector<std::string> left;
     const auto many =
         options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(catalogue)) : std::ssize(catalogue);
-    first_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
-    catalogue_ = first_;
+    catalogue_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
+    first_ = catalogue_.size();
     for (Effect& effect : testable(study_, {catalogue.begin() + many, catalogue.end()}, left))
       catalogue_.push_back(std::move(effect));
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
@@ -49,35 +49,68 @@ class Spine {
 
   Discovery run() {
     refit_baseline();
-    SearchResult found = search(study_, model_, baseline_, first_, step());
-    const Interpolation guessed = study_.interpolation;
-    const double gain = rechoose_interpolation(found.chosen);
-    if (gain > interpolation_gain) {
-      fit(study_, baseline_, fit_options(40));
-      found = search(study_, model_, baseline_, first_, step());
-    } else if (study_.interpolation != guessed) {
-      refit_on_current_force(found);
-    }
-    progress("decide", 0.88);
-    decide(found);
-    if (out_.verdict == "unknown-effect" && first_.size() < catalogue_.size()) look_further(found);
+    Round round = look(first_, {});
+    if (first_ < catalogue_.size() && leaves_open(round)) look_further(round);
     progress("open the test record", 0.94);
-    validate_on_test(found);
-    show(found);
+    validate_on_test(round);
+    show(round);
     progress("done", 1.0);
     return std::move(out_);
   }
 
  private:
-  /// What the first entries leave open is held against all.
-  void look_further(SearchResult& found) {
-    progress("the whole catalogue", 0.1);
-    withdrawn_.clear();
-    const int tried = found.tried;
-    found = search(study_, model_, baseline_, catalogue_, step());
-    found.tried += tried;
+  /// What generic forces of the motion would explain beside a model, and whether that counts.
+  struct Left {
+    Closure closure;
+    bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
+    bool material = false;  ///< and it is more than what is asked of an effect
+    bool whole = false;     ///< and these forces explain it down to the noise
+  };
+
+  /// A search and what was decided on it, the test records closed.
+  struct Round {
+    SearchResult found;
+    Left left;
+    std::string verdict, withdrawn;
+    bool names() const { return !found.chosen.choices.empty(); }
+  };
+
+  /// Searches the first entries of the catalogue. What is found may show how the force is to be read between its
+  /// samples; where that matters the search is made again.
+  Round look(std::size_t entries, const Grown& known) {
+    const std::span<const Effect> part(catalogue_.data(), entries);
+    Round round;
+    round.found = search(study_, model_, baseline_, part, known, step());
+    const Interpolation before = study_.interpolation;
+    const double gain = rechoose_interpolation(round.found.chosen);
+    if (gain > interpolation_gain) {
+      fit(study_, baseline_, fit_options(40));
+      round.found = search(study_, model_, baseline_, part, {}, step());
+    } else if (study_.interpolation != before) {
+      refit_on_current_force(round.found);
+    }
     progress("decide", 0.88);
-    decide(found);
+    decide(round);
+    return round;
+  }
+
+  /// What the first entries leave open is held against all. Names that were found stand unless others take their place.
+  void look_further(Round& round) {
+    progress("the whole catalogue", 0.1);
+    const Interpolation before = study_.interpolation;
+    const Candidate baseline = baseline_;
+    if (before != study_.guesses.front()) {  // chosen beside a model that was not the right one
+      set_interpolation(study_, study_.guesses.front());
+      fit(study_, baseline_, fit_options(40));
+      round.found.grown.sets.clear();
+    }
+    Round further = look(catalogue_.size(), round.found.grown);
+    if (takes_the_place(further, round)) {
+      round = std::move(further);
+    } else {
+      set_interpolation(study_, before);
+      baseline_ = baseline;
+    }
   }
 
   void progress(const std::string& stage, double fraction) const {
@@ -227,14 +260,6 @@ class Spine {
   }
 
   // ---- verdict ----
-  /// What generic forces of the motion would explain beside a model, and whether that counts.
-  struct Left {
-    Closure closure;
-    bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
-    bool material = false;  ///< and it is more than what is asked of an effect
-    bool whole = false;     ///< and these forces explain it down to the noise
-  };
-
   Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
     Left left;
     left.closure = test_closure(study_, c, whitening);
@@ -244,34 +269,61 @@ class Spine {
     const Gap now = pool_gap(runs(c, study_.full), 0);
     const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
-    left.material = left.seen && left.closure.gain > options_.minimum_gain;
+    // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
+    const bool above = !(now.value <= now.floor + 2 * now.floor_std);
+    left.material = left.seen && above && left.closure.gain > options_.minimum_gain;
     left.whole = left.material && with.value < 1.5 * with.floor;
     return left;
   }
 
   /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
-  static bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.1)); }
+  static bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.15)); }
 
-  void decide(SearchResult& found) {
-    left_ = look_for_structure(found.chosen, found.whitening);
+  void decide(Round& round) const {
+    SearchResult& found = round.found;
+    round.left = look_for_structure(found.chosen, found.whitening);
     const double noise = study_.sensor_noise() / study_.measured_std();
-    const double before = found.baseline.left_out_gap, after = found.chosen.left_out_gap;
-    out_.gap_left_out_before = before;
-    out_.gap_left_out_after = after;
-    if (found.chosen.choices.empty()) {
+    if (!round.names()) {
       const bool open = far_from_the_floor(pool_gap(runs(found.chosen, study_.full), 0));
-      out_.verdict = left_.material || open ? "unknown-effect" : "nothing-missing";
-    } else if (left_.material && std::isfinite(before) && closed_share(before, after, noise) < 0.95) {
-      withdraw(found, "nearest, but leaves a repeatable force: " + left_.closure.shape);
-      out_.verdict = "unknown-effect";
+      round.verdict = round.left.material || open ? "unknown-effect" : "nothing-missing";
+    } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
+               closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, noise) < 0.95) {
+      withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.shape);
+      round.verdict = "unknown-effect";
     } else {
-      out_.verdict = found.ties.empty() ? "explained" : "ambiguous";
+      round.verdict = found.ties.empty() ? "explained" : "ambiguous";
     }
   }
 
+  /// What the first entries say may stand in for another entry: where the free run stays above its floor, where generic
+  /// forces see more, and where it takes several of them.
+  bool leaves_open(const Round& round) const {
+    const Closure& generic = round.left.closure;
+    const bool hints = generic.p_value < options_.alpha / 10 && generic.gain > options_.minimum_gain;
+    const Gap gap = pool_gap(runs(round.found.chosen, study_.full), 0);
+    return round.verdict == "unknown-effect" || round.left.seen || hints || round.found.chosen.choices.size() > 1 ||
+           !(gap.value < 1.5 * gap.floor);
+  }
+
+  /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
+  /// that lacks nothing, where they close what is left. A record with disturbances of its own (a loop that is closed, a
+  /// foundation that moves) would otherwise be followed by ever more of them.
+  bool takes_the_place(const Round& further, const Round& round) const {
+    if (round.verdict == "unknown-effect") return true;
+    if (!further.names()) return false;
+    const Candidate &rare = further.found.chosen, &common = round.found.chosen;
+    constexpr double as_well = 1.02;
+    if (round.names() && rare.parameters() <= common.parameters() &&
+        rms_error(rare.fit) <= as_well * rms_error(common.fit))
+      return true;
+    const double noise = study_.sensor_noise() / study_.measured_std();
+    return closed_share(common.left_out_gap, rare.left_out_gap, noise) > 0.95;
+  }
+
   /// Takes the names back; the model is the baseline again.
-  void withdraw(SearchResult& found, const std::string& remark) {
-    withdrawn_ = found.chosen.name();
+  static void withdraw(Round& round, const std::string& remark) {
+    SearchResult& found = round.found;
+    round.withdrawn = found.chosen.name();
     found.rivals.insert(found.rivals.begin(), found.chosen);
     found.remarks.insert(found.remarks.begin(), remark);
     found.chosen = found.baseline;
@@ -290,24 +342,24 @@ class Spine {
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
-  void validate_on_test(SearchResult& found) {
+  void validate_on_test(Round& round) {
+    SearchResult& found = round.found;
     const auto& train = study_.full;
     auto before_test = runs(found.baseline, study_.test), after_test = runs(found.chosen, study_.test);
     if (!found.chosen.choices.empty()) {
       out_.test_p_value = test_p_value(before_test, after_test);
-      const std::string fault = refuted(before_test, after_test);
+      const std::string fault = refuted(round.left, before_test, after_test);
       if (!fault.empty()) {
         out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": the name is withdrawn");
-        const bool patched = left_.seen;
-        withdraw(found, "not confirmed by the test record");
+        const bool patched = round.left.seen;
+        withdraw(round, "not confirmed by the test record");
         after_test = before_test;
-        left_ = look_for_structure(found.baseline, found.whitening);
-        out_.verdict = patched || left_.material || far_from_the_floor(pool_gap(before_test, 0)) ? "unknown-effect"
-                                                                                                 : "nothing-missing";
-        out_.gap_left_out_after = out_.gap_left_out_before;
+        round.left = look_for_structure(found.baseline, found.whitening);
+        const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test, 0));
+        round.verdict = open ? "unknown-effect" : "nothing-missing";
       }
-    } else if (out_.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test, 0))) {
-      out_.verdict = "unknown-effect";
+    } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test, 0))) {
+      round.verdict = "unknown-effect";
     }
     const auto before_train = runs(found.baseline, train), after_train = runs(found.chosen, train);
     const double share = input_noise_share(after_train);
@@ -319,7 +371,7 @@ class Spine {
   }
 
   /// Why the test record takes the names back; empty when it does not.
-  std::string refuted(const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+  std::string refuted(const Left& left, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
     const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
     if (!std::isfinite(last.value)) return "cannot be run on the test record";
     if (!std::isfinite(first.value)) return "";
@@ -329,9 +381,9 @@ class Spine {
     const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);
     if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
       return "left much of the gap on the test record open";
-    if (!left_.seen || !(last.value > 3 * last.floor)) return "";
-    if (left_.whole) return "left a force that is repeatable";
-    const Gap generic = pool_gap(runs(*left_.closure.system, left_.closure.fit, study_.test), 0);
+    if (!left.seen || !(last.value > 3 * last.floor)) return "";
+    if (left.whole) return "left a force that is repeatable";
+    const Gap generic = pool_gap(runs(*left.closure.system, left.closure.fit, study_.test), 0);
     return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
   }
 
@@ -384,7 +436,11 @@ class Spine {
   }
 
   // ---- show ----
-  void show(SearchResult& found) {
+  void show(const Round& round) {
+    const SearchResult& found = round.found;
+    out_.verdict = round.verdict;
+    out_.gap_left_out_before = found.baseline.left_out_gap;
+    out_.gap_left_out_after = found.chosen.left_out_gap;
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
     out_.where = describe_residual(study_, found.baseline, found.chosen) + sensor_hint(study_, found.baseline);
@@ -393,9 +449,9 @@ class Spine {
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              improvement_p_value(found.baseline, c), found.remarks[i], fitted(c)});
     }
-    if (!found.left_aside.empty()) {
+    if (!found.grown.left_aside.empty()) {
       std::string list;
-      for (const auto& name : found.left_aside) list += (list.empty() ? "" : ", ") + name;
+      for (const auto& name : found.grown.left_aside) list += (list.empty() ? "" : ", ") + name;
       out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
     }
     if (!untested_.empty()) out_.warnings.push_back(untested_);
@@ -419,7 +475,7 @@ class Spine {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
-    out_.sentence = sentence(found);
+    out_.sentence = sentence(round);
   }
 
   /// What would tell an ambiguous class apart, within the force, displacement and band that these records had.
@@ -496,7 +552,9 @@ class Spine {
            (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
   }
 
-  std::string sentence(const SearchResult& found) const {
+  std::string sentence(const Round& round) const {
+    const SearchResult& found = round.found;
+    const Left& left = round.left;
     char text[160];
     if (out_.verdict == "explained" || out_.verdict == "ambiguous") {
       std::string names;
@@ -511,8 +569,8 @@ class Spine {
       if (!found.ties.empty()) out += " (of equal simplicity: this record cannot tell them apart)";
       if (!std::isfinite(out_.baseline_test.value))
         return out + ": the baseline cannot be run on the test record, the final model can";
-      if (left_.material)
-        out += std::string(text) + "; a small repeatable force is left (" + left_.closure.shape + ")";
+      if (left.material)
+        out += std::string(text) + "; a small repeatable force is left (" + left.closure.shape + ")";
       else
         out += text;
       return out_.experiment.empty() ? out : out + ". To tell: " + sentence_of(out_.experiment);
@@ -528,23 +586,22 @@ class Spine {
              (rough ? text : "");
     }
     if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
-    const std::string nearest = withdrawn_.empty() ? "" : "; nearest: " + withdrawn_;
-    if (!left_.seen)
+    const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn;
+    if (!left.seen)
       return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
              nearest;
-    return "something repeatable is missing (" + left_.closure.shape + ") that no entry of the catalogue explains" +
+    return "something repeatable is missing (" + left.closure.shape + ") that no entry of the catalogue explains" +
            nearest;
   }
 
   const DiscoverOptions& options_;
-  std::vector<Effect> catalogue_, first_;
+  std::vector<Effect> catalogue_;
+  std::size_t first_ = 0;  ///< so many of them are tried first
   std::string untested_;
   Model model_;
   Study study_;
   Candidate baseline_;
   Discovery out_;
-  Left left_;
-  std::string withdrawn_;
 };
 
 }  // namespace

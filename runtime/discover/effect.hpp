@@ -45,6 +45,7 @@ struct Effect {
   std::vector<EffectVariant> variants;
   std::vector<Parameter> parameters;
   std::vector<InternalState> states;
+  std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, confusers, channels;
   std::string signature, sentence, source;
   /// First guesses of the shape parameters of a variant, several to try; called on the main thread. Empty: all are

@@ -1,7 +1,9 @@
 #include "discover/gap.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "statistics/statistics.hpp"
 
@@ -37,6 +39,31 @@ double input_noise_squares(const Study& study, const System& system, const Eigen
   return squares / draws;
 }
 
+/// What the first state's error makes of the run where slopes do not tell: it grows along the run (several attractors,
+/// chaos, no spring) until the motion itself bounds it.
+void add_drawn_states(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                      const StateEstimate& state, double share, const Run& nominal, const SimulateOptions& options,
+                      FreeRun& out) {
+  constexpr int draws = 16;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(share * state.covariance);
+  const Eigen::VectorXd lengths = parts.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  std::vector<double> squares;
+  for (int draw = 0; draw < draws; ++draw) {
+    Philox random(study.options->seed, stream_of("first state") + static_cast<std::uint64_t>(draw));
+    Eigen::VectorXd step(lengths.size());
+    for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = lengths[i] * random.normal();
+    const Run run = simulate(system, values, data.excitation, state.x0 + parts.eigenvectors() * step, options);
+    if (!run.summary.completed) continue;
+    const Eigen::VectorXd change = shown(system, values, run) - shown(system, values, nominal);
+    squares.push_back(change.tail(out.rows).squaredNorm());
+  }
+  if (squares.empty()) return;
+  const double deviation = standard_deviation(squares);
+  out.floor_squares += std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size());
+  out.floor_variance = deviation * deviation;
+}
+
 void add_floor(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
                const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
   const double noise = data.record.channel("y").noise;
@@ -49,9 +76,12 @@ void add_floor(const Study& study, const System& system, const Eigen::VectorXd& 
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
     const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;
-    if (spread.allFinite()) {
+    const bool small = spread.allFinite() && spread.trace() < out.floor_squares;
+    if (small) {
       out.floor_squares += spread.trace();
       out.floor_variance = 2 * (spread * spread).trace();  // of a quadratic form of a Gaussian first state
+    } else {
+      add_drawn_states(study, system, theta, data, state, fitted, run, options, out);
     }
   }
   out.input_squares = input_noise_squares(study, system, theta, data, state.x0, run, out.lead, options);

@@ -17,25 +17,29 @@ constexpr int beam = 2;                // sets that grow by one more effect for 
 constexpr std::size_t force_beam = 3;  // and for what they explain of the force, one each of 1, 2 and more parameters
 constexpr int refined = 24;            // proposals whose shape parameters are refined on the force
 constexpr int later_refined = 12;
-constexpr int per_size = 3;     // proposals of one number of parameters that are run
-constexpr int first_runs = 4;   // the best proposals that are run in any case
-constexpr int later_runs = 6;   // the same of sets of two and more
-constexpr int long_fits = 5;    // sets that are fitted to the end
-constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
+constexpr int per_size = 3;      // proposals of one number of parameters that are run
+constexpr int first_runs = 4;    // the best proposals that are run in any case
+constexpr int later_runs = 6;    // the same of sets of two and more
+constexpr int long_fits = 5;     // sets that are fitted to the end
+constexpr int promising = 3;     // and those that explain most of the force
+constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
+constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
 
 class Grower {
  public:
-  Grower(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
-         const std::function<void(const std::string&, double)>& progress)
+  Grower(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
+         const Grown& known, const std::function<void(const std::string&, double)>& progress)
       : study_(study),
         model_(model),
         baseline_(baseline),
         catalogue_(catalogue),
+        known_(known),
         progress_(progress),
         proposer_(study),
         plain_(study, false) {}
 
   Grown run() {
+    out_.tried = known_.tried;
     progress_("run the catalogue along the motion", 0.12);
     make_shapes();
     std::vector<Candidate> parents{baseline_};
@@ -69,7 +73,7 @@ class Grower {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
     return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
-           rms(after) > 1.02 * study_.sensor_noise();
+           (1 - required_gain(study_, 0)) * rms(after) > study_.sensor_noise();  // else nothing could be named
   }
 
   // ---- the catalogue along the motion ----
@@ -133,7 +137,7 @@ class Grower {
     std::vector<Offer> offers;
     for (std::size_t k = 0; k < parents.size(); ++k)
       for (const auto& shape : shapes_) {
-        if (holds(parents[k].choices, shape.choice.effect)) continue;
+        if (holds(parents[k].choices, shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
         offers.push_back({&parents[k], &spaces[k], {}});
         offers.back().standing.shape = &shape;
         out_.tried += static_cast<int>(shape.guesses.size());
@@ -209,6 +213,7 @@ class Grower {
           std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
+      if (many_states(*o.standing.shape) && o.standing.cost > as_good * offers[order.front()].standing.cost) continue;
       if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
       ++count[parameters];
       seen.push_back(std::move(set));
@@ -216,6 +221,9 @@ class Grower {
     }
     return list;
   }
+
+  /// Free runs of such an entry cost more than those of all others together.
+  static bool many_states(const Shape& shape) { return shape.system->model().states.size() > 4; }
 
   /// The misfit of the second best on the force as it is; those are run in any case.
   static double plain_limit(const std::vector<Offer>& offers, const std::vector<std::size_t>& order) {
@@ -233,7 +241,7 @@ class Grower {
     std::vector<Candidate> found;
     std::vector<std::vector<Guess>> guesses;
     for (const auto& fault : faults_) {
-      if (holds(parent.choices, fault.choice.effect)) continue;
+      if (holds(parent.choices, fault.choice.effect) || is_known(parent, fault.choice)) continue;
       Choices set = parent.choices;
       set.push_back(fault.choice);
       found.push_back(compile(study_, model_, set));
@@ -282,13 +290,38 @@ class Grower {
     });
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
-    int count = 0;
-    for (const auto& c : level) count += c.fit.cost <= hopeless * level.front().fit.cost || !c.ran();
-    count = std::min(count, long_fits);
-    parallel_for(count, study_.options->threads, [&](int i) { end_fit(level[static_cast<std::size_t>(i)]); });
+    const std::vector<std::size_t> ahead = to_the_end(level);
+    parallel_for(static_cast<int>(ahead.size()), study_.options->threads,
+                 [&](int i) { end_fit(level[ahead[static_cast<std::size_t>(i)]]); });
     std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
+    for (const auto& c : known_.sets)
+      if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
     sort_by_cost(level);
     return level;
+  }
+
+  /// The best after the first iterations, and those that explain most of the force: their free runs may have lost the
+  /// measured motion at once (several attractors, chaos), and find it again from short runs on.
+  static std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < sorted.size() && std::ssize(list) < long_fits; ++i)
+      if (sorted[i].fit.cost <= hopeless * sorted.front().fit.cost || !sorted[i].ran()) list.push_back(i);
+    std::vector<std::size_t> by_force(sorted.size());
+    std::iota(by_force.begin(), by_force.end(), std::size_t{0});
+    std::stable_sort(by_force.begin(), by_force.end(),
+                     [&](std::size_t a, std::size_t b) { return sorted[a].force_cost < sorted[b].force_cost; });
+    by_force.resize(std::min<std::size_t>(by_force.size(), promising));
+    for (const auto i : by_force)
+      if (std::isfinite(sorted[i].force_cost) && std::find(list.begin(), list.end(), i) == list.end())
+        list.push_back(i);
+    return list;
+  }
+
+  bool is_known(const Candidate& parent, const Choice& added) const {
+    Choices set = parent.choices;
+    set.push_back(added);
+    return std::any_of(known_.sets.begin(), known_.sets.end(),
+                       [&](const Candidate& c) { return same(c.choices, set); });
   }
 
   int coarse_substeps() const { return baseline_.ran() ? std::max(1, (baseline_.fit.substeps + 1) / 2) : 0; }
@@ -353,7 +386,8 @@ class Grower {
   const Study& study_;
   const Model& model_;
   const Candidate& baseline_;
-  const std::vector<Effect>& catalogue_;
+  std::span<const Effect> catalogue_;
+  const Grown& known_;
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_, plain_;
   struct ChannelFault {
@@ -395,9 +429,9 @@ FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::
   return fit_trajectory(*candidate.system, start, study.train, options);
 }
 
-Grown grow(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
-           const std::function<void(const std::string&, double)>& progress) {
-  return Grower(study, model, baseline, catalogue, progress).run();
+Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
+           const Grown& known, const std::function<void(const std::string&, double)>& progress) {
+  return Grower(study, model, baseline, catalogue, known, progress).run();
 }
 
 }  // namespace lunid

@@ -36,7 +36,7 @@ struct Drawn {
 
 class Resampler {
  public:
-  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(std::max(1, found.tried)) {
+  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(std::max(1, found.grown.tried)) {
     add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
     for (const Candidate& c : found.rivals)

@@ -5,7 +5,6 @@
 #include <memory>
 #include <tuple>
 
-#include "discover/grow.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
@@ -19,17 +18,15 @@ constexpr double near = 1.15;  // in squared error
 
 class Search {
  public:
-  Search(const Study& study, const Model& model, const Candidate& baseline, const std::vector<Effect>& catalogue,
+  Search(const Study& study, const Model& model, const Candidate& baseline,
          const std::function<void(const std::string&, double)>& progress)
-      : study_(study), model_(model), catalogue_(catalogue), progress_(progress) {
+      : study_(study), model_(model), progress_(progress) {
     result_.baseline = baseline;
   }
 
-  SearchResult run() {
-    Grown grown = grow(study_, model_, result_.baseline, catalogue_, progress_);
-    all_ = std::move(grown.sets);
-    result_.left_aside = std::move(grown.left_aside);
-    result_.tried = grown.tried;
+  SearchResult run(std::span<const Effect> catalogue, const Grown& known) {
+    result_.grown = grow(study_, model_, result_.baseline, catalogue, known, progress_);
+    all_ = result_.grown.sets;
     progress_("compare", 0.7);
     decide();
     return std::move(result_);
@@ -67,6 +64,8 @@ class Search {
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
+    std::erase_if(field, [](const Candidate& c) { return c.degenerate(); });
+    if (field.empty()) return;
     std::stable_sort(field.begin(), field.end(),
                      [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
     choose(field);
@@ -104,7 +103,7 @@ class Search {
     return field;
   }
 
-  double corrected(double p) const { return std::min(1.0, p * std::max(1, result_.tried)); }
+  double corrected(double p) const { return std::min(1.0, p * std::max(1, result_.grown.tried)); }
 
   /// Not rejected against the best: nested sets by the likelihood ratio, others by Vuong's test.
   bool not_rejected(const Candidate& c, const Candidate& best) const {
@@ -310,7 +309,6 @@ class Search {
 
   const Study& study_;
   const Model& model_;
-  const std::vector<Effect>& catalogue_;
   const std::function<void(const std::string&, double)>& progress_;
   std::vector<Candidate> all_;
   SearchResult result_;
@@ -319,9 +317,9 @@ class Search {
 }  // namespace
 
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
-                    const std::vector<Effect>& catalogue,
+                    std::span<const Effect> catalogue, const Grown& known,
                     const std::function<void(const std::string&, double)>& progress) {
-  return Search(study, model, baseline, catalogue, progress).run();
+  return Search(study, model, baseline, progress).run(catalogue, known);
 }
 
 }  // namespace lunid

@@ -1,9 +1,11 @@
 #pragma once
 // Which effects: sets of catalogue entries grown from the baseline, fitted on the trajectory, the simplest kept.
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "discover/grow.hpp"
 #include "discover/judge.hpp"
 
 namespace lunid {
@@ -18,14 +20,14 @@ struct SearchResult {
   std::vector<std::string> remarks;  ///< for each rival: why not
   std::vector<std::string> ties;     ///< rivals of equal simplicity that the record cannot tell from the chosen set
   std::vector<std::string> aliases;  ///< rivals whose free runs are those of the chosen set: the same in other words
-  std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline
-  double p_value = 1;                   ///< of the chosen set against the baseline, corrected for the search
-  int tried = 0;                        ///< start points over which the p-value is corrected
+  Grown grown;                       ///< all that was fitted, before it was judged
+  double p_value = 1;                ///< of the chosen set against the baseline, corrected for the search
 };
 
-/// Searches the catalogue for what `baseline` (fitted) lacks. Changes the pool: main thread only; fits run on threads.
+/// Searches the catalogue for what `baseline` (fitted) lacks. `known`: what a search of a part of this catalogue has
+/// grown on the same study. Changes the pool: main thread only; fits run on threads.
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
-                    const std::vector<Effect>& catalogue,
+                    std::span<const Effect> catalogue, const Grown& known,
                     const std::function<void(const std::string&, double)>& progress);
 
 }  // namespace lunid

@@ -10,7 +10,9 @@ return function(effect)
       for i, w in ipairs(scale.lines) do guesses[i] = { w = w } end
       return #guesses > 0 and guesses or { { w = scale.omega } }
     end,
-    range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,
+    range = function(scale)  -- slower ones: sensor_drift, constant_force
+      return { w = { math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration), 1e3 * scale.omega } }
+    end,
     passive = false,
     signature = "does not depend on the motion; one line of the spectrum, at any amplitude of the rest",
     sentence = "the exciter delivers a harmonic that the recorded force does not show",

@@ -9,7 +9,9 @@ return function(effect)
       for i = 1, 80 do guesses[i] = { w = i / 16 * scale.omega } end
       return guesses
     end,
-    range = function(scale) return { w = { 1e-3 * scale.omega, 1e3 * scale.omega } } end,  -- w -> 0: stiffness_drift
+    range = function(scale)  -- w -> 0: stiffness_drift, until the record has seen two rounds of it
+      return { w = { math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration), 1e3 * scale.omega } }
+    end,
     passive = false,
     signature = "odd in y, even in v; side bands at the sum and difference of frequencies; may grow without a force",
     sentence = "the stiffness goes up and down by itself, as of gear teeth or of a rotor that is not round",

@@ -1,0 +1,116 @@
+// Common entries first, the others where these leave something open; and what keeps a candidate out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover/gap.hpp"
+#include "discover_catalogue.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::entry;
+using testing::record_of;
+using testing::row;
+using testing::small_catalogue;
+
+truth::Records made(const char* name, double noise_db) {
+  truth::RecordOptions options;
+  options.rows = 2000;
+  options.noise_db = noise_db;
+  options.seed = 3;
+  return truth::make_records(truth::case_named(name), truth::scale_named("milli"), options);
+}
+
+/// The small catalogue first, one more entry behind it.
+Discovery find(const truth::Records& records, const std::function<Effect(Pool&)>& rare) {
+  const Model model = baseline("k*y + c*v", truth::scale_named("milli").mass);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  DiscoverOptions options;
+  options.first = static_cast<int>(catalogue.size());
+  catalogue.push_back(rare(*model.pool));
+  return discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")}, options);
+}
+
+Effect quintic(Pool& pool) {
+  return entry(pool, "quintic_stiffness", "quintic_stiffness_k5*y^5", {row("quintic_stiffness_k5")});
+}
+
+/// A cubic spring does much of what a quintic one does, and is an entry of the first round.
+TEST(DiscoveryRounds, ARareEffectTakesThePlaceOfACommonOneThatLeavesAForceBehind) {
+  const Discovery d = find(made("quintic_stiffness", 40), quintic);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "quintic_stiffness");
+  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
+}
+
+TEST(DiscoveryRounds, ACommonEffectThatExplainsItselfStays) {
+  const Discovery d = find(made("cubic_hardening", 30), quintic);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+}
+
+/// Where the rare entry does not help, the whole is as if it were not there.
+TEST(DiscoveryRounds, NothingIsNamedWhereNothingIsMissing) {
+  const Discovery d = find(made("null_linear", 20), quintic);
+  EXPECT_TRUE(d.effects.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, "nothing-missing");
+}
+
+Candidate with_parameters(double first, double second) {
+  const Model model = baseline("k*y", 1);
+  Effect effect = entry(*model.pool, "horn", "horn_a*v + horn_b*v^3", {row("horn_a"), row("horn_b")});
+  effect.margins = {parse(*model.pool, "horn_a - horn_b")};
+  const truth::Records records = made("null_linear", 30);
+  DiscoverOptions options;
+  const Study study = prepare(model, {record_of(records.train, "train")}, {record_of(records.test, "test")}, options);
+  Candidate c = compile(study, complete(model), {{&effect, 0}});
+  c.fit.theta.resize(3);
+  c.fit.theta << 1, first, second;
+  return c;
+}
+
+TEST(Candidate, IsAnotherEffectWhereItsConditionsDoNotHold) {
+  EXPECT_FALSE(with_parameters(2, 1).degenerate());
+  EXPECT_FALSE(with_parameters(1, 1).degenerate());
+  EXPECT_TRUE(with_parameters(1, 2).degenerate());
+}
+
+/// Two wells: the first state decides into which one the motion falls, and slopes along the run grow without bound. The
+/// floor is what several runs from the state's spread do, which the wells bound.
+TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
+  constexpr int rows = 3000;
+  const double dt = 0.1;
+  truth::Columns columns;
+  double y = 0.2, v = 0;
+  const auto force = [](double t) { return 0.34 * std::cos(1.2 * t); };
+  for (int i = 0; i < rows; ++i) {  // Euler-Cromer at a 200th of a sample: chaotic for these parameters (Ueda 1979)
+    columns.t.push_back(i * dt);
+    columns.F.push_back(force(i * dt));
+    columns.y.push_back(y);
+    for (int j = 0; j < 200; ++j) {
+      v += dt / 200 * (force(i * dt + j * dt / 200) - 0.2 * v + y - y * y * y);
+      y += dt / 200 * v;
+    }
+  }
+  for (int i = 0; i < rows; ++i) columns.y[static_cast<std::size_t>(i)] += 0.01 * std::sin(7919.0 * i);
+  const Record record = record_of(columns, "two wells");
+  const Model model = complete(baseline("k*y + c*v + k3*y^3", 1));
+  DiscoverOptions options;
+  const Study study = prepare(model, {record}, {record}, options);
+  const Candidate c = compile(study, model, {});
+  Eigen::VectorXd theta(3);
+  for (int i = 0; i < 3; ++i) {
+    const std::string& name = c.system->model().parameters[static_cast<std::size_t>(i)].name;
+    theta[i] = name == "k" ? -1 : name == "c" ? 0.2 : 1;
+  }
+  const Gap gap = pool_gap({free_run(study, *c.system, theta, study.full.front(), 2)}, 0);
+  EXPECT_TRUE(std::isfinite(gap.floor));
+  EXPECT_LT(gap.floor, 2);    // two independent motions of equal variance are sqrt(2) apart
+  EXPECT_GT(gap.floor, 0.1);  // and far above the sensor's noise
+}
+
+}  // namespace
+}  // namespace lunid
