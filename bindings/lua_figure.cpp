@@ -192,7 +192,8 @@ Panel panel(lua_State* L) {
                         axis(L, "colour"),
                         boolean_field(L, -1, "diverging", true),
                         boolean_field(L, -1, "numbers", false),
-                        boolean_field(L, -1, "contours", false)};
+                        boolean_field(L, -1, "contours", false),
+                        string_field(L, -1, "missing").value_or("no data")};
   });
   panel.colour = axis(L, "colour");
   with_field(L, -1, "bars", [&] { panel.bars = bars(L); });

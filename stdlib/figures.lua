@@ -28,16 +28,25 @@ function figures.look_of(n) return roles[7 + (n - 1) % 6], styles[1 + (n - 1 + (
 
 local methods = {}
 
+--- Raises unless a path is a text that ends in one of the kinds of file: "png", "svg" ...
+local function check_path(method, path, kinds)
+  if type(path) ~= "string" then schema.fail(method, "path: expected a string, got " .. core.describe(path)) end
+  for _, kind in ipairs(kinds) do
+    if path:match("%." .. kind .. "$") then return end
+  end
+  schema.fail(method, ("expected a path that ends in .%s, got %s"):format(table.concat(kinds, ", ."), core.describe(path)))
+end
+
 --- Draws the figure to a file: .png, .svg or .pdf by its name.
 function methods.save(figure, path)
-  if type(path) ~= "string" then schema.fail("save", "path: expected a string, got " .. core.describe(path)) end
+  check_path("save", path, { "png", "svg", "pdf" })
   core.render_figure(figure, output.place(path))
   return output.shown(path)
 end
 
 --- Writes the numbers that the figure draws: .csv, and of a surface also .vts, .vtp, .vtu or .vtm.
 function methods.export(figure, path)
-  if type(path) ~= "string" then schema.fail("export", "path: expected a string, got " .. core.describe(path)) end
+  check_path("export", path, { "csv", "vts", "vtp", "vtu", "vtm" })
   core.export_figure(figure, output.place(path))
   return output.shown(path)
 end

@@ -12,7 +12,7 @@ table { border-collapse: collapse; margin: .8rem 0; font-size: .92rem } caption 
 th, td { padding: .25rem .7rem; text-align: left; border-bottom: 1px solid #e2e2e2; vertical-align: top }
 pre { background: #f5f5f5; padding: .7rem; overflow-x: auto } td.n { font-variant-numeric: tabular-nums } .scroll { overflow-x: auto }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(30rem, 1fr)); gap: 1rem }
-figure { margin: 0 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem } nav a { margin-right: 1rem }]]
+figure { margin: 0 } figure.wide { grid-column: 1 / -1 } img { max-width: 100% } figcaption { color: #444; font-size: .92rem } nav a { margin-right: 1rem }]]
 
 local function row(cells, count, tag)
   local parts = {}
@@ -29,12 +29,6 @@ function html.table(given)
   for _, cells in ipairs(given.rows) do lines[#lines + 1] = row(cells, #given.head, "td") end
   lines[#lines + 1] = "</table></div>"
   return table.concat(lines, "\n")
-end
-
---- A figure whose image (PNG, base64) lies inside the page.
-function html.figure(image, caption)
-  return ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>'):format(
-    html.escape(caption), image, html.escape(caption))
 end
 
 function html.page(title, body)

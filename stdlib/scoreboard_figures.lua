@@ -7,7 +7,7 @@ local pictures = {}
 
 local time = { name = "time", unit = "s" }
 local force = { name = "restoring force", unit = "N" }
-local roles = { "baseline", "effect", "fourth", "fifth", "residual", "sixth" }
+local roles = { "baseline", "effect", "fourth", "fifth", "noise", "sixth" }
 local styles = { "dashed", "dotted", "dash_dot", "line" }
 local shown_rows = 160  -- of a training record: some periods, so that curves can be told apart
 

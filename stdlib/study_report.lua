@@ -2,6 +2,7 @@
 local core = require "lunid.core"
 local html = require "lunid.html"
 local output = require "lunid.output"
+local page_of = require "lunid.figures.page"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -87,20 +88,23 @@ function methods.table(self, given)
   self.parts[#self.parts + 1] = { table = shown }
 end
 
---- Draws a figure to figures/NAME.png with its numbers beside it, and shows it on the page.
+--- Draws a figure to figures/NAME.png; says once why it cannot be, the page shows it all the same.
+local function drawn(self, name, figure)
+  if self.no_figures then return nil end
+  local path = output.place("figures/" .. name .. ".png")
+  local good, message = pcall(core.render_figure, figure, path)
+  if good then return core.base64(core.read_text(path)) end
+  if tostring(message):match "interrupted" then error(message, 0) end
+  self.no_figures = tostring(message)
+  self:text("Figures could not be drawn as files: " .. self.no_figures)
+end
+
+--- Draws a figure to figures/NAME.png with its numbers beside it, and shows it on the page, where it zooms and turns.
 function methods.figure(self, name, figure, caption)
   check_text("figure", name)
-  if self.no_figures then return end
-  local path = "figures/" .. name .. ".png"
   output.make_folder "figures"
-  local good, message = pcall(core.render_figure, figure, output.place(path))
-  if not good then
-    if tostring(message):match "interrupted" then error(message, 0) end
-    self.no_figures = tostring(message)
-    return self:text("Figures could not be drawn: " .. self.no_figures)
-  end
   core.export_figure(figure, output.place("figures/" .. name .. ".csv"))
-  self.parts[#self.parts + 1] = { image = core.base64(core.read_text(output.place(path))), caption = caption or name }
+  self.parts[#self.parts + 1] = { figure = page_of.figure(figure, caption or name, drawn(self, name, figure)) }
 end
 
 --- What results.json is to hold: anything that JSON can; a later call adds to it.
@@ -116,13 +120,13 @@ end
 local function body(self)
   local lines, in_figures = { ("<h2>%s</h2>"):format(html.escape(self.title)) }, false
   for _, part in ipairs(self.parts) do
-    if (part.image ~= nil) ~= in_figures then
-      lines[#lines + 1] = part.image and '<div class="figures">' or "</div>"
-      in_figures = part.image ~= nil
+    if (part.figure ~= nil) ~= in_figures then
+      lines[#lines + 1] = part.figure and '<div class="figures">' or "</div>"
+      in_figures = part.figure ~= nil
     end
     lines[#lines + 1] = part.verbatim and "<pre>" .. html.escape(part.verbatim) .. "</pre>" or part.text and "<p>" .. html.escape(part.text) .. "</p>"
       or part.section and "<h3>" .. html.escape(part.section) .. "</h3>"
-      or part.table and html.table(part.table) or html.figure(part.image, part.caption)
+      or part.table and html.table(part.table) or part.figure
   end
   if in_figures then lines[#lines + 1] = "</div>" end
   return table.concat(lines, "\n")
@@ -132,7 +136,7 @@ end
 function methods.save(self)
   if next(self.data) then output.write_json("results.json", self.data) end
   study_report.saved[#study_report.saved + 1] = self
-  return output.write("report.html", html.page(self.title, body(self)))
+  return output.write("report.html", html.page(self.title, "<p>" .. page_of.hint .. "</p>\n" .. body(self) .. page_of.script()))
 end
 
 --- One page of several reports.
@@ -141,8 +145,9 @@ function study_report.page(title, reports)
   for i, each in ipairs(reports) do
     links[i] = ('<a href="#r%d">%s</a>'):format(i, html.escape(each.title))
   end
-  lines[2] = "<nav>" .. table.concat(links, "\n") .. "</nav>"
+  lines[2] = "<p>" .. page_of.hint .. "</p><nav>" .. table.concat(links, "\n") .. "</nav>"
   for i, each in ipairs(reports) do lines[#lines + 1] = ('<section id="r%d">%s</section>'):format(i, body(each)) end
+  lines[#lines + 1] = page_of.script()
   return html.page(title, table.concat(lines, "\n"))
 end
 

@@ -9,8 +9,8 @@
 namespace lunid::figure {
 namespace {
 
-/// Appends the points of stroke[begin, end) that must stay.
-void keep_extremes(const Stroke& stroke, std::size_t begin, std::size_t end, Stroke& kept) {
+/// Appends the places of the points of stroke[begin, end) that must stay.
+void keep_extremes(const Stroke& stroke, std::size_t begin, std::size_t end, std::vector<std::size_t>& kept) {
   std::size_t low = begin, high = begin;
   for (std::size_t i = begin; i < end; ++i) {
     if (stroke[i].y < stroke[low].y) low = i;
@@ -18,8 +18,7 @@ void keep_extremes(const Stroke& stroke, std::size_t begin, std::size_t end, Str
   }
   std::array<std::size_t, 4> order{begin, low, high, end - 1};
   std::sort(order.begin(), order.end());
-  const auto last = std::unique(order.begin(), order.end());
-  for (auto i = order.begin(); i != last; ++i) kept.push_back(stroke[*i]);
+  kept.insert(kept.end(), order.begin(), std::unique(order.begin(), order.end()));
 }
 
 /// The part [from, to] of the segment a-b (parameters 0 to 1) within the box; false when there is none.
@@ -107,8 +106,8 @@ class Dasher {
 
 }  // namespace
 
-Stroke thin(const Stroke& stroke, double column) {
-  Stroke kept;
+std::vector<std::size_t> thin_places(const Stroke& stroke, double column) {
+  std::vector<std::size_t> kept;
   std::size_t begin = 0;
   while (begin < stroke.size()) {
     const double place = std::floor(stroke[begin].x / column);
@@ -120,38 +119,111 @@ Stroke thin(const Stroke& stroke, double column) {
   return kept;
 }
 
-SeenSegments::SeenSegments(const Box& box, double cell)
-    : box_(box), cell_(cell), columns_(static_cast<std::size_t>(box.width() / cell) + 3) {}
-
-bool SeenSegments::is_fresh(Point a, Point b) {
-  const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
-  places_.clear();
-  bool fresh = false;
-  for (int k = 0; k <= steps; ++k) {
-    const double share = static_cast<double>(k) / steps;
-    // From 1: each cell has neighbours.
-    const double x = 1.0 + (a.x + share * (b.x - a.x) - box_.left) / cell_;
-    const double y = 1.0 + (a.y + share * (b.y - a.y) - box_.bottom) / cell_;
-    const std::size_t place =
-        static_cast<std::size_t>(std::max(1.0, y)) * columns_ + static_cast<std::size_t>(std::max(1.0, x));
-    if (place + columns_ >= inked_.size()) continue;
-    fresh = fresh || !inked_[place];
-    places_.push_back(place);
-  }
-  return fresh;
+Stroke thin(const Stroke& stroke, double column) {
+  Stroke kept;
+  for (const std::size_t i : thin_places(stroke, column)) kept.push_back(stroke[i]);
+  return kept;
 }
 
-/// What was asked about last is drawn. Only then: a spiral whose every turn is hidden by the one before must not creep
-/// away unseen.
-void SeenSegments::ink() {
-  for (const std::size_t at : places_)
-    for (const std::size_t near : {at, at - 1, at + 1, at - columns_, at + columns_}) inked_[near] = true;
+namespace {
+
+constexpr std::size_t block = 8;  // cells each way
+
+}  // namespace
+
+SeenSegments::SeenSegments(const Box& box, double cell)
+    : box_(box),
+      cell_(cell),
+      columns_(static_cast<std::size_t>(box.width() / cell) + 3),
+      rows_(static_cast<std::size_t>(box.height() / cell) + 4),
+      block_columns_(columns_ / block + 1) {}
+
+/// A segment in cells: whole steps of at most one cell along it. From 1, so that each cell has neighbours.
+struct SeenSegments::Walk {
+  double x, y, along_x, along_y;
+  int steps;
+  std::size_t column(int k) const { return static_cast<std::size_t>(std::max(1.0, x + k * along_x)); }
+  std::size_t row(int k) const { return static_cast<std::size_t>(std::max(1.0, y + k * along_y)); }
+
+  /// Steps from the k-th until one of the two coordinates leaves its block.
+  int leap(int k) const {
+    const auto out = [](double at, double along) {
+      const double low = std::floor(at / block) * block;
+      return along > 0.0 ? (low + block - at) / along : along < 0.0 ? (low - at) / along : 1e9;
+    };
+    const double least = std::min(out(x + k * along_x, along_x), out(y + k * along_y, along_y));
+    return std::max(1, static_cast<int>(std::min(least, 1e9)));
+  }
+};
+
+SeenSegments::Walk SeenSegments::walk(Point a, Point b) const {
+  const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
+  return {1.0 + (a.x - box_.left) / cell_, 1.0 + (a.y - box_.bottom) / cell_, (b.x - a.x) / cell_ / steps,
+          (b.y - a.y) / cell_ / steps, steps};
+}
+
+bool SeenSegments::is_clear(const Walk& w, int k) const {
+  const std::size_t column = w.column(k), row = w.row(k);
+  return row + 1 < rows_ && column + 1 < columns_ && !inked_[row * columns_ + column];
+}
+
+/// The first step of a walk at a cell without ink; -1 where there is none.
+int SeenSegments::first_clear(const Walk& w) const {
+  for (int k = 0; k <= w.steps;) {
+    const std::size_t column = w.column(k), row = w.row(k);
+    const bool inside = row + 1 < rows_ && column + 1 < columns_;
+    if (inside && clear_[row / block * block_columns_ + column / block] == 0) {
+      k += w.leap(k);
+      continue;
+    }
+    if (is_clear(w, k)) return k;
+    ++k;
+  }
+  return -1;
+}
+
+/// Of a long segment that is new in a small part of it, draws that part alone: the rest has ink.
+bool SeenSegments::draw_part(Point a, Point b, const Walk& w, int first, std::vector<Stroke>& parts) {
+  constexpr int is_long = 60, margin = 3;  // cells
+  if (w.steps < is_long) return false;
+  int last = w.steps;
+  while (last > first && !is_clear(w, last)) --last;
+  if (2 * (last - first) > w.steps) return false;
+  const Point from = along(a, b, std::max(0.0, double(first - margin) / w.steps));
+  const Point to = along(a, b, std::min(1.0, double(last + margin) / w.steps));
+  ink(from, to);
+  parts.push_back({from, to});
+  return true;
+}
+
+void SeenSegments::ink(std::size_t column, std::size_t row) {
+  if (inked_[row * columns_ + column]) return;
+  inked_[row * columns_ + column] = true;
+  --clear_[row / block * block_columns_ + column / block];
+}
+
+/// What is drawn covers its cells and those beside them. Only what is drawn: a spiral whose every turn is hidden by the
+/// one before must not creep away unseen.
+void SeenSegments::ink(Point a, Point b) {
+  const Walk w = walk(a, b);
+  for (int k = 0; k <= w.steps; ++k) {
+    const std::size_t column = w.column(k), row = w.row(k);
+    if (row + 1 >= rows_ || column + 1 >= columns_) continue;
+    ink(column, row);
+    ink(column - 1, row);
+    ink(column + 1, row);
+    ink(column, row - 1);
+    ink(column, row + 1);
+  }
 }
 
 std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
   constexpr std::size_t few = 10000;
   if (stroke.empty() || (stroke.size() < few && inked_.empty())) return {stroke};
-  if (inked_.empty()) inked_.resize(columns_ * (static_cast<std::size_t>(box_.height() / cell_) + 4));
+  if (inked_.empty()) {
+    inked_.resize(columns_ * rows_);
+    clear_.assign(block_columns_ * (rows_ / block + 1), static_cast<int>(block * block));
+  }
   std::vector<Stroke> parts;
   Stroke current;
   // What the segment before has inked beside itself does not end a line.
@@ -160,11 +232,14 @@ std::vector<Stroke> SeenSegments::fresh(const Stroke& stroke) {
   Point last = stroke.front();
   for (std::size_t i = 1; i < stroke.size(); ++i) {
     if (std::hypot(stroke[i].x - last.x, stroke[i].y - last.y) < cell_ && i + 1 < stroke.size()) continue;
-    stale = is_fresh(last, stroke[i]) ? 0 : stale + 1;
+    const Walk w = walk(last, stroke[i]);
+    const int first = first_clear(w);
+    const bool in_part = first >= 0 && draw_part(last, stroke[i], w, first, parts);
+    stale = in_part ? patience + 1 : first >= 0 ? 0 : stale + 1;
     if (stale == 0 && current.empty()) current.push_back(last);
     if (stale <= patience && !current.empty()) {
       current.push_back(stroke[i]);
-      ink();
+      ink(last, stroke[i]);
     } else if (!current.empty()) {
       parts.push_back(std::move(current));
       current.clear();

@@ -13,6 +13,9 @@ using Stroke = std::vector<Point>;
 /// the lowest, the highest and the last stay, in their order. Extremes are thus kept exactly.
 Stroke thin(const Stroke& stroke, double column);
 
+/// The indices of what thin() keeps.
+std::vector<std::size_t> thin_places(const Stroke& stroke, double column);
+
 /// What of a long curve that runs over itself is new to the eye, to within `cell` points, which is less than half the
 /// width of a line: a segment stays where it goes through a cell that none before has inked, or run beside. Strokes of
 /// fewer points pass through, such as any that runs from left to right, which thin() has thinned.
@@ -22,14 +25,19 @@ class SeenSegments {
   std::vector<Stroke> fresh(const Stroke& stroke);
 
  private:
-  bool is_fresh(Point a, Point b);
-  void ink();
+  struct Walk;
+  Walk walk(Point a, Point b) const;
+  bool is_clear(const Walk& w, int k) const;
+  int first_clear(const Walk& w) const;
+  bool draw_part(Point a, Point b, const Walk& w, int first, std::vector<Stroke>& parts);
+  void ink(Point a, Point b);
+  void ink(std::size_t column, std::size_t row);
 
   Box box_;
   double cell_;
-  std::size_t columns_;
-  std::vector<std::size_t> places_;  ///< of the segment at hand
-  std::vector<bool> inked_;          ///< cells, row by row; empty while no long stroke came
+  std::size_t columns_, rows_, block_columns_;
+  std::vector<char> inked_;  ///< cells, row by row; empty while no long stroke came
+  std::vector<int> clear_;   ///< cells without ink in each block: a walk leaps over the full ones
 };
 
 /// The parts of a stroke that lie within a box (Liang and Barsky 1984, for each segment).

@@ -215,7 +215,8 @@ void draw_panel_colour_bar(Canvas& canvas, TextMeter& meter, const Look& look, c
     canvas.rectangle(swatch, look.palette.no_data);
     hatch(canvas, look, plan, swatch);
     outline(canvas, look, swatch);
-    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)}, "no data",
+    canvas.text({swatch.right + look.tick_length + 0.7 * look.gap, 0.5 * (swatch.bottom + swatch.top)},
+                plan.panel->map->missing,
                 {.size = look.tick_text, .colour = look.palette.ink, .across = -1, .upward = 0});
   }
   draw_colour_bar(canvas, look, *plan.colour, diverging_colours(*plan.panel), bar);

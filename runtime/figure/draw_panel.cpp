@@ -104,10 +104,13 @@ class PanelPainter {
 
   void stems(const Series& s, Colour colour) {
     const double zero = ground();
-    std::vector<Stroke> strokes;
+    Stroke tops;
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       const Point top = plan_.at(s.x[i], s.y[i]);
-      if (!std::isfinite(top.x) || !std::isfinite(top.y)) continue;
+      if (std::isfinite(top.x) && std::isfinite(top.y)) tops.push_back(top);
+    }
+    std::vector<Stroke> strokes;
+    for (const Point& top : thin(tops, 0.25)) {
       for (Stroke& part : clip({{top.x, zero}, top}, plan_.plot)) strokes.push_back(std::move(part));
     }
     ink(strokes, Style::line, colour, look_.line * s.width);

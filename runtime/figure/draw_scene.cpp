@@ -23,11 +23,11 @@ class AxesPainter {
   void paint() {
     walls();
     const double near_x = near(0), near_y = near(1), floor = -0.5 * view_.size[2];
-    axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
-    axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
     // Of the two upright edges of the outline, the one on the left.
     const Vector a{near_x, -near_y, 0.0}, b{-near_x, near_y, 0.0};
     axis(view_.z, {2, view_.on_paper(a).x < view_.on_paper(b).x ? a : b, {-1.0, 0.0}});
+    axis(view_.x, {0, {0.0, near_y, floor}, outward({0.0, near_y, 0.0})});
+    axis(view_.y, {1, {near_x, 0.0, floor}, outward({near_x, 0.0, 0.0})});
   }
 
  private:
@@ -87,11 +87,30 @@ class AxesPainter {
       const Point end{p.x + look_.tick_length * edge.outward.x, p.y + look_.tick_length * edge.outward.y};
       canvas_.line(p, end, look_.palette.ink, look_.frame);
       const double away = 3.0 + clearance(tick.label, look_.tick_text, edge.outward);
-      canvas_.text({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label,
-                   centred(look_.tick_text));
+      label({end.x + away * edge.outward.x, end.y + away * edge.outward.y}, tick.label);
       reach = std::max(reach, look_.tick_length + 3.0 + 2.0 * clearance(tick.label, look_.tick_text, edge.outward));
     }
     title(plan, edge, reach);
+  }
+
+  /// Whether nothing is written in a box yet.
+  bool is_free(const Box& box) const {
+    return std::none_of(written_.begin(), written_.end(), [&](const Box& b) {
+      return box.left < b.right && b.left < box.right && box.bottom < b.top && b.bottom < box.top;
+    });
+  }
+
+  /// The label of a tick; where another stands, such as that of the next axis at their common corner, a little higher
+  /// or lower.
+  void label(Point at, const std::string& text) {
+    const double half = 0.5 * meter_.width(text, look_.tick_text, false), size = look_.tick_text;
+    for (const double lift : {0.0, 0.5, -0.5, 1.0, -1.0}) {
+      const double y = at.y + lift * size;
+      const Box box{at.x - half, y - 0.6 * size, at.x + half, y + 0.6 * size};
+      if (!is_free(box)) continue;
+      written_.push_back(box);
+      return canvas_.text({at.x, y}, text, centred(size));
+    }
   }
 
   void title(const AxisPlan& plan, const Edge& edge, double reach) {
@@ -104,19 +123,27 @@ class AxesPainter {
     const double half = 0.5 * meter_.width(plan.title, look_.axis_text, false);
     const double x = std::clamp(p.x + away * edge.outward.x, std::min(view_.room.left + half, view_.room.right - half),
                                 std::max(view_.room.left + half, view_.room.right - half));
-    const double y = std::max(p.y + away * edge.outward.y, view_.room.bottom + 0.5 * look_.axis_text);
+    // Pushed back from the end of the room it may run into labels, on the far left into the title of z: it goes below.
+    const double size = look_.axis_text, lowest = view_.room.bottom + 0.5 * size;
+    double y = std::max(p.y + away * edge.outward.y, lowest);
+    while (y > lowest && !is_free({x - half, y - 0.6 * size, x + half, y + 0.6 * size}))
+      y = std::max(y - 0.5 * size, lowest);
+    written_.push_back({x - half, y - 0.6 * size, x + half, y + 0.6 * size});
     canvas_.text({x, y}, plan.title, style);
   }
 
   /// The title of z: above the lower end of its edge, where labels of the other axes are.
   void upright_title(const AxisPlan& plan, Point middle, double reach) {
     const double half_edge = 0.5 * view_.size[2] * view_.scale * view_.up[2];
-    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, view_.room.height()));
+    const double floor = view_.room.bottom + 1.2 * look_.axis_text;  // below it are the titles of the other axes
+    TextStyle style = centred(fitting_size(meter_, plan.title, look_.axis_text, view_.room.top - floor));
     style.vertical = true;
     const double half = 0.5 * meter_.width(plan.title, style.size, false);
-    const double lowest = std::max(middle.y - half_edge + look_.tick_text, view_.room.bottom) + half;
-    const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, view_.room.bottom + half));
-    canvas_.text({middle.x - reach - 0.9 * look_.axis_text, y}, plan.title, style);
+    const double lowest = std::max(middle.y - half_edge + look_.tick_text, floor) + half;
+    const double y = std::min(std::max(middle.y, lowest), std::max(view_.room.top - half, floor + half));
+    const double x = middle.x - reach - 0.9 * look_.axis_text;
+    written_.push_back({x - 0.6 * style.size, y - half, x + 0.6 * style.size, y + half});
+    canvas_.text({x, y}, plan.title, style);
   }
 
   TextStyle centred(double size) const { return {.size = size, .colour = look_.palette.ink, .across = 0, .upward = 0}; }
@@ -125,6 +152,7 @@ class AxesPainter {
   TextMeter& meter_;
   Look look_;
   const SceneView& view_;
+  std::vector<Box> written_;  ///< room of the texts so far
 };
 
 }  // namespace

@@ -80,15 +80,16 @@ struct ReferenceLine {
 };
 
 /// A matrix of cells: `z(row, column)` at (y[row], x[column]); `x` and `y` are cell centres, strictly
-/// increasing. NaN cells are drawn hatched and named "no data".
+/// increasing. NaN cells are drawn hatched and named as `missing` says.
 struct HeatMap {
   std::vector<double> x;
   std::vector<double> y;
   Eigen::MatrixXd z;
-  Axis colour;            ///< name and unit of z; min and max fix the colour range (to compare two maps)
-  bool diverging = true;  ///< colours symmetric about zero (residuals); false: from low to high (counts)
-  bool numbers = false;   ///< written into the cells
-  bool contours = false;  ///< lines of equal z, at the ticks of the colour bar
+  Axis colour;                      ///< name and unit of z; min and max fix the colour range (to compare two maps)
+  bool diverging = true;            ///< colours symmetric about zero (residuals); false: from low to high (counts)
+  bool numbers = false;             ///< written into the cells
+  bool contours = false;            ///< lines of equal z, at the ticks of the colour bar
+  std::string missing = "no data";  ///< what a cell without a number stands for
 };
 
 /// One set of bars: a value for each name of the Bars; `error` is empty or a standard deviation for each.

@@ -18,17 +18,24 @@ std::vector<std::string> wrapped(TextMeter& meter, const std::string& text, doub
   return lines;
 }
 
+namespace {
+
+/// The first `length` bytes, less what would be half a character.
+std::string beginning(const std::string& text, std::size_t length) {
+  while (length > 0 && length < text.size() && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
+  return text.substr(0, length);
+}
+
+}  // namespace
+
 std::string shortened(TextMeter& meter, const std::string& text, double size, bool bold, double width) {
   if (meter.width(text, size, bold) <= width) return text;
-  std::string cut = text;
-  while (!cut.empty()) {
-    // Take off one character, with all bytes of its UTF-8 form.
-    do cut.pop_back();
-    while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0) == 0x80);
-    if (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0) == 0xC0) cut.pop_back();
-    if (meter.width(cut + "…", size, bold) <= width) break;
+  std::size_t fits = 0, over = text.size();
+  while (over - fits > 1) {  // halves: a formula of thousands of characters is measured a dozen times
+    const std::size_t middle = (fits + over) / 2;
+    (meter.width(beginning(text, middle) + "…", size, bold) <= width ? fits : over) = middle;
   }
-  return cut + "…";
+  return beginning(text, fits) + "…";
 }
 
 std::string printable(const std::string& text) {

@@ -167,6 +167,7 @@ class PanelPage {
     json rows = json::array();
     for (Eigen::Index r = 0; r < map.z.rows(); ++r) rows.push_back(numbers(Eigen::VectorXd(map.z.row(r))));
     out_["map"] = {{"x", numbers(cell_edges(map.x))}, {"y", numbers(cell_edges(map.y))}, {"z", rows}};
+    out_["map"]["missing"] = typeset(map.missing);
     if (map.numbers) out_["map"]["numbers"] = true;
     if (!map.contours) return;
     for (const Tick& tick : plan_axis(map.colour, colour_range(panel_), 6).ticks)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "figure/draw.hpp"
 
@@ -82,7 +83,7 @@ double right_margin(TextMeter& meter, const Look& look, const PanelPlan& plan) {
   const double lines = static_cast<double>(plan.colour_title.size());
   const double title = lines > 0.0 ? lines * line_height(look.axis_text) + look.gap : 0.0;
   const double labels = widest_label(meter, look, *plan.colour) + title;
-  const double no_data = plan.no_data ? meter.width("no data", look.tick_text, false) : 0.0;
+  const double no_data = plan.no_data ? meter.width(plan.panel->map->missing, look.tick_text, false) : 0.0;
   return bar_away + bar_width + look.tick_length + look.gap + std::max(labels, no_data);
 }
 
@@ -192,7 +193,40 @@ Colour step_colour(int step) { return map_colour((step + 0.5) / colour_steps, fa
 
 }  // namespace
 
-std::vector<ColouredStroke> coloured_strokes(const PanelPlan& plan, const Series& s) {
+namespace {
+
+/// A long coloured curve with what thin() keeps of it; breaks stay.
+Series thinned(const PanelPlan& plan, const Series& s, double column) {
+  constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+  Series kept;
+  Stroke run;
+  std::size_t first = 0;
+  const auto finish = [&](std::size_t end) {
+    for (const std::size_t i : thin_places(run, column)) {
+      kept.x.push_back(s.x[first + i]);
+      kept.y.push_back(s.y[first + i]);
+      kept.colour.push_back(s.colour[first + i]);
+    }
+    for (std::vector<double>* values : {&kept.x, &kept.y, &kept.colour}) values->push_back(nothing);
+    run.clear();
+    first = end + 1;
+  };
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    const Point p = plan.at(s.x[i], s.y[i]);
+    if (std::isfinite(p.x) && std::isfinite(p.y))
+      run.push_back(p);
+    else
+      finish(i);
+  }
+  finish(s.x.size());
+  return kept;
+}
+
+}  // namespace
+
+std::vector<ColouredStroke> coloured_strokes(const PanelPlan& plan, const Series& given) {
+  constexpr std::size_t few = 20000;
+  const Series s = given.x.size() > few ? thinned(plan, given, 0.25) : given;
   std::vector<ColouredStroke> strokes;
   for (std::size_t begin = 0; begin + 1 < s.x.size();) {
     const int step = colour_step(plan, s.colour[begin]);

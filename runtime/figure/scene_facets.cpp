@@ -9,7 +9,7 @@
 namespace lunid::figure {
 namespace {
 
-constexpr std::size_t most_lines = 200;  // each way: finer is not seen in print
+constexpr std::size_t most_lines = 140;  // each way: finer is not seen in print
 constexpr double pi = 3.14159265358979323846;
 
 /// Indices from 0 to n - 1, evenly thinned to `most`, both ends kept.

@@ -42,7 +42,7 @@ void draw_scene_axes(Canvas& canvas, TextMeter& meter, const Look& look, const S
 
 /// The facets of the surface, its mesh lines and the points, those behind first: what is nearer covers them. Exact,
 /// since a surface over a grid, seen from above, hides only what lies behind it along the grid's rows and columns.
-/// Grids of more than 200 lines are thinned, the extremes kept.
+/// Grids of more than 140 lines are thinned, the extremes kept.
 std::vector<Facet> scene_facets(const Look& look, const Scene& scene, const SceneView& view);
 
 }  // namespace lunid::figure

@@ -186,7 +186,7 @@ local function cut_panel(surface, place, given)
     low[i], high[i] = low[i] - 2*std[i], high[i] + 2*std[i]
   end
   if any then ribbons[1] = { x = cut.place, low = core.column(low), high = core.column(high), role = "final", label = "± 2 deviations" } end
-  return { title = place.v and ("at v = %g m/s"):format(place.v) or ("at y = %g m"):format(place.y),
+  return { title = place.v and ("at v = %.3g m/s"):format(place.v) or ("at y = %.3g m"):format(place.y),
     x = place.v and displacement or velocity, y = force, series = series, ribbons = ribbons }
 end
 

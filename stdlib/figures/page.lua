@@ -20,8 +20,9 @@ page.hint = "Wheel or drag: enlarge; shift and drag: move; double click: all aga
 function page.figure(figure, caption, image)
   local data = core.page_data(figure):gsub("</", "<\\/")
   local picture = image and ('<img alt="%s" src="data:image/png;base64,%s">'):format(page.escape(caption), image) or ""
-  return ('<figure><div class="lunid-figure">%s<script type="application/json">%s</script></div><figcaption>%s</figcaption>'
-    .. '</figure>'):format(picture, data, page.escape(caption))
+  local wide = (figure.columns or 1) > 1 and ' class="wide"' or ""  -- panels side by side have the width of a report
+  return ('<figure%s><div class="lunid-figure">%s<script type="application/json">%s</script></div><figcaption>%s</figcaption>'
+    .. '</figure>'):format(wide, picture, data, page.escape(caption))
 end
 
 --- What draws them; comes after the last figure.

@@ -330,14 +330,15 @@ end)
 
 -- ---- matrices ----
 
---- A square matrix with names along both axes, the first on top.
-local function matrix_panel(names, values, colour, diverging)
+--- A square matrix with names along both axes, the first on top; missing: what a cell without a number stands for.
+local function matrix_panel(names, values, colour, diverging, missing)
   local places, upward, z, n = {}, {}, {}, #names
   for i = 1, n do
     places[i], upward[n + 1 - i], z[n + 1 - i] = i, names[i], values[i]
   end
   return { x = { name = "", unit = "", names = names }, y = { name = "", unit = "", names = upward },
-    map = { x = core.column(places), y = core.column(places), z = z, colour = colour, diverging = diverging, numbers = true } }
+    map = { x = core.column(places), y = core.column(places), z = z, colour = colour, diverging = diverging, numbers = true,
+      missing = missing } }
 end
 
 figures.define({
@@ -381,7 +382,7 @@ figures.define({
       values[i][k], values[k][i] = mean, mean
     end
   end
-  return { panels = { matrix_panel(names, values, { name = "mutual information", unit = "nat", min = 0 }, false) } }
+  return { panels = { matrix_panel(names, values, { name = "mutual information", unit = "nat", min = 0 }, false, "itself") } }
 end)
 
 figures.define({

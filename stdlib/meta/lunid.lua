@@ -1694,6 +1694,15 @@ function lunid.rank_features(fields) end
 ---@return lunid.scoreboard
 function lunid.scoreboard(fields) end
 
+---Figures on one page of HTML on which charts zoom and surfaces turn, without a network: page:save "figures.html".
+---@class lunid.figure.page.fields
+---@field figures table # in their order
+---@field title? string # above them
+---@field captions? table # one under each
+---@param fields lunid.figure.page.fields
+---@return lunid.page
+function lunid.figure.page(fields) end
+
 ---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:verbatim(text), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
 ---@class lunid.report.fields
 ---@field title string # above the page
@@ -2141,14 +2150,5 @@ function lunid.figure.turn(fields) end
 ---@param fields lunid.figure.motion.fields
 ---@return lunid.animation
 function lunid.figure.motion(fields) end
-
----Figures on one page of HTML on which charts zoom and surfaces turn, without a network: page:save "figures.html".
----@class lunid.figure.page.fields
----@field figures table # in their order
----@field title? string # above them
----@field captions? table # one under each
----@param fields lunid.figure.page.fields
----@return lunid.page
-function lunid.figure.page(fields) end
 
 return lunid

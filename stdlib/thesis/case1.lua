@@ -27,7 +27,7 @@ plots.data(report, train[1], 1)
 report:section "The restoring force surface"
 local surface = lunid.rfs { record = train, mass = 1, order = { 4, 4 }, expand = "quadrature",
   interpolate = quick and { lunid.grid {}, lunid.nearest {}, lunid.mlp {} } or "all" }
-plots.surface(report, surface, not quick and train)
+plots.surface(report, surface, train, plots.learners_of(quick))
 report:table(published.rfs_table(published.case1.rfs, surface))
 
 report:section "Which terms?"

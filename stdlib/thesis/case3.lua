@@ -25,12 +25,33 @@ plots.data(report, train[1], 1)
 report:section "3.0: what shape does the surface have?"
 local surface = lunid.rfs { record = train, mass = 1, order = { 4, 4 },
   interpolate = quick and { lunid.grid {}, lunid.nearest {}, lunid.mlp {} } or "all" }
-plots.surface(report, surface, not quick and train)
+plots.surface(report, surface, train, plots.learners_of(quick))
 local proposal = require("shapes").of_surface(surface)
 report:table(proposal.table)
 report:text(("The section of the surface along the displacement proposes %s."):format(proposal.best))
 
 report:section "3.0: polynomials, and what the surface proposes"
+--- The force along the displacement by the truth, by the answer and by the polynomial, over the section of the surface.
+local function fitted_tanh(answer, polynomial)
+  local cut = lunid.section { surface, v = 0 }
+  local function along(model)
+    local force, values = {}, { y = 0, v = 0 }
+    for _, row in ipairs(model.parameters) do values[row.name] = row.value end
+    for i = 1, #cut.place do
+      values.y = cut.place[i]
+      force[i] = model.restoring:at(values)
+    end
+    return force
+  end
+  local series = lunid.figure.series
+  report:figure("tanh_fit", lunid.figure.lines { x = "displacement [m]", y = "restoring force [N]", series = {
+    series { cut.points_place, cut.points_f, label = "measured near v = 0", role = "noise", style = "points" },
+    series { cut.place, along(system), label = "truth", role = "measured" },
+    series { cut.place, along(polynomial), label = "RX, polynomials", role = "baseline", style = "dotted" },
+    series { cut.place, along(answer), label = "Lunid's tanh", role = "final", style = "dashed" } } },
+    "The hyperbolic tangent that was fitted, beside the truth and the polynomial (figure 2.38)")
+end
+
 local function with_tanh(number, fitted)
   return lunid.select { record = fitted, mass = 1, features = { lunid.polynomials({ y, v }, 3), tanh(p*y) }, most_terms = 4,
     search = lunid.search { starts = quick and 2 or 4 } }
@@ -57,7 +78,7 @@ report:text "The thesis prints no coefficients for case 3.0: custom RX, PySINDy 
 -- ---- 3.2: the tanh is offered ----
 
 report:section "3.2: the tanh offered, p unknown"
-plots.pruning(report, train, lunid.polynomials({ y, v }, 3), 1)
+plots.pruning(report, train, { lunid.polynomials({ y, v }, 3), tanh(tonumber(("%.4g"):format(found.model.parameters.p.value))*y) }, 1)
 local runs, rows = {}, {}
 for number = seed, seed + (quick and 1 or 4) do
   local fitted, validation = train, test
@@ -77,6 +98,7 @@ report:table { head = { "seed", "terms", "p [1/m]", "off [%]", "coefficient of t
 
 local polynomial_run = board:result "RX made again, polynomials"
 polynomial_run.seed, polynomial_run.equation = seed, 1
+fitted_tanh(found.model, cut.model)
 local first = board:result "Lunid, tanh as proposed"
 first.seed, first.equation = seed, 1
 report:results { case = "case3", variant = "3.2", runs = runs, variants = {

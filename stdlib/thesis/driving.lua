@@ -1,6 +1,7 @@
 -- What the pile's study does with gauges, forces and models: the channel arithmetic (3.2) to (3.6), checks of identifiability that need
 -- no truth, and the judgement of models that run freely.
 local lunid = require "lunid"
+local plots = require "plots"
 local y, v, a = lunid.displacement, lunid.velocity, lunid.acceleration
 local lines, series, statistics = lunid.figure.lines, lunid.figure.series, lunid.statistics
 
@@ -133,22 +134,59 @@ end
 
 -- ---- figures of forces ----
 
-function driving.loops(report, name, test, part, mass, models)
-  local record = driving.force_record(test, part, mass, 5, 5 + 3/test.frequency)
-  local list = { series { record:column "y", record:column "F", label = "measured", role = "measured" } }
-  for _, model in ipairs(models) do
-    list[#list + 1] = series { record:column "y", lunid.compare { model = model[2], record = record, lags = 1 }.predicted, label = model[1], style = "dashed" }
-  end
-  report:figure(name, lines { series = list, x = "displacement [m]", y = part .. " force [N]" }, ("Loading cycles of the %s force, three of them"):format(part))
+--- What a fit says of a part's force beside the gauges, for three periods from a time on: a panel.
+local function fitted_panel(fit, test, part, mass, from)
+  local record = driving.force_record(test, part, mass, from, from + 3/test.frequency)
+  return lines { x = "time [s]", y = part .. " force [N]", title = ("%s, at %g s"):format(test.name:match "^test %d+", from), series = {
+    series { record:column "t", record:column "F", label = "measured", role = "measured" },
+    series { record:column "t", lunid.compare { model = fit.model, record = record, lags = 1 }.predicted, label = "fit", role = "final", style = "dashed" } } }
 end
 
-function driving.surface(report, test, part, mass)
-  local surface = lunid.rfs { record = driving.force_record(test, part, mass, 2, 10), order = { 2, 2 }, interpolate = lunid.grid {} }
-  report:figure(part .. "_surface", lunid.figure.surface { surface }, ("Surface of the %s force (2 x 2 as a polynomial: R2 %.3f)"):format(part, surface.r2))
-  local cut = lunid.section { surface, v = 0 }
-  report:figure(part .. "_section", lines { x = "displacement [m]", y = part .. " force [N]", series = {
-    series { surface.points.y:every(4), surface.points.f:every(4), label = "measured", role = "measured", style = "points" },
-    series { cut.place, cut.f, label = "section at v = 0", role = "final" } } }, "Section and side view of the surface")
+--- Loading cycles, three of them, over displacement and their section over velocity.
+local function cycles(report, name, fit, test, part, mass)
+  local record = driving.force_record(test, part, mass, 5, 5 + 3/test.frequency)
+  local predicted, panels = lunid.compare { model = fit.model, record = record, lags = 1 }.predicted, {}
+  for i, over in ipairs { { "y", "displacement [m]" }, { "v", "velocity [m/s]" } } do
+    panels[i] = lines { x = over[2], y = part .. " force [N]", series = { series { record:column(over[1]), record:column "F", label = "measured", role = "measured" },
+      series { record:column(over[1]), predicted, label = "fit", role = "final", style = "dashed" } } }
+  end
+  report:figure(name .. "loops", lunid.figure.grid { panels, columns = 2 }, ("Fitted loading cycles of the %s force of %s"):format(part, test.name))
+end
+
+--- What appendix N shows of the force of one part fitted on one test: data, surfaces, the fit on every test early and late, cycles.
+function driving.show_part(report, part, number, tests, mass, fit, quick)
+  local test, name = tests[number], ("%s%d_"):format(part, number)
+  local record = driving.force_record(test, part, mass, 4, 6)
+  plots.learners(report, name, record, 0, plots.learners_of(quick), true)
+  local surface = lunid.rfs { record = record, order = { 2, 2 }, interpolate = lunid.grid {} }
+  plots.faces(report, name, surface, part .. " force")
+  plots.views(report, name, surface, ("Surface of the %s force of %s (2 x 2 as a polynomial: R2 %.3f)"):format(part, test.name, surface.r2))
+  report:figure(name .. "phase", lunid.figure.phase_portrait { record:window(5, 5.3) }, "Phase portrait of the training data, some cycles")
+  plots.pruning(report, record, { lunid.polynomials({ y, v }, 3) }, nil, name)
+  local panels = {}
+  for _, onto in ipairs(tests) do
+    for _, from in ipairs { 5, onto.duration - 1 } do panels[#panels + 1] = fitted_panel(fit, onto, part, mass, from) end
+  end
+  report:figure(name .. "fits", lunid.figure.grid { panels, columns = 2, width = 20 },
+    ("The fit of the %s force of %s on all tests, early and late"):format(part, test.name))
+  cycles(report, name, fit, test, part, mass)
+end
+
+--- The function library (figures 3.4 and 3.5): what a force could be made of, each over its own reach.
+function driving.library(report)
+  local x, gap = {}, 0.3
+  for i = 1, 201 do x[i] = (i - 101)/100 end
+  local kinds = { { "y^3", function(at) return at^3 end }, { "tanh(4 y)", function(at) return (math.exp(8*at) - 1)/(math.exp(8*at) + 1) end },
+    { "sign(y)", function(at) return at > 0 and 1 or at < 0 and -1 or 0 end },
+    { "clearance", function(at) return at > gap and at - gap or at < -gap and at + gap or 0 end },
+    { "T(y, 5)", function(at) return 16*at^5 - 20*at^3 + 5*at end }, { "f1, as assumed", function(at) return (at + 0.56)*(1 + (math.exp(4*(at + 0.56)) - 1)/(math.exp(4*(at + 0.56)) + 1))/2 end } }
+  local panels = {}
+  for i, kind in ipairs(kinds) do
+    local values = {}
+    for k, at in ipairs(x) do values[k] = kind[2](at) end
+    panels[i] = lines { title = kind[1], x = "y, scaled", series = { series { x, values } } }
+  end
+  report:figure("function_library", lunid.figure.grid { panels, columns = 3, width = 20 }, "Functions that the thesis' library offers (figures 3.4 and 3.5)")
 end
 
 -- ---- published expressions ----

@@ -21,6 +21,8 @@ local function candidates(y1, y2)
   return list
 end
 
+local drawn = 0
+
 --- Ranks the candidates; how many of the true terms stand among as many first.
 local function ranked(title, target, columns, true_terms, known)
   local ranking = lunid.rank_features { target = target, columns = columns, given_columns = known }
@@ -30,6 +32,15 @@ local function ranked(title, target, columns, true_terms, known)
     rows[i] = { row.name .. (is_true[row.name] and " (true)" or ""), row.information, row.beyond, row.spearman, row.kendall }
     if i <= #true_terms and is_true[row.name] then among = among + 1 end
   end
+  local names = { { "mutual information [nat]", "information" }, { "Spearman, its size", "spearman" }, { "Kendall, its size", "kendall" } }
+  local panels = {}
+  for k, name in ipairs(names) do
+    local bars = {}
+    for i, row in ipairs(ranking) do bars[i] = { rows[i][1], math.abs(row[name[2]]) } end
+    panels[k] = lunid.figure.contributions { bars, axis = name[1] }
+  end
+  drawn = drawn + 1
+  report:figure("statistics_" .. drawn, lunid.figure.grid { panels, columns = 3, width = 24 }, title)
   report:table { head = { "term", "mutual information [nat]", "beyond the first", "Spearman", "Kendall" }, rows = rows, caption = title }
   return { title = title, true_terms = #true_terms, found_among_first = among }, ranking
 end

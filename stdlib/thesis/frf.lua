@@ -54,14 +54,15 @@ for _, each in ipairs { { 300, 150 }, { 1000, 150 }, { 300, 1400 } } do
   rows[#rows + 1] = row_of("truth", force, exact)
   rows[#rows + 1] = row_of("Lunid", force, answer)
   local frequencies, amplitudes = one_harmonic(force, top)
-  local series = { lunid.figure.series { frequencies, amplitudes, label = "one harmonic, (B.10)", style = "points" },
-    lunid.figure.series { answer:column "frequency", answer:column "amplitude", label = "Lunid's answer", style = "dashed" } }
+  local series = { lunid.figure.series { frequencies, amplitudes, label = "one harmonic, (B.10)", role = "fifth", style = "points" },
+    lunid.figure.series { answer:column "frequency", answer:column "amplitude", label = "Lunid's answer",
+      role = "measured", style = "dotted" } }
   if top == 150 then
-    for _, model in ipairs { { "thesis, custom RX", published.case1.rx }, { "PySINDy as published", published.case1.pysindy } } do
+    for _, model in ipairs { { "thesis, custom RX", published.case1.rx, "baseline" }, { "PySINDy as published", published.case1.pysindy, "effect" } } do
       local stepped = lunid.frequency_response { model = published.model(model[2]), amplitude = force, from = 5, to = top,
         method = "stepped_up", points = quick and 30 or 120, stability = false }
       series[#series + 1] = lunid.figure.series { stepped:column "frequency", stepped:column "amplitude", label = model[1] .. ", stepped up",
-        style = "line_points" }
+        role = model[3], style = "line_points" }
     end
   end
   report:figure(("frf_%d_N_to_%d_Hz"):format(force, top), lunid.figure.response { exact, log = top > 150, series = series,

@@ -27,6 +27,16 @@ for _, each in ipairs(systems) do
     local constant = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = k*y + c*v }, record = train, channels = { "y", "v" } }
     local run = lunid.compare { model = fit.model, record = test }
     local without = lunid.compare { model = constant.model, record = test }
+    if number == seed then
+      local early = test:window(test.start, test.start + 0.4)
+      local curves = { lunid.figure.series { early:column "t", early:column "y", label = "measured", role = "measured" } }
+      for _, way in ipairs { { "a mass of the " .. name, fit.model, "final" }, { "a constant mass", constant.model, "baseline" } } do
+        local free = lunid.simulate { model = way[2], excitation = early, from = "record" }
+        curves[#curves + 1] = lunid.figure.series { free:column "t", free:column "y", label = way[1], role = way[3], style = "dashed" }
+      end
+      report:figure("free_run_" .. name, lunid.figure.lines { series = curves, x = "time [s]", y = "displacement [m]" },
+        ("Validation, its beginning: free runs with and without a mass of the %s"):format(name))
+    end
     local terms = {}
     for _, row in ipairs(fit.model.parameters) do
       local truth = system.parameters[row.name]

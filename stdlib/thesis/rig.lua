@@ -7,28 +7,28 @@ local rig = {}
 
 local g, steel, steel_density = 9.81, 2.1e11, 7850
 local dt, inner, soil_every = 0.00125, 40, 10  -- sample time; steps of the pile in a sample; of these, one of the soil each
-local segments, slices, elements = 6, 12, 20
+local segments, slices, elements = 6, 24, 20
 
---- Random numbers of its own: a linear congruential generator (Park and Miller 1988).
+--- Random numbers of its own: splitmix64 (Steele, Lea and Flood 2014), whose neighbouring seeds have nothing in common.
 local function random(seed)
-  local state = (seed * 7919 + 12345) % 2147483647
-  for _ = 1, 10 do state = (state * 48271) % 2147483647 end
+  local state = seed
   return function(low, high)
-    state = (state * 48271) % 2147483647
-    return low + (high - low) * state / 2147483647
+    state = state + 0x9E3779B97F4A7C15
+    local z = (state ~ (state >> 30)) * 0xBF58476D1CE4E5B9
+    z = (z ~ (z >> 27)) * 0x94D049BB133111EB
+    return low + (high - low) * ((z ~ (z >> 31)) >> 11) * 2.0^-53
   end
 end
 
---- A soil and a pile, drawn within the ranges of published practice. `seed` is all that a study knows of them.
-function rig.site(seed)
-  local draw = random(seed)
-  local length, diameter = draw(1.5, 2.5), draw(0.1, 0.16)
-  local toe_quake = diameter / draw(60, 120)
-  local toe_pressure = 10^draw(math.log(0.3e6, 10), math.log(1.5e6, 10))
-  return { seed = seed, mass = 49, length = length, diameter = diameter, unbalance = draw(0.08, 0.25), vibrator = draw(8, 15),
-    shaft = draw(6e3, 16e3), shaft_growth = draw(4e3, 12e3), quake = draw(0.5e-3, 2.5e-3), J = draw(0.16, 0.65),
+--- A soil and a pile, drawn within the ranges of published practice; whether the pile goes in is another matter.
+local function drawn(draw)
+  local length, diameter, vibrator = draw(1.5, 2.5), draw(0.1, 0.2), draw(8, 15)
+  local mass, top, bottom = 49, draw(2e3, 8e3), draw(8e3, 20e3)
+  local toe_pressure = 10^draw(math.log(0.3e6, 10), math.log(5e6, 10))
+  return { mass = mass, length = length, diameter = diameter, vibrator = vibrator, unbalance = draw(2e-3, 9e-3) / 2 * (mass + vibrator),
+    shaft = top, shaft_growth = (bottom - top) / length, quake = draw(0.5e-3, 2.5e-3), J = draw(0.16, 0.65),
     residual = draw(0.1, 0.5), soften = draw(5e-3, 3e-2), wear = draw(0.6, 1), wear_work = draw(40, 400), shaking = draw(0, 0.02),
-    toe = toe_pressure * math.pi * diameter^2 / 4 * 0.3, toe_quake = toe_quake, toe_J = draw(0.16, 0.5),
+    toe = toe_pressure * 0.3 * math.pi * diameter^2 / 4, toe_quake = diameter / draw(60, 120), toe_J = draw(0.16, 0.5),  -- 0.3: its ring
     plug = draw(0.03, 0.3), plug_grip = draw(200, 1200), embedded = draw(0.5, 0.9), gain = draw(0.97, 1.03), drift = draw(-20, 20) }
 end
 
@@ -182,12 +182,36 @@ local function sensed(values, draw, gain, delay, drift, noise)
   return out
 end
 
+--- Does the pile go in under both frequencies, by at least half of what the crane lowers, with 2 to 10 mm of double amplitude?
+local function is_driven(site)
+  for _, frequency in ipairs { 25, 33.1 } do
+    local run = motion(site, { frequency = frequency, lowering = 0.01, duration = 4, rise = 1.5 })
+    local n, low, high = #run.y, math.huge, -math.huge
+    for i = n - math.floor(1 / frequency / dt), n do low, high = math.min(low, run.y[i]), math.max(high, run.y[i]) end
+    if high - low < 2e-3 or high - low > 10e-3 or run.y[n] < 0.5 * 0.01 * 4 then return false end
+  end
+  return true
+end
+
+--- A site where the pile can be driven: drawn until it can. `seed` is all that a study knows of it, and what one would read off the
+--- pile before the test: mass, length and how deep it stands.
+function rig.site(seed)
+  local draw = random(seed)
+  while true do
+    local site = drawn(draw)
+    if is_driven(site) then
+      site.seed = seed
+      return site
+    end
+  end
+end
+
 --- What the gauges of a test give: columns t, head, tip [N], a, v, y, and `exact`, the same without sensors, which a study may
 --- only use to judge.
 function rig.test(site, test)
   local exact = motion(site, { frequency = test.frequency, lowering = test.lowering, duration = test.duration, rise = test.rise or 1.5 })
   local draw = random(site.seed * 1000 + test.number)
-  return { dt = dt, exact = exact, t = exact.t, head = sensed(exact.head, draw, site.gain, 2, site.drift, 0.003),
+  return { dt = dt, exact = exact, embedded = site.embedded, t = exact.t, head = sensed(exact.head, draw, site.gain, 2, site.drift, 0.003),
     tip = sensed(exact.tip, draw, 1, 2, 0.5 * site.drift, 0.003), a = sensed(exact.a, draw, 1, 0, 0, 0.01),
     v = sensed(exact.v, draw, 1, 0, 0, 0.005), y = sensed(exact.y, draw, 1, 0, 0, 0.0005) }
 end

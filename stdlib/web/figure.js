@@ -638,7 +638,7 @@
     for (const set of panel.bars ? panel.bars.sets : []) add(set.label, set.colour, "area");
     for (const area of [...(panel.ribbons || []), ...(panel.bands || [])]) add(area.label, area.colour, "area");
     for (const line of panel.lines || []) add(line.label, line.colour, line.style);
-    if (panel.map && panel.map.z.some((row) => row.includes(null))) add("no data", panel.colour.palette[0], "hatch");
+    if (panel.map && panel.map.z.some((row) => row.includes(null))) add(panel.map.missing, panel.colour.palette[0], "hatch");
     for (const cloud of panel.scene ? panel.scene.clouds : []) add(cloud.label, cloud.colour, "points");
     return entries;
   }
@@ -661,6 +661,7 @@
     const picture = holder.querySelector("img");
     const frame = element(holder, "div", `background:${figure.paper};color:${figure.ink};font:13px system-ui,sans-serif`);
     if (picture) picture.remove();
+    holder.style.minHeight = "";
     if (figure.title) element(frame, "div", "font-weight:bold;padding:.4em 0", figure.title);
     const grid = element(frame, "div", `display:grid;gap:.8em;grid-template-columns:repeat(${figure.columns},minmax(0,1fr))`);
     const drawn = figure.panels.map((panel) => {
@@ -679,6 +680,15 @@
     holder.dataset.drawn = drawn.length;
   }
 
-  document.querySelectorAll(".lunid-figure").forEach(build);
+  // A report may hold hundreds: each is drawn when it comes near the view, and all of them before they are printed.
+  const waiting = new Set(document.querySelectorAll(".lunid-figure"));
+  const show = (holder) => waiting.delete(holder) && (observer.unobserve(holder), build(holder));
+  const observer = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && show(entry.target)),
+    { rootMargin: "1000px" });
+  for (const holder of waiting) {
+    if (!holder.querySelector("img")) holder.style.minHeight = "300px";
+    observer.observe(holder);
+  }
+  window.addEventListener("beforeprint", () => [...waiting].forEach(show));
   document.documentElement.dataset.ready = "yes";
 })();

@@ -169,6 +169,7 @@ spec.case("an information matrix is symmetric and knows nothing of a channel and
   spec.equal(z[1][2], z[2][3])  -- rows run upward: (c, b) and (b, c)
   assert(z[3][1] ~= z[3][1], "the first cell on top is a with itself")
   assert(z[3][2] > 2 and z[3][3] < 0.3, "b is a function of a, c is not")
+  spec.equal(drawn.panels[1].map.missing, "itself")  -- not "no data"
 end)
 
 spec.case("surfaces take grids of one's own, and their parts fit", function()
@@ -264,6 +265,17 @@ lunid.figure.history { force, channels = { "F" } }:save "much.png"
   spec.equal(code, 1)
   spec.contains(said, "study.lua:3: figure: a curve of 21000001 points, at most 20000000 can be drawn: show a part of it "
     .. "(record:window), or every n-th point (column:every)")
+end)
+
+spec.case("a kind of file that there is not, and no path at all", function()
+  local drawn = figure.lines { series = { series { { 1, 2 }, { 3, 4 } } } }
+  spec.equal(spec.message_of(function() drawn:save "a.gif" end), "save: expected a path that ends in .png, .svg, .pdf, got the string 'a.gif'")
+  spec.equal(spec.message_of(function() drawn:export "a.xls" end),
+    "export: expected a path that ends in .csv, .vts, .vtp, .vtu, .vtm, got the string 'a.xls'")
+  spec.equal(spec.message_of(function() drawn:save(3) end), "save: path: expected a string, got 3")
+  spec.equal(spec.message_of(function() figure.lines { series = {} } end),
+    "figure.lines: series: expected a list of series from lunid.figure.series (1 or more), got a table")
+  spec.equal(spec.message_of(function() series { { 1, "a" }, { 1, 2 } } end), "figure.series: x: entry 2: expected a number, got the string 'a'")
 end)
 
 spec.case("a place that cannot be written is named", function()

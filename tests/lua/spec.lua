@@ -13,6 +13,9 @@ function spec.case(name, body)
   end
 end
 
+--- Said where a spec cannot run on this machine: ctest reports it as skipped, with the reason.
+function spec.skip(reason) print("SKIPPED: " .. reason) end
+
 --- To be called last: a failed case fails the spec.
 function spec.finish()
   print(("%d cases, %d failed"):format(cases, #failures))

@@ -40,6 +40,47 @@ spec.case("case 2.0: all five terms, none false, each within 3.5 deviations of t
   end
 end)
 
+--- Runs a study beside files of stdlib/thesis, as the cases are: what it printed.
+local stdlib = assert(spec.lunid "doctor":match "stdlib%s+(%S+)")
+local function beside(files, text)
+  for _, name in ipairs(files) do spec.shell(("cp '%s/thesis/%s.lua' ."):format(stdlib, name)) end
+  local said, code = spec.study('local lunid = require "lunid"\n' .. text)
+  if code ~= 0 then error(said) end
+  return said
+end
+
+spec.case("case 2.0: what a record cannot show is said to be hidden", function()
+  local said = beside({ "visible" }, [[
+local system = lunid.systems.modified_duffing {}
+local terms = { { "k", "y" }, { "k3", "y^3" }, { "k5", "y^5" }, { "e", "y^3*v^2" }, { "c", "v" } }
+for _, amplitude in ipairs { 2000, 300 } do
+  local train = lunid.thesis_record { system = system, frequency = { 20, 30 }, amplitude = amplitude, seed = 10 }
+  local answers = {}
+  for _, each in ipairs(terms) do answers[each[2] ] = { value = 0 } end
+  local shown, hidden = require("visible").terms(system, train, terms, answers)
+  for i, row in ipairs(shown.rows) do print(amplitude, row[1], row[4], hidden[row[1] ]) end
+end]])
+  local _, seen = said:gsub("2000%s+%S+%s+can be seen%s+nil", "")
+  spec.equal(seen, 5)
+  for _, term in ipairs { "y%^3", "y%^5", "y%^3%*v%^2" } do
+    assert(said:find("300%s+" .. term .. "%s+hidden: below 3 deviations%s+true"), said)
+  end
+end)
+
+spec.case("case 3.0: the surface proposes the tanh by itself, and no yield where the spring hardens", function()
+  local said = beside({ "shapes" }, [[
+local y, v = lunid.displacement, lunid.velocity
+local function proposed(name, system)
+  local train = lunid.thesis_record { system = system, frequency = { 20, 30 }, seed = 10 }
+  local found = require("shapes").of_surface(lunid.rfs { record = train, mass = 1, interpolate = lunid.mlp {} })
+  print(("%s: %s, by %.0f"):format(name, found.best, found.shapes[2].criterion - found.shapes[1].criterion))
+end
+proposed("yield", lunid.systems.tanh_yield {})
+proposed("duffing", lunid.systems.duffing {})]])
+  assert(tonumber(said:match "yield: tanh%(p%*y%), by (%d+)") > 10, said)
+  assert(said:find "duffing: a cubic" or said:find "duffing: a quintic", said)
+end)
+
 spec.case("case 3.2: the right sign, and p within 5 %", function()
   local p = lunid.parameter { "p", 30, min = 5, max = 300 }
   local system = lunid.systems.tanh_yield {}
@@ -75,6 +116,17 @@ spec.case("a mass that depends on the velocity is found", function()
   local text = results "inertia"
   local from = text:find('"A":', 1, true)
   spec.near(number_after(text, "value", from), 5e-3, 2.5e-4)
+end)
+
+spec.case("figures that belong to no case: the gap, tanh by two series, the Lorenz equations, bias and variance", function()
+  local text = results "sketches"
+  spec.near(number_after(text, "inside"), 2e4, 2e3)
+  spec.near(number_after(text, "beyond"), 8e4, 8e3)
+  assert(number_after(text, "chebyshev") < 0.01 and number_after(text, "taylor") > 100)
+  spec.equal(number_after(text, "false_terms"), 0)
+  spec.near(number_after(text, "largest_error"), 0, 0.02)
+  local best = number_after(text, "best_order")
+  assert(best >= 3 and best <= 7, "the best order is " .. best)
 end)
 
 spec.case("a run repeats from its run.json, with the published numbers as they are", function()

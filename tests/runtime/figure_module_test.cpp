@@ -88,6 +88,17 @@ TEST_F(FigureModuleTest, the_same_figure_gives_the_same_bytes) {
   EXPECT_EQ(content(folder / "a.png"), content(folder / "b.png"));
 }
 
+TEST_F(FigureModuleTest, what_was_drawn_before_leaves_no_trace) {
+  module.render(forces(), folder / "first.png");
+  Figure other = surface();
+  other.theme = Theme::dark;
+  other.size = {9.0, 14.0, 120};
+  module.render(other, folder / "between.png");
+  module.render(surface(), folder / "between.svg");
+  module.render(forces(), folder / "again.png");
+  EXPECT_EQ(content(folder / "first.png"), content(folder / "again.png"));
+}
+
 /// Points of the first polyline with this stroke and this number of points.
 std::vector<std::pair<double, double>> polyline(const std::string& svg, const std::string& stroke, std::size_t count) {
   const std::regex element("<polyline stroke=\"" + stroke + "\"[^>]*points=\"([^\"]*)\"");

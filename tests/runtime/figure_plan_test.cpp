@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "figure/draw.hpp"
 #include "figure/scene_view.hpp"
@@ -99,6 +100,18 @@ TEST(FigureLayout, a_surface_keeps_its_labels_apart_from_every_side) {
       expect_legible(drawn(figure).texts, plan_figure(meter, look_for(figure), figure).extent,
                      "azimuth " + std::to_string(azimuth) + ", " + std::to_string(width) + " cm");
     }
+}
+
+TEST(FigureLayout, surfaces_side_by_side_keep_their_labels_apart) {
+  Figure figure = surface();
+  figure.columns = 2;
+  figure.size = {24.0, 21.0, 250};
+  for (const double azimuth : {-40.0, 50.0, 140.0, 0.0, 87.0}) {
+    figure.panels.push_back(figure.panels.front());
+    figure.panels.back().scene->azimuth = azimuth;
+  }
+  Typewriter meter;
+  expect_legible(drawn(figure).texts, plan_figure(meter, look_for(figure), figure).extent, "six surfaces");
 }
 
 SceneView seen(const Scene& scene) {
@@ -441,6 +454,46 @@ TEST(FigureCurve, a_spiral_of_many_turns_is_covered_everywhere) {
   }
 }
 
+TEST(FigureCurve, noise_over_noise_leaves_no_hole_and_is_not_drawn_twice) {
+  SeenSegments seen({0, 0, 100, 100}, 0.5);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0.0, 100.0);
+  Stroke noise;
+  for (int i = 0; i < 60000; ++i) noise.push_back({place(random), place(random)});
+  std::size_t drawn = 0;
+  for (const Stroke& stroke : seen.fresh(noise)) drawn += stroke.size();
+  EXPECT_GT(drawn, 200u);
+  EXPECT_LT(drawn, 10000u);
+  // The plane is inked by now, up to its edges: hardly anything is new, wherever it runs.
+  std::size_t again = 0;
+  for (const Stroke& stroke : seen.fresh(noise)) again += stroke.size();
+  EXPECT_LT(again, drawn / 20);
+}
+
+TEST(FigureCurve, a_coloured_noise_keeps_its_extremes_in_few_strokes) {
+  Panel p;
+  Series s{"", {}, {}, Style::line, Role::first, 1.0, {}};
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  for (int i = 0; i < 200000; ++i) {
+    s.x.push_back(i);
+    s.y.push_back(noise(random));
+    s.colour.push_back(i % 7);
+  }
+  p.series = {s};
+  p.colour = {.name = "cycle", .unit = ""};
+  Figure figure;
+  figure.panels = {p};
+  Typewriter meter;
+  const FigurePlan plan = plan_figure(meter, look_for(figure), figure);
+  const auto strokes = coloured_strokes(plan.panels[0], s);
+  EXPECT_LT(strokes.size(), 10000u);
+  double top = 0.0;
+  for (const ColouredStroke& stroke : strokes)
+    for (const Point& point : stroke.stroke) top = std::max(top, point.y);
+  EXPECT_NEAR(top, plan.panels[0].at(0.0, *std::max_element(s.y.begin(), s.y.end())).y, 1e-9);
+}
+
 TEST(FigureCurve, nan_breaks_a_line) {
   Figure figure;
   Panel p;
@@ -511,6 +564,26 @@ TEST(FigureText, latex_is_shown_where_single_characters_can) {
   for (const char* same :
        {"run_2.csv", "cubic_stiffness", "a^b", "y^2.5", "x_", "\\frac{1}{2}", "^", "y^{2", "_1", "k_3a"})
     EXPECT_EQ(typeset(same), same);
+}
+
+TEST(FigureText, a_text_that_is_too_long_ends_in_dots_after_few_looks) {
+  class Counting : public Typewriter {
+   public:
+    double width(const std::string& text, double size, bool bold) override {
+      ++count;
+      return Typewriter::width(text, size, bold);
+    }
+    int count = 0;
+  } meter;
+  std::string formula;
+  for (int i = 0; i < 4000; ++i) formula += i % 2 ? "π" : "y";
+  const std::string cut = shortened(meter, formula, 10.0, false, 100.0);
+  EXPECT_LT(meter.count, 20);
+  EXPECT_TRUE(cut.ends_with("…"));
+  EXPECT_EQ(printable(cut), cut);  // no half character
+  EXPECT_LE(meter.width(cut, 10.0, false), 100.0);
+  EXPECT_GT(meter.width(cut + "yy", 10.0, false), 100.0);
+  EXPECT_EQ(shortened(meter, "short", 10.0, false, 100.0), "short");
 }
 
 TEST(FigureText, bad_bytes_become_question_marks) {

@@ -104,12 +104,6 @@ std::string export_pdf(vtkRenderWindow& window, const Figure& figure) {
   return pdf;
 }
 
-/// Fills what the figure leaves over: the last fraction of a pixel at its edges.
-void set_background(vtkRenderer& renderer, const Look& look) {
-  const Colour& paper = look.palette.background;
-  renderer.SetBackground(paper.red / 255.0, paper.green / 255.0, paper.blue / 255.0);
-}
-
 /// Throws std::runtime_error when the picture is too large to draw.
 int pixels(double points, int dpi) {
   constexpr int most = 8192;  // more needs gigabytes in a software renderer
@@ -119,6 +113,24 @@ int pixels(double points, int dpi) {
                              std::to_string(most) + ": lower size or dpi");
   return count;
 }
+
+/// A renderer in a window, for as long as it lives: the window goes on to the next figure.
+class Stage {
+ public:
+  Stage(vtkRenderWindow& window, const Look& look) : window_(window) {
+    const Colour& paper = look.palette.background;
+    renderer_->SetBackground(paper.red / 255.0, paper.green / 255.0, paper.blue / 255.0);
+    window_.AddRenderer(renderer_);
+  }
+  ~Stage() { window_.RemoveRenderer(renderer_); }
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+  vtkRenderer* operator->() { return renderer_; }
+
+ private:
+  vtkRenderWindow& window_;
+  vtkNew<vtkRenderer> renderer_;
+};
 
 /// Throws std::runtime_error where all pixels are alike.
 std::string window_as_png(vtkRenderWindow& window) {
@@ -150,16 +162,14 @@ std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const double scale = raster ? figure.size.dpi / 72.0 : vector_units;
   const int dpi = raster ? figure.size.dpi : static_cast<int>(72 * vector_units);
   const auto window = display.window(pixels(extent.x, dpi), pixels(extent.y, dpi));
-  vtkNew<vtkRenderer> renderer;
-  set_background(*renderer, look);
-  window->AddRenderer(renderer);
+  Stage stage(*window, look);
   vtkNew<FunctionItem> item;
   item->draw = [&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); };
   item->scale = scale;
   item->raster = raster;
   vtkNew<vtkContextActor> actor;
   actor->GetScene()->AddItem(item);
-  renderer->AddActor(actor);
+  stage->AddActor(actor);
   std::string bytes;
   if (raster) {
     window->Render();

@@ -28,6 +28,7 @@ Display::Display() {
 Display::~Display() { close(); }
 
 void Display::close() {
+  kept_ = nullptr;
   if (connection_) XCloseDisplay(static_cast<::Display*>(connection_));
   connection_ = nullptr;
 }
@@ -42,13 +43,24 @@ bool Display::open(const char* name) {
   return false;
 }
 
-vtkSmartPointer<vtkRenderWindow> Display::window(int width, int height) {
+namespace {
+
+vtkSmartPointer<vtkRenderWindow> new_window(void* connection) {
   auto result = vtkSmartPointer<vtkRenderWindow>::New();
-  result->SetDisplayId(connection_);
+  result->SetDisplayId(connection);
   result->SetOffScreenRendering(1);
   result->SetMultiSamples(4);
   result->SetDPI(72);
+  return result;
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkRenderWindow> Display::window(int width, int height) {
+  constexpr double most_kept = 6e6;  // pixels: with four samples and depth some 200 MB
+  auto result = kept_ ? kept_ : new_window(connection_);
   result->SetSize(width, height);
+  kept_ = static_cast<double>(width) * height > most_kept ? nullptr : result;
   return result;
 }
 

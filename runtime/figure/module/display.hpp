@@ -22,7 +22,8 @@ class Display {
   Display(const Display&) = delete;
   Display& operator=(const Display&) = delete;
 
-  /// A window off the screen, of `width` by `height` pixels, one point of text being one pixel.
+  /// The window off the screen, empty, of `width` by `height` pixels, one point of text being one pixel. It is one and
+  /// the same for all figures, because a new one compiles its shaders anew; a large one is not kept, nor its memory.
   vtkSmartPointer<vtkRenderWindow> window(int width, int height);
 
   /// Versions of VTK and OpenGL and where the display is, in one line.
@@ -33,6 +34,7 @@ class Display {
   void close();
   std::unique_ptr<PrivateDisplay> own_;
   void* connection_ = nullptr;
+  vtkSmartPointer<vtkRenderWindow> kept_;
 };
 
 }  // namespace lunid::figure
