@@ -290,13 +290,21 @@ class Spine {
   }
 
   /// What the first entries say may stand in for another entry: where the free run stays above its floor, where generic
-  /// forces see more, and where it takes several of them.
+  /// forces see more, where it takes several of them, and where others are simpler forms of what was named.
   bool leaves_open(const Round& round) const {
     const Closure& generic = round.left.closure;
     const bool hints = generic.p_value < options_.alpha / 10 && generic.gain > options_.minimum_gain;
     const Gap gap = pool_gap(runs(round.found.chosen, study_.full), 0);
     return round.verdict == "unknown-effect" || round.left.seen || hints || round.found.chosen.choices.size() > 1 ||
-           !(gap.value < 1.5 * gap.floor);
+           !(gap.value < 1.2 * gap.floor) || has_simpler_form(round.found.chosen.choices);
+  }
+
+  bool has_simpler_form(const Choices& named) const {
+    return std::any_of(catalogue_.begin() + static_cast<std::ptrdiff_t>(first_), catalogue_.end(), [&](const Effect& e) {
+      return std::any_of(e.special_case_of.begin(), e.special_case_of.end(), [&](const std::string& general) {
+        return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return c.effect->name == general; });
+      });
+    });
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline

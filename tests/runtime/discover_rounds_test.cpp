@@ -112,5 +112,23 @@ TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
   EXPECT_GT(gap.floor, 0.1);  // and far above the sensor's noise
 }
 
+/// A damper so strong that whole samples are too long a step for the explicit method (its limit is 3.3 on the real axis).
+TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
+  const truth::Records records = made("null_linear", 40);
+  const Record record = record_of(records.train, "train");
+  const Model model = complete(baseline("k*y + c*v", truth::scale_named("milli").mass));
+  DiscoverOptions options;
+  const Study study = prepare(model, {record}, {record}, options);
+  const Candidate c = compile(study, model, {});
+  Eigen::VectorXd theta(2);
+  for (int i = 0; i < 2; ++i) {
+    const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
+    theta[i] = damper ? 12 * truth::scale_named("milli").mass / record.dt() : 1;
+  }
+  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1);
+  EXPECT_EQ(run.cause, "");
+  EXPECT_TRUE(std::isfinite(run.squares));
+}
+
 }  // namespace
 }  // namespace lunid
