@@ -444,7 +444,8 @@ std::optional<std::size_t> append(const Program& program, const Assembly& assemb
     bytes.put({0x53, 0x48, 0x89, 0xFB});  // push rbx; mov rbx, rdi
   }
   if (packed) bytes.put({0x48, 0xC1, 0xE6, 0x03, 0x31, 0xC9});  // shl rsi, 3; xor ecx, ecx
-  if (form == Form::rows) bytes.load_entry(8, program.layout.temporaries);
+  if (form == Form::rows && assembly.registers > program.layout.temporaries)
+    bytes.load_entry(8, program.layout.temporaries);
   if (packed) translator.load_bases();
   const std::size_t again = bytes.all.size();
   if (!translator.translate()) {

@@ -37,7 +37,7 @@ Index rows_of_decay(const char* method, double decay, double most) {
   if (!(rows <= static_cast<double>(furthest)))
     refuse(where, std::string("derivative: ") + method + ": smooths over " + short_number(rows) +
                       " rows on either side, expected at most " + std::to_string(furthest) +
-                      ": less noise in the channels, or the whole record by lunid.read");
+                      ": take a smaller weight or a larger density, or the whole record by lunid.read");
   return static_cast<Index>(rows);
 }
 

@@ -121,7 +121,7 @@ TEST_F(TapeTest, lanes_have_the_bits_of_points) {
     const Tape tape(outputs, inputs);
     const int lanes = Tape::lane_group * (1 + i % 3);
     const auto registers = static_cast<std::size_t>(tape.registers());
-    // 72 apart: the machine code for constants and temporaries that stand in rows
+    // 72 apart: the machine code for temporaries that stand in rows
     const std::size_t apart = i % 2 ? 72 : static_cast<std::size_t>(lanes);
     std::vector<double> memory(registers * apart);
     std::vector<double*> place(registers);
@@ -139,6 +139,50 @@ TEST_F(TapeTest, lanes_have_the_bits_of_points) {
           ASSERT_TRUE(same_bits(place[static_cast<std::size_t>(tape.output_place()) + j][l], point[j]))
               << to_text(outputs[j]) << " in lane " << l;
       }
+    }
+  }
+}
+
+// More of them than the processor has registers to point to them with; all arithmetic, so that it is machine code.
+TEST_F(TapeTest, lanes_of_many_inputs_have_the_bits_of_points) {
+  std::vector<Expr> many;
+  for (int i = 0; i < 24; ++i) many.push_back(pool.parameter("p" + std::to_string(i)));
+  std::mt19937 noise(31);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  const auto any = [&] { return many[noise() % many.size()]; };
+  for (int i = 0; i < 60; ++i) {
+    std::vector<Expr> outputs;
+    for (int o = 0; o < 3; ++o) {
+      Expr f = any();
+      for (int term = 0; term < 12; ++term) {
+        const Expr part = any() * any() - 0.75 * any();
+        switch (noise() % 4) {
+          case 0: f = 3.5 * f + part * any(); break;
+          case 1: f = part - (f * any() + 1.25); break;
+          case 2: f = -f / (part * part + 2); break;
+          default: f = pool.apply(Op::sqrt, {part * part + 0.5}) - f; break;
+        }
+      }
+      outputs.push_back(f);
+    }
+    const Tape tape(outputs, many);
+    const int lanes = Tape::lane_group * (1 + i % 3);
+    const auto registers = static_cast<std::size_t>(tape.registers());
+    const std::size_t apart = i % 2 ? 72 : static_cast<std::size_t>(lanes);
+    std::vector<double> memory(registers * apart);
+    std::vector<double*> place(registers);
+    for (std::size_t r = 0; r < registers; ++r) place[r] = memory.data() + r * apart;
+    for (std::size_t k = 0; k < many.size(); ++k)
+      for (int l = 0; l < lanes; ++l) place[k][l] = uniform(noise);
+    tape.prepare_lanes(place.data(), lanes);
+    tape.run_lanes(place.data(), lanes);
+    for (int l = 0; l < lanes; ++l) {
+      std::vector<double> at;
+      for (std::size_t k = 0; k < many.size(); ++k) at.push_back(place[k][l]);
+      const std::vector<double> point = run(tape, at);
+      for (std::size_t j = 0; j < outputs.size(); ++j)
+        ASSERT_TRUE(same_bits(place[static_cast<std::size_t>(tape.output_place()) + j][l], point[j]))
+            << to_text(outputs[j]) << " in lane " << l;
     }
   }
 }

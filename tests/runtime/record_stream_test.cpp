@@ -281,10 +281,9 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
             "stream: derivative: total_variation: each of its pieces depends on all rows" + instead);
   options.derivative = SmoothingSpline{5, {}, 1e9};
-  EXPECT_EQ(
-      message([&] { open_stream(file.path(), options); }),
-      "stream: derivative: spline: smooths over 7.971e+05 rows on either side, expected at most 262144: less noise "
-      "in the channels, or the whole record by lunid.read");
+  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
+            "stream: derivative: spline: smooths over 7.971e+05 rows on either side, expected at most 262144: take a "
+            "smaller weight or a larger density, or the whole record by lunid.read");
   // The integral of a velocity without noise tells less and less of where the motion began.
   std::string exact = "t,y,v\n";
   for (int i = 0; i < 3000; ++i)
