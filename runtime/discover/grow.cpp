@@ -23,6 +23,7 @@ constexpr int later_runs = 6;    // the same of sets of two and more
 constexpr int long_fits = 5;     // sets that are fitted to the end
 constexpr int promising = 3;     // and those that explain most of the force
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
+constexpr double far = 4;        // the same as far as their shape parameters are refined
 constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
 
 class Grower {
@@ -93,8 +94,14 @@ class Grower {
           faults_.push_back({choice, effect.guess ? effect.guess(scale, variant) : std::vector<Guess>{}});
       }
     }
-    parallel_for(static_cast<int>(shapes_.size()), study_.options->threads,
-                 [&](int i) { proposer_.run(shapes_[static_cast<std::size_t>(i)]); });
+    run_shapes([](const Shape& shape) { return !many_states(shape); });
+  }
+
+  void run_shapes(const std::function<bool(const Shape&)>& wanted) {
+    parallel_for(static_cast<int>(shapes_.size()), study_.options->threads, [&](int i) {
+      Shape& shape = shapes_[static_cast<std::size_t>(i)];
+      if (wanted(shape)) proposer_.run(shape);
+    });
   }
 
   /// An entry with states that is an element of the baseline has its names there.
@@ -149,6 +156,12 @@ class Grower {
     std::vector<std::size_t> order(offers.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
+    if (size == 1 && memory_comes_near(offers)) {
+      run_shapes(many_states);
+      each(order, [&](Offer& o) {
+        if (many_states(*o.standing.shape)) o.standing = proposer_.score(*o.standing.shape, *o.space);
+      });
+    }
     if (size == 1) {
       leave_aside(offers);
       const Proposer::Parent space = plain_.parent(parents.front(), theta_of(parents.front()));
@@ -164,9 +177,28 @@ class Grower {
     for (const auto i : order)
       if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].standing.shape))
         leaders.push_back(i);
+    std::erase_if(leaders, [&](std::size_t i) {
+      return many_states(*offers[i].standing.shape) &&
+             offers[i].standing.cost > far * offers[order.front()].standing.cost;
+    });
     each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
     return fit_list(offers, shortlist(offers, order, size), parents, size);
+  }
+
+  /// Entries of many states take longer along the motion than all others together: they are looked at where one of few
+  /// states comes near to the best.
+  bool memory_comes_near(const std::vector<Offer>& offers) const {
+    double best = INFINITY, memory = INFINITY;
+    const auto hear = [&](double cost, bool remembers) {
+      best = std::min(best, cost);
+      if (remembers) memory = std::min(memory, cost);
+    };
+    for (const auto& o : offers)
+      if (o.standing.shown) hear(o.standing.cost, !o.standing.shape->system->model().states.empty());
+    for (const auto& c : known_.sets)
+      if (c.choices.size() == 1) hear(c.force_cost, !c.choices.front().effect->states.empty());
+    return memory <= as_good * best;
   }
 
   /// What an entry without memory would leave of the force itself.
@@ -186,6 +218,7 @@ class Grower {
 
   void leave_aside(const std::vector<Offer>& offers) {
     for (const auto& o : offers) {
+      if (o.standing.shape->columns.empty()) continue;  // not looked at
       const std::string& name = o.standing.shape->choice.effect->name;
       const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
         return x.standing.shown && x.standing.shape->choice.effect == o.standing.shape->choice.effect;

@@ -275,7 +275,7 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
     table.resize(1);
     table[0].min = 0;
   }
-  for (std::size_t g = 0; g < shape.guesses.size(); ++g) {
+  for (std::size_t g = 0; g < shape.columns.size(); ++g) {
     const Eigen::MatrixXd& full = shape.columns[g];
     if (full.rows() == 0) continue;
     const Eigen::MatrixXd columns = full - parent.basis * (parent.basis.transpose() * full);

@@ -50,7 +50,7 @@ class Proposer {
   };
   Parent parent(const Candidate& candidate, const Eigen::VectorXd& theta) const;
 
-  /// The best guess, its linear parameters solved for.
+  /// The best guess, its linear parameters solved for; nothing shown of a shape that has not been run.
   Standing score(const Shape& shape, const Parent& parent) const;
   /// Gauss-Newton on all its parameters from there.
   void refine(Standing& standing, const Parent& parent, int iterations) const;
