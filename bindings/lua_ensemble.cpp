@@ -29,6 +29,7 @@ constexpr double keep_interval = 0.1;
 class Assembly {
  public:
   Assembly(lua_State* L, const Model& model) : system(model), L_(L) {
+    if (model.imposed_motion) throw InputError("ensemble: the motion of this model is imposed: there is no free run");
     read_varied();
     read_signal();
     take_parameters();
@@ -235,12 +236,12 @@ class Assembly {
   std::optional<Interpolation> interpolation_;
 };
 
-/// 64 digits of all that the members depend on.
-std::string key_of(const Assembly& a, const EnsembleOptions& options, int substeps) {
+/// 64 digits of all that the members depend on. `functions`: what external functions come from.
+std::string key_of(const Assembly& a, const EnsembleOptions& options, int substeps, const std::string& functions) {
   std::string text = LUNID_VERSION "\n" + a.system.model().equation() + "\n" + a.force_text;
   text += Assembly::bytes_of(a.ensemble.theta) + Assembly::bytes_of(a.ensemble.x0);
   for (const EnsembleOutput& output : options.outputs) text += output.name + " ";
-  return sha256(text + std::to_string(options.settled) + " " + std::to_string(substeps));
+  return sha256(text + std::to_string(options.settled) + " " + std::to_string(substeps) + functions);
 }
 
 /// "\r 37 %  ensemble: 370 of 1000 members, about 12 s left" on a terminal.
@@ -358,7 +359,7 @@ void say_kept(const EnsembleResult& result, PartialFile* partial) {
 }
 
 /// ensemble(model, {names=, values=, record= | records= | force=, dt=, duration=, interpolation=, from=, outputs=,
-/// settled=, substeps=, keep_trajectories=, partial=}) -> sweep
+/// settled=, substeps=, keep_trajectories=, partial=, functions=}) -> sweep
 int ensemble(lua_State* L) {
   check_table(L, 2);
   Assembly assembly(L, check<Model>(L, 1));
@@ -371,10 +372,11 @@ int ensemble(lua_State* L) {
   sweep.result = prepare_ensemble(assembly.ensemble, options);
   EnsembleResult& result = sweep.result;
 
-  const std::string key = key_of(assembly, options, result.substeps);
-  // What an external function does is not in the key: such members are not kept for a restart.
   const bool external = !runtime(L).pool()->functions().empty();
-  const auto folder = external ? std::nullopt : string_field(L, 2, "partial");
+  const std::string origin = external ? string_field(L, 2, "functions").value_or("") : "";
+  const std::string key =
+      key_of(assembly, options, result.substeps, external ? origin + std::to_string(runtime(L).seed) : "");
+  const auto folder = string_field(L, 2, "partial");
   const std::string base = folder ? *folder + key.substr(0, 12) : "";
   const std::vector<std::string> earlier =
       folder && !options.trajectories ? partial_paths(base) : std::vector<std::string>{};

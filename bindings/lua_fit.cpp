@@ -3,18 +3,36 @@
 #include <cmath>
 
 #include "expr/external.hpp"
+#include "record/spectra.hpp"
 #include "runtime.hpp"
+#include "simulate/fit_check.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
 
 namespace {
 
-std::vector<FitData> data_of(lua_State* L, int index, const System& system,
-                             std::optional<Interpolation> interpolation) {
+/// The record with the noise of its channels as outliers do not reach it: a fit weighs its channels by it.
+Record with_robust_noise(const Record& record) {
+  Record robust = record;
+  for (const Channel& given : record.channels()) {
+    const auto values = record[given.name];
+    const double noise = noise_report(values, record.dt()).robust;
+    if (!(given.noise > 0) || !(noise > 0)) continue;
+    Channel channel = given;
+    channel.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    channel.noise = noise;
+    robust = robust.with(std::move(channel));
+  }
+  return robust;
+}
+
+std::vector<FitData> data_of(lua_State* L, int index, const System& system, std::optional<Interpolation> interpolation,
+                             bool outliers) {
   std::vector<FitData> data;
   for_each(L, index, [&](lua_Integer) {
-    const Record& record = check<Record>(L, -1);
+    const Record& given = check<Record>(L, -1);
+    const Record record = outliers ? with_robust_noise(given) : given;
     const bool imposed = system.model().imposed_motion;
     data.push_back({record, imposed ? Excitations() : excitations_of(system, record, interpolation), {}});
   });
@@ -67,7 +85,7 @@ int fit(lua_State* L) {
   fit.system = std::make_shared<const System>(check<Model>(L, 1));
   check_table(L, 2);
   check_table(L, 3);
-  fit.data = data_of(L, 2, *fit.system, interpolation_field(L, 3));
+  fit.data = data_of(L, 2, *fit.system, interpolation_field(L, 3), string_field(L, 3, "loss").value_or("") == "huber");
   if (fit.data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
   const Model& model = fit.system->model();
   fit.options = options_of(L, 3, model, fit.data[0].record.dt());
@@ -80,6 +98,8 @@ int fit(lua_State* L) {
   fit.result = fit_progressively(
       *fit.system, Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size())), fit.data,
       fit.options);
+  if (boolean_field(L, 3, "check", false))
+    fit.checked = check_by_sundials(*fit.system, fit.result, fit.data, fit.options);
   fit.notes = externals.notes();
   push<TrajectoryFit>(L, std::move(fit));
   return 1;
@@ -126,6 +146,10 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   lua_setfield(L, -2, "cost");
   lua_pushnumber(L, std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))));
   lua_setfield(L, -2, "rmse");
+  if (!std::isnan(fit.checked)) {
+    lua_pushnumber(L, fit.checked);
+    lua_setfield(L, -2, "checked");
+  }
 }
 
 /// The correlations between what was fitted, as rows; 0 where there is no deviation.
@@ -234,6 +258,15 @@ int to_string(lua_State* L) {
     if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])
       all += " (at its bound)";
     if (parameter.fixed) all += " (fixed)";
+  }
+  constexpr double worth_saying = 1e-4;
+  if (fit.checked > worth_saying) {
+    std::snprintf(
+        text, sizeof text,
+        "\n  note: SUNDIALS' runs differ from these by %.2g of the motion's deviation: the motion is chaotic, "
+        "or the steps are too long",
+        fit.checked);
+    all += text;
   }
   for (const std::string& note : fit.notes) all += "\n  note: " + note;
   push_text(L, all);

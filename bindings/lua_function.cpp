@@ -153,15 +153,16 @@ int make_lua_function(lua_State* L) {
   return 1;
 }
 
-bool same_table(const Lookup& table, const std::vector<Eigen::VectorXd>& axes, const Eigen::MatrixXd& values) {
+bool same_table(const Lookup& table, const std::vector<Eigen::VectorXd>& axes, const Eigen::MatrixXd& values,
+                Between between) {
   const auto same = [](const auto& a, const auto& b) {
     return a.rows() == b.rows() && a.cols() == b.cols() && (a.array() == b.array()).all();
   };
   return std::equal(table.axes().begin(), table.axes().end(), axes.begin(), axes.end(), same) &&
-         same(table.values(), values);
+         same(table.values(), values) && table.between() == between;
 }
 
-/// lookup{name=, axes = {column...}, values = {column over the second axis...}}
+/// lookup{name=, axes = {column...}, values = {column over the second axis...}, between=}
 int make_lookup(lua_State* L) {
   check_table(L, 1);
   Pool& pool = *runtime(L).pool();
@@ -177,13 +178,14 @@ int make_lookup(lua_State* L) {
     values.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
   }
   const std::string name = *string_field(L, 1, "name");
+  const Between between = between_from(string_field(L, 1, "between").value_or("linear"));
   for (const FunctionPtr& known : pool.functions()) {  // a saved model that is loaded again
     const auto* table = dynamic_cast<const Lookup*>(known.get());
-    if (!table || known->name() != name || !same_table(*table, axes, values)) continue;
+    if (!table || known->name() != name || !same_table(*table, axes, values, between)) continue;
     push<FunctionPtr>(L, known);
     return 1;
   }
-  const auto function = std::make_shared<const Lookup>(pool.free_name(name), axes, values);
+  const auto function = std::make_shared<const Lookup>(pool.free_name(name), axes, values, between);
   pool.add(function);
   push<FunctionPtr>(L, function);
   return 1;
@@ -196,7 +198,7 @@ int to_string(lua_State* L) {
   return 1;
 }
 
-/// A table of values as {axes = {...}, values = {rows}}.
+/// A table of values as {axes = {...}, values = {rows}, between =}.
 void push_lookup(lua_State* L, const Lookup& lookup) {
   lua_newtable(L);
   lua_newtable(L);
@@ -211,9 +213,11 @@ void push_lookup(lua_State* L, const Lookup& lookup) {
     lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "values");
+  push_text(L, to_string(lookup.between()));
+  lua_setfield(L, -2, "between");
 }
 
-/// functions_of{expressions...} -> {{name=, words=, table = {axes=, values=} or nil}, ...}, each once
+/// functions_of{expressions...} -> {{name=, words=, table = {axes=, values=, between=} or nil}, ...}, each once
 int list_functions(lua_State* L) {
   check_table(L, 1);
   std::vector<Expr> parts;

@@ -125,6 +125,8 @@ int make_model(lua_State* L) {
   with_field(L, 1, "states", [&] {
     for_each(L, -1, [&](lua_Integer) {
       const Value state = check_value(L, -1);
+      if (symbols(state.expr, SymbolKind::state).empty())
+        throw InputError("model: states: expected states from lunid.state, got " + to_text(state.expr));
       declared = join(declared, state.declared);
       listed.push_back(state.expr);
     });

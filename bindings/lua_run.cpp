@@ -4,6 +4,8 @@
 #include <map>
 
 #include "runtime.hpp"
+#include "simulate/acceleration.hpp"
+#include "simulate/dense.hpp"
 #include "simulate/fit.hpp"
 #include "simulate/regularise.hpp"
 #include "types.hpp"
@@ -84,12 +86,50 @@ std::string regularised_note(const Regularised& smooth, double width) {
   return text + (branches.empty() ? "there was no branch" : branches);
 }
 
+/// What drives a run that wants more rows than its record has.
+Excitations on_rows(Excitations excitation, const System& system, double record_dt, double dt, double max_memory) {
+  const double parts = std::round(record_dt / dt);
+  constexpr double rounding = 1e-6;
+  if (parts < 1 || std::abs(record_dt / dt - parts) > rounding * parts) {
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "simulate: dt: expected the sample time of the record, %.9g s, or a whole part of it, got %.9g s",
+                  record_dt, dt);
+    throw InputError(text);
+  }
+  if (parts == 1) return excitation;
+  check_memory("simulate", static_cast<double>(excitation.rows() - 1) * parts + 1, run_values(system), max_memory);
+  return finer(excitation.ordered(system), static_cast<int>(parts));
+}
+
+/// The first state: the user's, whose internal states may be left to their own initial values; or the record's.
+Eigen::VectorXd first_state(const System& system, const Eigen::VectorXd& from, const Record* record) {
+  const Eigen::Index motion = 2 * system.degrees(), states = system.states();
+  Eigen::VectorXd x0 = from.size() ? from : measured_state(system, *record, 0);
+  const Eigen::Index given = x0.size();
+  const bool rest = x0.isZero(0);  // of any number of coordinates
+  if ((given < motion && !rest) || given > states) {
+    std::string names;
+    for (const std::string& name : system.dynamics().names) names += (names.empty() ? "" : " ") + name;
+    throw InputError("simulate: from: expected " + (motion < states ? std::to_string(motion) + " to " : std::string()) +
+                     std::to_string(states) + " values (" + names + "), got " + std::to_string(given));
+  }
+  x0.conservativeResize(states);
+  for (Eigen::Index i = given; i < states; ++i)
+    x0[i] = i < motion ? 0 : system.model().states[static_cast<std::size_t>(i - motion)].initial;
+  return x0;
+}
+
 /// simulate(model, {record=, signals=, dt=, duration=, interpolation=, x0=, solver=, rtol=, atol=, substeps=,
 /// regularise=}) `record` (its channels drive) or `signals` ({channel = expression of t}). Without x0 the run starts at
 /// the record's motion.
 int run(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   check_table(L, 2);
+  if (model.imposed_motion)
+    throw InputError(
+        "simulate: the motion of this model is imposed: there is no free run; model:force(record) is its "
+        "force along a motion");
   const auto interpolation = interpolation_field(L, 2);
   SimulateOptions options;
   options.solver = solver_from(string_field(L, 2, "solver").value_or("auto"));
@@ -105,12 +145,15 @@ int run(lua_State* L) {
 
   const auto width = number_field(L, 2, "regularise");
   const Regularised smooth = width ? regularised(model, *width) : Regularised{model, {}};
-  const System system(smooth.model);
+  const auto shared = std::make_shared<const System>(smooth.model);
+  const System& system = *shared;
   Excitations excitation;
   std::optional<Record> record;
   with_field(L, 2, "record", [&] {
     record = check<Record>(L, -1);
     excitation = excitations_of(system, *record, interpolation);
+    if (const auto dt = number_field(L, 2, "dt"))
+      excitation = on_rows(std::move(excitation), system, record->dt(), *dt, options.max_memory);
   });
   with_field(L, 2, "signals", [&] {
     const double dt = number_field(L, 2, "dt").value_or(1e-3), duration = number_field(L, 2, "duration").value_or(1);
@@ -119,24 +162,25 @@ int run(lua_State* L) {
   });
   Eigen::VectorXd x0;
   with_field(L, 2, "x0", [&] { x0 = check_column(L, -1); });
-  if (!x0.size()) x0 = measured_state(system, *record, 0);
-  const Eigen::Index given = x0.size();
-  x0.conservativeResize(system.states());  // internal states start at their own initial values
-  const Eigen::Index motion = 2 * system.degrees();
-  for (Eigen::Index i = given; i < system.states(); ++i) {
-    x0[i] = i < motion ? 0 : system.model().states[static_cast<std::size_t>(i - motion)].initial;
-  }
+  x0 = first_state(system, x0, record ? &*record : nullptr);
 
   FreeRun result;
   result.name = record ? record->name() : "run";
+  result.place = user_position(L);
+  if (result.place.size() > 2) result.place.resize(result.place.size() - 2);  // ": "
   if (sensitivities) {
     SensitivityRun exact = simulate_sensitivities(system, system.model().values(), excitation, x0, options);
+    std::vector<Eigen::MatrixXd> of_a = acceleration_slopes(system, system.model().values(), excitation, exact);
     result.run = std::move(exact.run);
     result.sensitivities = std::move(exact.dx);
+    std::move(of_a.begin(), of_a.end(), std::back_inserter(result.sensitivities));
     for (const Parameter& parameter : system.model().parameters) result.parameters.push_back(parameter.name);
   } else {
     result.run = simulate(system, system.model().values(), excitation, x0, options);
   }
+  result.up_to = [shared, theta = system.model().values(), excitation, options](const Run& run, double t) {
+    return run_up_to(*shared, theta, excitation, options, run, t);
+  };
   if (width) result.run.summary.notes.push_back(regularised_note(smooth, *width));
   excitation = excitation.ordered(system);
   for (int k = 0; k < excitation.count(); ++k) {
@@ -181,7 +225,8 @@ void push_summary(lua_State* L, const RunSummary& summary) {
     lua_setfield(L, -2, "ended_in");
   }
   for (const auto& [field, value] : {std::pair{"steps", summary.steps}, std::pair{"evaluations", summary.evaluations},
-                                     std::pair{"tried", summary.tried}, std::pair{"events", summary.events}}) {
+                                     std::pair{"tried", summary.tried}, std::pair{"events", summary.events},
+                                     std::pair{"grazing", summary.grazing}}) {
     lua_pushinteger(L, value);
     lua_setfield(L, -2, field);
   }
@@ -224,6 +269,25 @@ int column(lua_State* L) {
   return 1;
 }
 
+/// run:at(t) -> { t =, y =, v =, a =, z = ... }: between the rows by a run of the same method from the row before.
+int at(lua_State* L) {
+  const FreeRun& free = check<FreeRun>(L, 1);
+  const double t = check_number(L, 2);
+  const Run there = free.up_to(free.run, t);
+  const Eigen::Index row = there.x.rows() - 1;
+  if (!there.x.row(row).allFinite()) throw InputError("at: the run to this time stopped: " + there.summary.cause);
+  lua_newtable(L);
+  const auto set = [&](const std::string& name, double value) {
+    lua_pushnumber(L, value);
+    lua_setfield(L, -2, name.c_str());
+  };
+  set("t", t);
+  for (std::size_t i = 0; i < free.states.size(); ++i) set(free.states[i], there.x(row, static_cast<Eigen::Index>(i)));
+  for (std::size_t i = 0; i < free.accelerations.size(); ++i)
+    set(free.accelerations[i], there.a(row, static_cast<Eigen::Index>(i)));
+  return 1;
+}
+
 /// The place of `name` in a list of words, which `what` says in the message.
 std::size_t place_of(const std::vector<std::string>& words, const std::string& name, const std::string& what) {
   const auto at = std::find(words.begin(), words.end(), name);
@@ -239,8 +303,9 @@ int sensitivity(lua_State* L) {
   if (free.sensitivities.empty()) throw InputError("sensitivity: the run has none; simulate with sensitivities = true");
   std::vector<std::string> columns = free.parameters;
   for (const std::string& state : free.states) columns.push_back(state + "(0)");
-  const std::size_t of = place_of(free.states, check_string(L, 2), "of"),
-                    to = place_of(columns, check_string(L, 3), "to");
+  std::vector<std::string> rows = free.states;
+  rows.insert(rows.end(), free.accelerations.begin(), free.accelerations.end());
+  const std::size_t of = place_of(rows, check_string(L, 2), "of"), to = place_of(columns, check_string(L, 3), "to");
   push_column(L, free.sensitivities[of].col(static_cast<Eigen::Index>(to)));
   return 1;
 }
@@ -250,6 +315,7 @@ int as_record(lua_State* L) {
   const FreeRun& free = check<FreeRun>(L, 1);
   Eigen::Index rows = 0;
   while (rows < free.run.x.rows() && free.run.x.row(rows).allFinite()) ++rows;
+  if (rows == 0) throw InputError("run: there is no row to keep: " + free.run.summary.cause);
   std::vector<Channel> channels;
   const auto add = [&](const std::string& name, const std::string& unit) {
     Channel channel;
@@ -284,7 +350,8 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a run has no '" + key + "' (fields: summary rows dt; methods: column record save sensitivity)");
+      throw InputError("a run has no '" + key +
+                       "' (fields: summary rows dt; methods: at column record save sensitivity)");
     }
   }
   return 1;
@@ -294,8 +361,8 @@ int to_string(lua_State* L) {
   const FreeRun& free = check<FreeRun>(L, 1);
   const RunSummary& summary = free.run.summary;
   char text[256];
-  std::snprintf(text, sizeof text, "run of %lld rows at %.6g Hz by %s: ", static_cast<long long>(free.run.x.rows()),
-                1 / free.run.dt, summary.solver.c_str());
+  std::snprintf(text, sizeof text, "run of %lld rows at %.6g Hz%s%s: ", static_cast<long long>(free.run.x.rows()),
+                1 / free.run.dt, summary.solver.empty() ? "" : " by ", summary.solver.c_str());
   std::string result = text;
   if (std::isfinite(summary.ended_at)) {
     std::snprintf(text, sizeof text, "ended by stop_when at t = %.9g s", summary.ended_at);
@@ -304,7 +371,7 @@ int to_string(lua_State* L) {
     result += "completed";
   } else {
     std::snprintf(text, sizeof text, "stopped at t = %.4g s: ", summary.stopped_at);
-    result += text + summary.cause;
+    result += text + summary.cause + (free.place.empty() ? "" : "\n  asked for at " + free.place);
   }
   for (const std::string& note : summary.notes) result += "\n  note: " + note;
   push_text(L, result);
@@ -314,8 +381,10 @@ int to_string(lua_State* L) {
 }  // namespace
 
 void open_runs(lua_State* L) {
-  static constexpr Entry methods[] = {
-      {"column", guarded<column>}, {"record", guarded<as_record>}, {"sensitivity", guarded<sensitivity>}};
+  static constexpr Entry methods[] = {{"at", guarded<at>},
+                                      {"column", guarded<column>},
+                                      {"record", guarded<as_record>},
+                                      {"sensitivity", guarded<sensitivity>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<FreeRun>(L, methods, meta);
   static constexpr Entry functions[] = {{"simulate", guarded<run>}, {"imposed_force", guarded<force_along>}};

@@ -1,8 +1,8 @@
 // Records larger than memory.
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 
 #include "progress.hpp"
 #include "runtime.hpp"
@@ -31,10 +31,8 @@ class Watch {
 
   void operator()(Eigen::Index rows) {
     throw_if_cancelled(runtime_);
-    if (!on_terminal()) return;
     const double done = static_cast<double>(seen_ += rows) / rows_, pass = std::ceil(done);
-    const std::lock_guard lock(guard_);
-    show_progress(name_ + ", pass " + std::to_string(static_cast<int>(pass)), done - pass + 1);
+    log_.show(name_ + ", pass " + std::to_string(static_cast<int>(pass)), done - pass + 1);
   }
 
  private:
@@ -42,7 +40,7 @@ class Watch {
   const std::string name_;
   const double rows_;
   std::atomic<Eigen::Index> seen_{0};
-  std::mutex guard_;
+  ProgressLog log_;
 };
 
 /// stream(path, {columns =, rate =, interval =, derivative = {kind =, ...}, smooth =})
@@ -54,9 +52,10 @@ int open(lua_State* L) {
   options.read = file_options(L, 2);
   with_field(L, 2, "derivative", [&] { options.derivative = derivative_method(L, lua_gettop(L)); });
   options.smooth = boolean_field(L, 2, "smooth", false);
+  ProgressLog log;
   options.progress = [&](double fraction) {
     throw_if_cancelled(host);
-    show_progress("look through " + path, fraction);
+    log.show("look through " + path, fraction);
   };
   const auto watch = std::make_shared<std::unique_ptr<Watch>>();
   options.reading = [watch](Eigen::Index rows) { (**watch)(rows); };

@@ -37,7 +37,8 @@ int integer_field(lua_State* L, const char* field, int otherwise) {
 GridOptions grid_options(lua_State* L) {
   const GridOptions d;
   return {integer_field(L, "cells_y", d.cells_y), integer_field(L, "cells_v", d.cells_v),
-          integer_field(L, "least_count", d.least_count), number_field(L, -1, "smoothness").value_or(d.smoothness)};
+          integer_field(L, "least_count", d.least_count), number_field(L, -1, "smoothness").value_or(d.smoothness),
+          between_from(string_field(L, -1, "between").value_or("linear"))};
 }
 
 MlpOptions mlp_options(lua_State* L) {
@@ -100,7 +101,7 @@ void expand(lua_State* L, ForceMap& map) {
   }
 }
 
-/// rfs({records}, {mass=, order_y=, order_v=, kinds = {{kind = "grid", ...}, ...}, blocks=, expand=, name=})
+/// rfs({records}, {mass=, order_y=, order_v=, kinds = {{kind = "grid", ...}, ...}, blocks=, expand=, name=, between=})
 int run(lua_State* L) {
   std::vector<Record> records;
   check_table(L, 1);
@@ -115,7 +116,9 @@ int run(lua_State* L) {
   expand(L, map);
   if (!std::holds_alternative<PolynomialOptions>(map.best().how)) {
     Pool& pool = *runtime(L).pool();
-    map.function = lookup_of(map.drawn(), pool.free_name(string_field(L, 2, "name").value_or("surface")));
+    const Between natural = is_smooth(map.best().how) ? Between::cubic : Between::linear;
+    map.function = lookup_of(map.drawn(), pool.free_name(string_field(L, 2, "name").value_or("surface")),
+                             between_from(string_field(L, 2, "between").value_or(to_string(natural))));
     pool.add(map.function);
   }
   push<ForceMap>(L, std::move(map));
@@ -315,6 +318,7 @@ int to_string(lua_State* L) {
       map.drawn().name().c_str(), static_cast<long long>(map.points.size()), best.fit.r2, best.left_out.r2,
       100 * best.left_out.covered);
   std::string all = text;
+  if (map.rivals.size() == 1 && !best.fit.converged) all += "\n  not converged: " + best.fit.stopped;
   if (map.rivals.size() > 1) {
     all += "\n  kind                  R2 data    R2 left out    rmse left out  time [s]";
     for (const Rival& rival : map.rivals) all += "\n" + rival_line(rival);

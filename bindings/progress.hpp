@@ -1,8 +1,10 @@
 #pragma once
-// The line of progress on a terminal.
+// How far work is: a line on a terminal, and now and then a line in a log.
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
+#include <mutex>
 #include <string>
 
 namespace lunid::lua {
@@ -13,6 +15,32 @@ inline bool on_terminal() { return isatty(STDERR_FILENO); }
 inline void show_progress(const std::string& stage, double fraction) {
   if (on_terminal()) std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * fraction, stage.c_str());
 }
+
+/// Where there is no terminal, long work leaves a line in the log at most every so many seconds: " 43 %  regress".
+class ProgressLog {
+ public:
+  explicit ProgressLog(double seconds = 10, std::FILE* log = stderr) : every_(seconds), log_(log) {}
+
+  /// On a terminal as show_progress(). Several threads may call it.
+  void show(const std::string& stage, double fraction) {
+    const std::lock_guard lock(guard_);
+    if (log_ == stderr && on_terminal()) return show_progress(stage, fraction);
+    const auto now = Clock::now();
+    if (now - called_ > every_) written_ = now;  // work begins
+    called_ = now;
+    if (now - written_ < every_) return;
+    written_ = now;
+    std::fprintf(log_, "%3.0f %%  %s\n", 100 * fraction, stage.c_str());
+    std::fflush(log_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const std::chrono::duration<double> every_;
+  std::FILE* const log_;
+  std::mutex guard_;
+  Clock::time_point called_ = {}, written_ = {};
+};
 
 /// Wipes the line when the work ends, also by an exception.
 struct ProgressLine {

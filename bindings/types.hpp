@@ -1,5 +1,7 @@
 #pragma once
 // The bound types: what each userdata holds, its key and its words. The one list of what is bound is in types.cpp.
+#include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -74,6 +76,9 @@ struct FreeRun {
   std::vector<Eigen::MatrixXd> sensitivities;  ///< SensitivityRun::dx, where they were asked for
   std::vector<std::string> parameters;         ///< of its first columns
   std::string name;
+  std::string place;  ///< "study.lua:14", which asked for it
+  /// The run up to a time between its rows.
+  std::function<Run(const Run&, double t)> up_to;
 };
 
 /// A fit on the trajectory, with what its profiles need.
@@ -82,7 +87,8 @@ struct TrajectoryFit {
   std::vector<FitData> data;
   FitOptions options;
   FitResult result;
-  std::vector<std::string> notes;  ///< on external functions: what they cost
+  std::vector<std::string> notes;                             ///< on external functions: what they cost
+  double checked = std::numeric_limits<double>::quiet_NaN();  ///< as check_by_sundials
 };
 
 template <>

@@ -15,6 +15,11 @@ local fit = lunid.regress {
 }
 print(fit)
 
+-- a Kalman smoother reaches over the ends of the blocks: its numbers are those of the whole record
+local smooth = lunid.stream("../tests/data/spring_multisine.csv", { derivative = lunid.derivative.kalman {} })
+print(smooth.channels.a.derivation)
+print(lunid.regress { record = smooth, mass = 49, features = { y, v, y^3 } })
+
 -- what needs all rows at once (a trajectory fit, a filter) takes a window that fits into memory
 local part = lunid.read("../tests/data/spring_multisine.csv", { window = lunid.window(1, 3) })
 print(lunid.fit_trajectory { model = fit.model, record = part, interpolation = "band_limited" })

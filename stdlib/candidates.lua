@@ -1,6 +1,7 @@
 -- Candidates for the choice of a model: regressions of a library of features, on smoothed motions and on the weak form,
 -- with ever fewer terms.
 local core = require "lunid.core"
+local schema = require "lunid.schema"
 
 local candidates = {}
 
@@ -27,9 +28,17 @@ local function half_widths(list)
   return widths
 end
 
+--- Motions through cubics over 2*half + 1 samples, without the one-sided ends; half = 0: as they are, with central
+--- differences for what was not measured.
 local function smoothed(list, half)
-  local out = {}
-  for i, each in ipairs(list) do out[i] = core.smooth_motion(each, half) end
+  local out, cut = {}, math.max(half, 1)
+  local how = half > 0 and { method = { kind = "savitzky_golay", rows = 2*half + 1, order = 3 }, channels = { "y", "v", "a" },
+    smooth = true } or { method = { kind = "finite_differences", accuracy = 2, step = 1 } }
+  for i, each in ipairs(list) do
+    if each.rows < 2*cut + 7 then schema.fail("select", each.name .. " is too short to be smoothed") end
+    local motion = core.derive_record(each, how)
+    out[i] = motion:window(each.start + cut*each.dt, each.start + each.duration - cut*each.dt)
+  end
   return out
 end
 
@@ -82,28 +91,31 @@ local function add(pool, given, candidate)
   pool[#pool + 1] = candidate
 end
 
---- Regressions with ever fewer terms on motions of one width; those with at most given.most_terms are candidates.
-local function add_strong(pool, given, train, half)
-  local motion, features = smoothed(train, half), given.features
+--- Regressions with ever fewer terms; those with at most given.most_terms are candidates.
+local function add_path(pool, given, motion, form, from, strong)
+  local features = given.features
   while #features > 0 do
     local fit = core.regress(motion, { mass = given.mass, known = given.known, features = features, blocks = 1,
-      search = given.search })
-    add(pool, given, { features = features, model = fit.model, r2 = fit.r2, strong = half, rows = motion[1].rows*#motion,
-      from = ("motion smoothed over %d samples"):format(2*half + 1) })
+      search = given.search, form = form })
+    add(pool, given, { features = features, model = fit.model, r2 = fit.r2, strong = strong, rows = motion[1].rows*#motion,
+      from = from })
     features = without(features, weakest(fit, features))
   end
 end
 
---- The same on the weak form, which takes no derivative of the data.
+--- On motions of one width.
+local function add_strong(pool, given, train, half)
+  add_path(pool, given, smoothed(train, half), nil, ("motion smoothed over %d samples"):format(2*half + 1), half)
+end
+
+--- On the weak form, which takes no derivative of the data, where the records hold some test functions. A narrow filter
+--- comes first, since noise biases the powers of y and v.
 local function add_weak(pool, given, train, half)
-  for _, step in ipairs(core.weak_path(train, given.features, given.mass, half, given.known)) do
-    local features = {}
-    for i, place in ipairs(step.features) do features[i] = given.features[place] end
-    if #features <= given.most_terms then
-      add(pool, given, { features = features, model = model_of(given, features, step.values), r2 = step.r2,
-        from = ("weak form over %d samples"):format(2*half + 1) })
-    end
+  for _, each in ipairs(train) do
+    if each.rows < 6*(2*half + 1) then return end
   end
+  local form = { half_width = half*train[1].dt, order = 4, spacing = 0.25 }
+  add_path(pool, given, smoothed(train, 3), form, ("weak form over %d samples"):format(2*half + 1))
 end
 
 --- The weak form needs a mass that is a number and features without parameters inside.

@@ -1,5 +1,6 @@
 -- Ensembles: many members of one model, their quantities from grids or random draws; and tables that read back.
 local core = require "lunid.core"
+local option = require "lunid.option"
 local output = require "lunid.output"
 local records = require "lunid.records"
 local schema = require "lunid.schema"
@@ -214,6 +215,18 @@ local definition = {
   example = [[local sweep = lunid.ensemble { model = model, vary = { k = lunid.range(1e4, 3e4, 20) }, excitation = record }]],
 }
 
+local begun = 0
+
+--- What the study's own functions (in Lua, tables, surfaces) come from, whose values no key can hold: its files and
+--- options, and the ensembles before this one, since what a function refers to may change on the way.
+local function origin_of_functions()
+  local words = { tostring(begun) }
+  for _, input in ipairs(core.inputs()) do words[#words + 1] = input.sha256 end
+  for name, value in pairs(option.given) do words[#words + 1] = name .. "=" .. value end
+  table.sort(words)
+  return table.concat(words, "\n")
+end
+
 ensembles.ensemble = schema.define(definition, function(given)
   if given.vary and given.draw then schema.fail("ensemble", "give vary or draw, not both") end
   local field = given.vary and "vary" or "draw"
@@ -228,7 +241,8 @@ ensembles.ensemble = schema.define(definition, function(given)
   end
   local request = { names = names, values = columns, from = given.from, outputs = given.outputs, settled = given.settled,
     substeps = given.substeps, interpolation = given.interpolation, keep_trajectories = given.keep == "trajectories",
-    partial = output.beside "ensemble-" }
+    partial = output.beside "ensemble-", functions = origin_of_functions() }
+  begun = begun + 1
   if type(given.excitation) == "function" then
     for i, column in ipairs(columns) do columns[i] = type(column) == "userdata" and column:list() or column end
     request.records = made_records(given, names, columns)

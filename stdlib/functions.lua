@@ -34,14 +34,15 @@ local row = types.list(types.number(), 1)
 
 functions.lookup = schema.define({
   name = "lookup",
-  help = "A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond "
-    .. "its ends it goes on as in the last cell.",
+  help = "A table of values as a function of one or two variables. Beyond its ends it goes on straight.",
   positional = { "name" },
   fields = {
     { "name", types.string, required = true, help = "how it is written in equations" },
     { "axes", types.list(row, 1), required = true, help = "one list of increasing values, or two" },
     { "values", types.list(types.either(types.number(), row), 1), required = true,
       help = "one number for each point; with two axes a list over the second axis for each point of the first" },
+    { "between", types.choice { "linear", "cubic" }, default = "linear",
+      help = "the points: straight lines, or a spline without a jump in its first and second derivatives" },
   },
   returns = "function",
   example = [[

@@ -237,8 +237,8 @@ local function function_text(called)
   local axes, values = {}, {}
   for i, axis in ipairs(called.table.axes) do axes[i] = list_text(axis) end
   for i, row in ipairs(called.table.values) do values[i] = #axes == 1 and core.number_text(row[1]) or list_text(row) end
-  return ("local %s = lunid.lookup { %q, axes = { %s }, values = {\n  %s } }"):format(called.name, called.name,
-    table.concat(axes, ", "), table.concat(values, ",\n  "))
+  return ("local %s = lunid.lookup { %q, between = %q, axes = { %s }, values = {\n  %s } }"):format(called.name, called.name,
+    called.table.between, table.concat(axes, ", "), table.concat(values, ",\n  "))
 end
 
 --- Lua that loads again to the same model.

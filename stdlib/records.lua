@@ -118,9 +118,9 @@ records.stream = schema.define({
   positional = { "path" },
   fields = with_columns {
     { "derivative", types.is("derivative", "lunid.derivative"),
-      help = "of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences "
-        .. "with accuracy and step; others need the whole record" },
-    { "smooth", types.boolean, default = false, help = "smooth measured y, v and a too (savitzky_golay)" },
+      help = "of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default. fourier and "
+        .. "total_variation need the whole record; spline and kalman give its numbers to 1e-9 of a deviation" },
+    { "smooth", types.boolean, default = false, help = "smooth measured y, v and a too, by the same method" },
     window_field,
   },
   returns = "stream",

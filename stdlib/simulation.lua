@@ -58,18 +58,22 @@ local simulate = schema.define({
       help = "first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, "
         .. "else rest" },
     { "duration", types.number { above = 0 }, unit = "s", help = "length of the run; of a record, else all" },
-    { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result, where the force is an expression" },
+    { "dt", types.number { above = 0 }, unit = "s", help = "sample time of the result; of a record its own, else a whole "
+      .. "part of that" },
     { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
     { "interpolation", types.choice(interpolations),
       help = "what the force does between samples; else what the record says: its formula, or straight lines" },
     { "rtol", types.number { above = 0, below = 1 }, default = 1e-8, help = "relative tolerance of SUNDIALS" },
+    { "atol", types.number { above = 0 }, help = "absolute tolerance of SUNDIALS, for all states; else rtol times the scale "
+      .. "of each" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "of the fixed path, per sample; else chosen" },
-    { "sensitivities", types.boolean, default = false, help = "exact ones of every state to every parameter and first "
-      .. "state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams" },
+    { "sensitivities", types.boolean, default = false, help = "exact ones of every state and acceleration to every parameter "
+      .. "and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams" },
     { "max_memory", types.number { above = 0 }, default = 8, unit = "GB", help = "a run that needs more is refused" },
     { "regularise", types.number { above = 0 }, help = "smooth the branches over so much, in the unit of what switches: "
       .. "sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located" },
-    { "stop_when", types.expression, help = "the run ends where this rises above 0, such as lunid.displacement - 0.1" },
+    { "stop_when", types.expression, help = "the run ends where this rises above 0, such as lunid.displacement - 0.1; "
+      .. "looked at four times per sample, then located" },
   },
   returns = "run",
   example = [[local run = lunid.simulate { model = model, excitation = record, from = { 0, 0 } }]],
@@ -119,6 +123,8 @@ local fit_trajectory = schema.define({
         .. "L-BFGS; auto: adjoint from 40 parameters on, or beyond 64 states" },
     { "max_iterations", types.integer { min = 1, max = 1000 }, default = 40,
       help = "of Levenberg-Marquardt; L-BFGS may take 25 evaluations for each" },
+    { "check", types.boolean, default = true, help = "compare the final runs of the fixed path with SUNDIALS': "
+      .. "summary.checked" },
   },
   returns = "trajectory_fit",
   example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],

@@ -11,11 +11,13 @@ local pair = types.list(types.integer { min = 1 }, 2)
 
 surfaces.grid = schema.define({
   name = "grid",
-  help = "Bilinear interpolation between the corners of equal cells; cells without data stay empty.",
+  help = "A bilinear or bicubic spline over equal cells, by least squares; cells without data stay empty.",
   fields = {
     { "cells", pair, default = { 20, 20 }, help = "number of cells along displacement and velocity" },
     { "least_count", types.integer { min = 1 }, default = 3, help = "cells with fewer points have no data" },
     { "smoothness", types.number { above = 0 }, default = 1e-3, help = "weight of the squared second differences" },
+    { "between", types.choice { "linear", "cubic" }, default = "linear",
+      help = "the corners of the cells: straight lines, or a spline without a jump in its first and second derivatives" },
   },
   returns = "interpolator",
   example = "interpolate = lunid.grid { cells = { 30, 30 } }",
@@ -126,6 +128,10 @@ surfaces.rfs = schema.define({
     { "blocks", types.integer { min = 2, max = 1000 }, default = 6,
       help = "blocks of time left out in turn, for the score and the deviation" },
     { "name", types.string, default = "surface", help = "how it is written in equations" },
+    { "between", types.choice { "linear", "cubic" },
+      help = "what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in "
+        .. "its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, "
+        .. "support_vectors, a cubic grid)" },
   },
   returns = "surface",
   example = [[

@@ -17,12 +17,6 @@ namespace lunid {
 
 namespace {
 
-/// Share of the excess over the floor (squared) that the final model closes, on left-out training blocks.
-double closed_share(double before, double after, double floor) {
-  const double excess = before * before - floor * floor;
-  return excess > 0 ? (before * before - after * after) / excess : 0;
-}
-
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
 

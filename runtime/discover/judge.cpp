@@ -175,6 +175,11 @@ double required_gain(const Study& study, double gap_after) {
   return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * noise ? 1 : 5));
 }
 
+double closed_share(double before, double after, double floor) {
+  const double excess = before * before - floor * floor;
+  return excess > 0 ? (before * before - after * after) / excess : 0;
+}
+
 Eigen::Index bootstrap_block(const Study& study) {
   const auto& record = study.train.front().record;
   const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 1;

@@ -122,11 +122,27 @@ class Search {
       return std::make_tuple(field[i].parameters(), field[i].choices.size(), physics_in(field[i].choices));
     };
     std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
-    std::size_t pick = alike.front();
+    std::size_t pick = in_the_usual_words(field, alike);
     prune(field, pick);
     Candidate chosen = field[pick];
     progress_("free runs over left-out blocks", 0.8);
     accept(field, chosen, alike, pick);
+  }
+
+  /// Of one force in two notations the one that the catalogue has first.
+  static std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike) {
+    const Candidate& first = field[alike.front()];
+    const auto before = [&](std::size_t a, std::size_t b) {
+      return field[a].choices.back().effect < field[b].choices.back().effect;  // entries lie in the catalogue's order
+    };
+    std::size_t pick = alike.front();
+    for (const auto i : alike) {
+      const bool other_words = first.choices.size() == 1 && field[i].choices.size() == 1 &&
+                               field[i].parameters() == first.parameters() && same_runs(field[i], first) &&
+                               physics_in(field[i].choices) == physics_in(first.choices);
+      if (other_words && before(i, pick)) pick = i;
+    }
+    return pick;
   }
 
   /// Drops effects without which a fitted set is not worse.
@@ -162,12 +178,21 @@ class Search {
       if (!weakest) break;
       chosen = *weakest;
     }
+    if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
     result_.p_value = named ? corrected(improvement_p_value(result_.baseline, chosen)) : 1;
     if (named && same(chosen.choices, field[pick].choices)) find_ties(field, alike, pick);
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
+  }
+
+  /// More of what the baseline leaves above the sensor's noise is closed than stays open. A small part of a disturbance
+  /// that comes from elsewhere can be followed by a force of the motion, beyond what a test of chance would allow.
+  bool explains_most(const Candidate& chosen) const {
+    const double noise = study_.sensor_noise() / study_.measured_std();
+    return !std::isfinite(result_.baseline.left_out_gap) ||
+           closed_share(result_.baseline.left_out_gap, chosen.left_out_gap, noise) > 0.5;
   }
 
   bool earns(const Candidate& without, const Candidate& with) const {

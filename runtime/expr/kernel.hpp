@@ -47,7 +47,7 @@ LUNID_INLINE void rows(std::size_t count, double* dst, F f) {
 /// Four numbers and their bits, for functions of the language.
 struct Four {
   using Number = Quad;
-  typedef std::int64_t Bits __attribute__((vector_size(4 * sizeof(double))));
+  typedef std::int64_t Bits __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
   LUNID_INLINE static Bits as_bits(const Quad& x) { return reinterpret_cast<const Bits&>(x); }
   LUNID_INLINE static Quad as_number(const Bits& x) { return reinterpret_cast<const Quad&>(x); }
   LUNID_INLINE static Quad choose(const Bits& first, const Quad& a, const Quad& b) { return first ? a : b; }

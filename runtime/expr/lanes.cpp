@@ -24,16 +24,11 @@ void Tape::prepare_lanes(double* const* place, int lanes) const noexcept {
 
 namespace {
 
-/// Constants and temporaries stand as Machine::row_values takes them.
+/// Temporaries stand as Machine::row_values takes them.
 bool in_rows(const Program& program, double* const* place) {
-  const Layout& layout = program.layout;
-  const auto in_row = [&](std::uint32_t r) {
-    return place[r] == place[layout.inputs] + static_cast<std::size_t>(Machine::lane_row) * (r - layout.inputs);
-  };
-  for (std::uint32_t r = layout.inputs; r < layout.outputs; ++r)
-    if (!in_row(r)) return false;
-  for (std::uint32_t r = layout.temporaries; r < program.values.registers; ++r)
-    if (!in_row(r)) return false;
+  const std::uint32_t first = program.layout.temporaries;
+  for (std::uint32_t r = first; r < program.values.registers; ++r)
+    if (place[r] != place[first] + static_cast<std::size_t>(Machine::lane_row) * (r - first)) return false;
   return true;
 }
 

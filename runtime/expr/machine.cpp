@@ -3,10 +3,13 @@
 #if defined(__x86_64__) && defined(__linux__)
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "expr/op.hpp"
 
@@ -58,11 +61,11 @@ class Bytes {
   }
   /// The same with the second operand at [r8 + rcx + offset].
   void arithmetic_of_row(Operation operation, int to, int a, std::uint32_t offset) {
-    each([&](int other) { row(operation, to + other, a + other, offset, other); });
-  }
-  /// Between a vector register and [r8 + rcx + offset].
-  void move_row(Operation operation, int vector, std::uint32_t offset) {
-    each([&](int other) { row(operation, vector + other, 0, offset, other); });
+    each([&](int other) {
+      prefix(operation, to + other, operation == load || operation == store ? 0 : a + other, 8);
+      put({0x80 | (to & 7) << 3 | 4, 0x08});
+      put32(offset + static_cast<std::uint32_t>(4 * other));
+    });
   }
   /// to = b where the sign of `mask` is set, else a; four at once.
   void blend(int to, int a, int b, int mask) {
@@ -71,13 +74,18 @@ class Bytes {
            0x4B, 0xC0 | (to & 7) << 3 | (b & 7), (mask + other) << 4});
     });
   }
-  /// to = -a, by the mask at the front of the bytes.
-  void negative(int to, int a) {
+  /// to = a <operation> the four numbers at `place` of the bytes.
+  void arithmetic_of_constant(Operation operation, int to, int a, std::size_t place) {
     each([&](int other) {
-      prefix(flip, to + other, a + other, 0);
+      prefix(operation, to + other, operation == load ? 0 : a + other, 0);
       put({(to & 7) << 3 | 5});
-      put32(static_cast<std::uint32_t>(-static_cast<std::int64_t>(all.size() + 4)));
+      put32(static_cast<std::uint32_t>(static_cast<std::int64_t>(place) - static_cast<std::int64_t>(all.size() + 4)));
     });
+  }
+  /// to = -a, by the mask at the front of the bytes.
+  void negative(int to, int a) { arithmetic_of_constant(flip, to, a, 0); }
+  void put_four(std::uint64_t bits) {
+    for (int i = 0; i < 4; ++i) put64(bits);
   }
   void copy(int to, int from) {
     prefix(duplicate, to, 0, from);
@@ -89,29 +97,33 @@ class Bytes {
     put({0x80 | (vector & 7) << 3 | base});
     put32(offset);
   }
-  /// Between a vector register and [rax + rcx], with rax from the table that rdi points to.
-  void move_lanes(Operation operation, int vector, std::uint32_t entry) {
-    put({0x48, 0x8B, 0x87});
-    put32(8 * entry);
+  /// to = a <operation> what stands at [base + rcx].
+  void arithmetic_of_lanes(Operation operation, int to, int a, int base) {
     each([&](int other) {
-      prefix(operation, vector + other, 0, 0);
-      put({0x40 | (vector & 7) << 3 | 4, 0x08, 4 * other});
+      prefix(operation, to + other, operation == load || operation == store ? 0 : a + other, base);
+      put({0x40 | (to & 7) << 3 | 4, 0x08 | (base & 7), 4 * other});
     });
   }
+  /// base = an entry of the table that rdi points to.
+  void load_entry(int base, std::uint32_t entry) {
+    put({base < 8 ? 0x48 : 0x4C, 0x8B, 0x87 | (base & 7) << 3});
+    put32(8 * entry);
+  }
+  void push(int base) { push_or_pop(0x50, base); }
+  void pop(int base) { push_or_pop(0x58, base); }
   /// Vector registers that hold values of their own.
   int registers() const { return packed ? 8 : 16; }
 
  private:
+  void push_or_pop(int code, int base) {
+    if (base >= 8) put({0x41});
+    put({code | (base & 7)});
+  }
   /// Emits for the four numbers of a register, then for the other four.
   template <class Emit>
   void each(Emit emit) {
     emit(0);
     if (packed) emit(8);
-  }
-  void row(Operation operation, int to, int a, std::uint32_t offset, int other) {
-    prefix(operation, to, a, 8);  // of the extended registers
-    put({0x80 | (to & 7) << 3 | 4, 0x08});
-    put32(offset + static_cast<std::uint32_t>(4 * other));
   }
   void prefix(Operation operation, int to, int a, int b) {
     const bool whole = packed || operation == flip || operation == duplicate;  // these know whole registers only
@@ -120,10 +132,13 @@ class Bytes {
   }
 };
 
+/// Where Machine puts a constant of a tape: behind the mask, each four times.
+constexpr std::size_t constants_place(std::size_t i) { return 4 * sizeof(double) * (1 + i); }
+
 /// Translates instructions, keeping values in the vector registers for as long as they are read.
 class Translator {
  public:
-  /// `rows`: constants and temporaries of lanes stand Machine::lane_row apart.
+  /// `rows`: temporaries of lanes stand Machine::lane_row apart.
   Translator(const Program& program, const Assembly& assembly, bool rows, Bytes& bytes)
       : layout_(program.layout),
         code_(assembly.instructions),
@@ -131,6 +146,19 @@ class Translator {
         bytes_(bytes),
         slot_of_(program.registers, -1) {
     find_last_reads();
+    if (bytes.packed) choose_bases();
+  }
+
+  /// Of lanes: the pointers that are used most, in registers of the processor; those that are a caller's come back.
+  void load_bases() {
+    for (const auto& [base, entry] : bases_) {
+      if (callers(base)) bytes_.push(base);
+      bytes_.load_entry(base, entry);
+    }
+  }
+  void return_bases() {
+    for (auto at = bases_.rbegin(); at != bases_.rend(); ++at)
+      if (callers(at->first)) bytes_.pop(at->first);
   }
 
   /// Emits the whole; false where an instruction has no translation.
@@ -179,25 +207,63 @@ class Translator {
     return until != never && until >= at_;
   }
 
-  void move(Bytes::Operation operation, int vector, std::uint32_t value) {
-    if (in_row(value)) return bytes_.move_row(operation, vector, offset(value));
-    bytes_.packed ? bytes_.move_lanes(operation, vector, value) : bytes_.move(operation, vector, base, 8 * value);
+  /// rbx, rbp and r12 on.
+  static bool callers(int base) { return base == 3 || base == 5 || base >= 12; }
+  void choose_bases() {
+    std::vector<std::pair<int, std::uint32_t>> uses(slot_of_.size());  // and the entry
+    for (std::uint32_t r = 0; r < uses.size(); ++r) uses[r].second = r;
+    const auto count = [&](std::uint32_t r) { uses[r].first += in_table(r); };
+    for (const Instruction& at : code_) {
+      if (at.code == Code::done) continue;
+      count(at.dst);
+      const std::uint32_t operands[] = {at.a, at.b, at.c, at.d};
+      std::for_each_n(operands, operand_count({at.code, at.a, at.b, at.c, at.d}), count);
+    }
+    std::stable_sort(uses.begin(), uses.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    base_of_.assign(uses.size(), 0);
+    std::size_t next = 0;
+    for (const int base : {2, 9, 10, 11, 3, 5, 12, 13, 14, 15}) {
+      if (next == uses.size() || uses[next].first == 0) return;
+      const std::uint32_t entry = uses[next++].second;
+      bases_.emplace_back(base, entry);
+      base_of_[entry] = base;
+    }
+  }
+  /// The register that points to the lanes of a value; rax, where none does all the time.
+  int base_of(std::uint32_t value) {
+    if (base_of_[value] == 0) bytes_.load_entry(0, value);
+    return base_of_[value];
   }
 
-  bool in_row(std::uint32_t value) const {
-    return rows_ && value >= layout_.inputs && (value < layout_.outputs || value >= layout_.temporaries);
+  void move(Bytes::Operation operation, int vector, std::uint32_t value) {
+    if (!bytes_.packed) return bytes_.move(operation, vector, base, 8 * value);
+    arithmetic_in_memory(operation, vector, 0, value);
   }
-  std::uint32_t offset(std::uint32_t value) const { return 8 * Machine::lane_row * (value - layout_.inputs); }
-  /// It can be an operand where it is, in memory.
-  bool stays(std::uint32_t value) const { return slot_of_[value] < 0 && in_row(value); }
+  /// to = a <operation> a value of lanes where it is.
+  void arithmetic_in_memory(Bytes::Operation operation, int to, int a, std::uint32_t value) {
+    if (is_constant(value)) return bytes_.arithmetic_of_constant(operation, to, a, place_of(value));
+    if (in_row(value)) return bytes_.arithmetic_of_row(operation, to, a, offset(value));
+    bytes_.arithmetic_of_lanes(operation, to, a, base_of(value));
+  }
+
+  /// A constant of lanes stands among the bytes, once: as a row it would take the cache from those that change.
+  bool is_constant(std::uint32_t value) const {
+    return bytes_.packed && value >= layout_.inputs && value < layout_.outputs;
+  }
+  std::size_t place_of(std::uint32_t constant) const { return constants_place(constant - layout_.inputs); }
+  bool in_row(std::uint32_t value) const { return rows_ && value >= layout_.temporaries; }
+  std::uint32_t offset(std::uint32_t value) const { return 8 * Machine::lane_row * (value - layout_.temporaries); }
+  bool in_table(std::uint32_t value) const { return !is_constant(value) && !in_row(value); }
+  /// It can be an operand where it is, in memory: one instruction less.
+  bool stays(std::uint32_t value) const { return bytes_.packed && slot_of_[value] < 0; }
   /// to = a <operation> the value.
   void arithmetic(Bytes::Operation operation, int to, int a, std::uint32_t value) {
-    if (stays(value)) return bytes_.arithmetic_of_row(operation, to, a, offset(value));
+    if (stays(value)) return arithmetic_in_memory(operation, to, a, value);
     bytes_.arithmetic(operation, to, a, operand(value));
   }
   /// to = a * b, or a + b: what is in a register first. Gives `to`, taken after the operands.
   int together(Bytes::Operation operation, std::uint32_t a, std::uint32_t b) {
-    if (stays(a) && !stays(b)) std::swap(a, b);
+    if (stays(a) && (!stays(b) || is_constant(a))) std::swap(a, b);
     const int first = operand(a);
     if (!stays(b)) operand(b);
     const int to = take();
@@ -356,6 +422,8 @@ class Translator {
   const bool rows_;
   Bytes& bytes_;
   Slot slots_[16];
+  std::vector<int> base_of_;  ///< of each register of the tape; 0: none
+  std::vector<std::pair<int, std::uint32_t>> bases_;
   std::vector<int> slot_of_;               ///< of each register of the tape; -1: in memory only
   std::vector<std::size_t> last_read_;     ///< of what each instruction writes
   std::vector<std::size_t> needed_until_;  ///< the last read of what each register holds now
@@ -376,10 +444,8 @@ std::optional<std::size_t> append(const Program& program, const Assembly& assemb
     bytes.put({0x53, 0x48, 0x89, 0xFB});  // push rbx; mov rbx, rdi
   }
   if (packed) bytes.put({0x48, 0xC1, 0xE6, 0x03, 0x31, 0xC9});  // shl rsi, 3; xor ecx, ecx
-  if (form == Form::rows) {
-    bytes.put({0x4C, 0x8B, 0x87});  // mov r8, [rdi + 8 * inputs]
-    bytes.put32(8 * program.layout.inputs);
-  }
+  if (form == Form::rows) bytes.load_entry(8, program.layout.temporaries);
+  if (packed) translator.load_bases();
   const std::size_t again = bytes.all.size();
   if (!translator.translate()) {
     bytes.all.resize(entry);
@@ -390,6 +456,7 @@ std::optional<std::size_t> append(const Program& program, const Assembly& assemb
     bytes.put({0x48, 0x83, 0xC1, 0x40, 0x48, 0x39, 0xF1, 0x0F, 0x82});  // add rcx, 64; cmp rcx, rsi; jb again
     bytes.put32(static_cast<std::uint32_t>(again - (bytes.all.size() + 4)));
     bytes.put({0xC5, 0xF8, 0x77});  // vzeroupper
+    translator.return_bases();
   }
   if (calls) bytes.put({0x5B});  // pop rbx
   bytes.put({0xC3});             // ret
@@ -401,7 +468,8 @@ std::optional<std::size_t> append(const Program& program, const Assembly& assemb
 Machine::Machine(const Program& program) {
   if (!__builtin_cpu_supports("avx")) return;
   Bytes bytes;
-  for (int i = 0; i < 4; ++i) bytes.put64(sign_bit);
+  bytes.put_four(sign_bit);
+  for (const double constant : program.layout.constants) bytes.put_four(std::bit_cast<std::uint64_t>(constant));
   const auto one = append(program, program.values, Form::point, bytes),
              one_less = append(program, program.computed, Form::point, bytes);
   const auto lanes = append(program, program.values, Form::lanes, bytes),

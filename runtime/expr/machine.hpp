@@ -23,8 +23,8 @@ class Machine {
   /// Of the outputs, and of those that are no inputs. Null: there is none.
   Point values = nullptr, computed = nullptr;
   Lanes lane_values = nullptr, lane_computed = nullptr;
-  /// Of the outputs, where constants and temporaries stand lane_row doubles apart, in the order of their registers and
-  /// with room for the outputs between them: no way leads through the table.
+  /// Of the outputs, where temporaries stand lane_row doubles apart, in the order of their registers: no way leads
+  /// through the table.
   Lanes row_values = nullptr;
   static constexpr std::uint32_t lane_row = 72;  // 64 lanes, and what keeps rows from falling into one set of a cache
 

@@ -75,15 +75,30 @@ double end_gain(Index rows, int derivative, int accuracy, int step) {
   return sum / static_cast<double>(rows);
 }
 
-FiniteDifferences choose_differences(const FiniteDifferences& given, std::span<const double> x, double noise,
-                                     int derivative) {
-  const DerivativeError error(x, noise, derivative);
+/// Two filters one after the other.
+VectorXd convolve(const VectorXd& a, const VectorXd& b) {
+  VectorXd both = VectorXd::Zero(a.size() + b.size() - 1);
+  for (Index i = 0; i < b.size(); ++i) both.segment(i, a.size()) += b[i] * a;
+  return both;
+}
+
+SavitzkyGolay window_of(const std::string& where, int rows, int order) {
+  if (rows % 2 == 0) refuse(where, "rows: expected an odd number, got " + std::to_string(rows));
+  return {rows / 2, order};
+}
+
+}  // namespace
+
+FiniteDifferences chosen(const FiniteDifferences& given, const DerivativeError& error, double noise, Index rows,
+                         int derivative) {
+  if (given.accuracy || given.step)
+    check_differences("finite_differences", given.accuracy ? given.accuracy : 2, given.step ? given.step : 1,
+                      derivative, rows);
   FiniteDifferences best{given.accuracy ? given.accuracy : 2, given.step ? given.step : 1};
   double least = std::numeric_limits<double>::infinity();
   for (int accuracy : {2, 4, 6, 8}) {
     if (given.accuracy) accuracy = given.accuracy;
     const VectorXd weights = central_weights(derivative, accuracy);
-    const auto rows = static_cast<Index>(x.size());
     const int widest = std::min(widest_step(std::min(rows, error.length() - 1), derivative, accuracy),
                                 std::max(1, static_cast<int>(rows / 10)));
     for (int step = given.step ? given.step : 1; step <= (given.step ? given.step : widest);
@@ -100,23 +115,26 @@ FiniteDifferences choose_differences(const FiniteDifferences& given, std::span<c
   return best;
 }
 
-/// Two filters one after the other.
-VectorXd convolve(const VectorXd& a, const VectorXd& b) {
-  VectorXd both = VectorXd::Zero(a.size() + b.size() - 1);
-  for (Index i = 0; i < b.size(); ++i) both.segment(i, a.size()) += b[i] * a;
-  return both;
+PolynomialWindow chosen(const PolynomialWindow& given, const DerivativeError& error, Index rows, int derivative) {
+  if (!given.order) {
+    const SavitzkyGolay filter = choose_savitzky_golay(error, rows, derivative);
+    return {2 * filter.half_width + 1, filter.order};
+  }
+  double least = std::numeric_limits<double>::infinity();
+  SavitzkyGolay filter{(given.order + 2) / 2, given.order};
+  const auto widest = static_cast<int>(std::min(rows, error.length()) / 10);
+  for (int h = filter.half_width; h <= widest; h = std::max(h + 1, static_cast<int>(1.2 * h))) {
+    const double expected = error.of(savitzky_golay_weights(derivative, {h, given.order}));
+    if (expected < least) filter.half_width = h;
+    least = std::min(least, expected);
+  }
+  return {2 * filter.half_width + 1, filter.order};
 }
 
-SavitzkyGolay window_of(const std::string& where, int rows, int order) {
-  if (rows % 2 == 0) refuse(where, "rows: expected an odd number, got " + std::to_string(rows));
-  return {rows / 2, order};
-}
-
-SavitzkyGolay choose_smoothing(const SmoothedDifferences& given, std::span<const double> x, double noise,
-                               int derivative) {
-  const DerivativeError error(x, noise, derivative);
+SmoothedDifferences chosen(const SmoothedDifferences& given, const DerivativeError& error, Index rows, int derivative) {
+  check_differences("smoothed_differences", given.accuracy, 1, derivative, rows);
   const VectorXd weights = central_weights(derivative, given.accuracy);
-  const auto widest = static_cast<int>(std::min<Index>(static_cast<Index>(x.size()), error.length()) / 10);
+  const auto widest = static_cast<int>(std::min(rows, error.length()) / 10);
   SavitzkyGolay best{2, given.order ? given.order : 3};
   double least = std::numeric_limits<double>::infinity();
   for (int order : {3, 5}) {
@@ -129,10 +147,8 @@ SavitzkyGolay choose_smoothing(const SmoothedDifferences& given, std::span<const
     }
     if (given.order) break;
   }
-  return best;
+  return {2 * best.half_width + 1, best.order, given.accuracy};
 }
-
-}  // namespace
 
 VectorXd differences(std::span<const double> x, int derivative, int accuracy, int step) {
   const auto n = static_cast<Index>(x.size());
@@ -162,12 +178,8 @@ Derivative differentiate_by(const FiniteDifferences& given, std::span<const doub
   if (derivative == 0)
     return {Eigen::Map<const VectorXd>(x.data(), static_cast<Index>(x.size())), noise, "as measured"};
   FiniteDifferences method = given;
-  if (!given.accuracy || !given.step) {
-    if (given.accuracy || given.step)
-      check_differences("finite_differences", given.accuracy ? given.accuracy : 2, given.step ? given.step : 1,
-                        derivative, static_cast<Index>(x.size()));
-    method = choose_differences(given, x, noise, derivative);
-  }
+  if (!given.accuracy || !given.step)
+    method = chosen(given, DerivativeError(x, noise, derivative), noise, static_cast<Index>(x.size()), derivative);
   check_differences("finite_differences", method.accuracy, method.step, derivative, static_cast<Index>(x.size()));
   const double scale = std::pow(dt, derivative);
   const double gain = central_weights(derivative, method.accuracy).norm() / std::pow(method.step * dt, derivative);
@@ -178,22 +190,10 @@ Derivative differentiate_by(const FiniteDifferences& given, std::span<const doub
 
 Derivative differentiate_by(const PolynomialWindow& given, std::span<const double> x, double dt, double noise,
                             int derivative) {
-  SavitzkyGolay filter{2, 3};
-  if (given.rows) {
-    filter = window_of("savitzky_golay", given.rows, given.order ? given.order : 3);
-  } else if (!given.order) {
-    filter = choose_savitzky_golay(x, noise, derivative);
-  } else {
-    const DerivativeError error(x, noise, derivative);
-    double least = std::numeric_limits<double>::infinity();
-    filter = {(given.order + 2) / 2, given.order};
-    const auto widest = static_cast<int>(std::min<Index>(static_cast<Index>(x.size()), error.length()) / 10);
-    for (int h = filter.half_width; h <= widest; h = std::max(h + 1, static_cast<int>(1.2 * h))) {
-      const double expected = error.of(savitzky_golay_weights(derivative, {h, given.order}));
-      if (expected < least) filter.half_width = h;
-      least = std::min(least, expected);
-    }
-  }
+  const PolynomialWindow method =
+      given.rows ? given
+                 : chosen(given, DerivativeError(x, noise, derivative), static_cast<Index>(x.size()), derivative);
+  const SavitzkyGolay filter = window_of("savitzky_golay", method.rows, method.order ? method.order : 3);
   return {savitzky_golay(x, dt, derivative, filter), noise * savitzky_golay_noise(dt, derivative, filter),
           "Savitzky-Golay of order " + std::to_string(filter.order) + " over " +
               std::to_string(2 * filter.half_width + 1) + " rows"};
@@ -202,8 +202,10 @@ Derivative differentiate_by(const PolynomialWindow& given, std::span<const doubl
 Derivative differentiate_by(const SmoothedDifferences& given, std::span<const double> x, double dt, double noise,
                             int derivative) {
   check_differences("smoothed_differences", given.accuracy, 1, derivative, static_cast<Index>(x.size()));
-  const SavitzkyGolay filter = given.rows ? window_of("smoothed_differences", given.rows, given.order ? given.order : 3)
-                                          : choose_smoothing(given, x, noise, derivative);
+  const SmoothedDifferences method =
+      given.rows ? given
+                 : chosen(given, DerivativeError(x, noise, derivative), static_cast<Index>(x.size()), derivative);
+  const SavitzkyGolay filter = window_of("smoothed_differences", method.rows, method.order ? method.order : 3);
   const VectorXd smooth = savitzky_golay(x, 1, 0, filter);
   const VectorXd weights =
       derivative ? convolve(savitzky_golay_weights(0, filter), central_weights(derivative, given.accuracy))

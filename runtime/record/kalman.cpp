@@ -16,6 +16,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Of a density, from rows to seconds.
+double density_unit(int order, double dt) { return std::pow(dt, 1 - 2 * order); }
+
 double factorial(int k) { return std::tgamma(k + 1.0); }
 
 /// A chain of `states` integrators behind white noise of density 1, over one row.
@@ -68,27 +71,36 @@ struct Problem {
   }
 };
 
+using Parts = std::span<const Problem>;
+
+double deviance(Parts parts, double density) {
+  double sum = 0;
+  for (const Problem& part : parts) sum += part.deviance(density);
+  return sum;
+}
+
 /// The most likely density: from what the highest differences of a channel would need downwards, decade by decade until
 /// it has become worse three times, then golden sections.
-double most_likely(const Problem& problem, double highest) {
+double most_likely(Parts parts, double highest) {
   double best = highest, least = std::numeric_limits<double>::infinity();
   int worse = 0;
   for (double density = highest; worse < 4 && density > 1e-40 * highest; density /= 10) {
-    const double value = problem.deviance(density);
+    const double value = deviance(parts, density);
     worse = value < least ? 0 : worse + 1;
     if (value < least) best = density, least = value;
   }
-  return minimise_over_scale(best / 10, best * 10, 10, [&](double density) { return problem.deviance(density); });
+  return minimise_over_scale(best / 10, best * 10, 10, [&](double density) { return deviance(parts, density); });
 }
 
-double highest_density(const Problem& problem) {
+double highest_density(Parts parts) {
   double highest = 0;
-  for (const Measurement& m : problem.measured) {
-    VectorXd d = Eigen::Map<const VectorXd>(m.values.data(), problem.rows) * std::pow(problem.dt, m.rank);
-    for (int k = m.rank; k < problem.lowest + problem.states; ++k)
-      d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
-    highest = std::max(highest, d.squaredNorm() / static_cast<double>(d.size()));
-  }
+  for (const Problem& problem : parts)
+    for (const Measurement& m : problem.measured) {
+      VectorXd d = Eigen::Map<const VectorXd>(m.values.data(), problem.rows) * std::pow(problem.dt, m.rank);
+      for (int k = m.rank; k < problem.lowest + problem.states; ++k)
+        d = (d.tail(d.size() - 1) - d.head(d.size() - 1)).eval();
+      highest = std::max(highest, d.squaredNorm() / static_cast<double>(d.size()));
+    }
   return 100 * highest;
 }
 
@@ -111,14 +123,19 @@ Problem problem_of(const std::vector<Measurement>& measurements, double dt, int 
 
 }  // namespace
 
+double chosen_density(const KalmanSmoother& given, std::span<const std::vector<Measurement>> parts, double dt) {
+  if (given.order < 3 || given.order > 6)
+    refuse("kalman", "order: expected 3 to 6, got " + std::to_string(given.order));
+  if (given.density > 0) return given.density;
+  std::vector<Problem> problems;
+  for (const auto& part : parts) problems.push_back(problem_of(part, dt, given.order));
+  const double highest = highest_density(problems);
+  return (highest > 0 ? most_likely(problems, highest) : 1) * density_unit(given.order, dt);
+}
+
 SmoothedMotion kalman_smoother(const std::vector<Measurement>& measurements, double dt, const KalmanSmoother& options) {
-  if (options.order < 3 || options.order > 6)
-    refuse("kalman", "order: expected 3 to 6, got " + std::to_string(options.order));
+  const double unit = density_unit(options.order, dt), density = chosen_density(options, {&measurements, 1}, dt) / unit;
   const Problem problem = problem_of(measurements, dt, options.order);
-  const double highest = highest_density(problem);
-  const double unit = std::pow(dt, 1 - 2 * options.order);  // of the density, from rows to seconds
-  double density = options.density / unit;
-  if (!(density > 0)) density = highest > 0 ? most_likely(problem, highest) : 1;
   const BandedLeastSquares system = problem.solved(density);
   const VectorXd solution = system.solve();
   const VectorXd variance = system.inverse_band().row(0);

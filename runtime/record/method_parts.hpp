@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "record/derivative_error.hpp"
 #include "record/derive.hpp"
 
 namespace lunid {
@@ -23,6 +24,19 @@ Derivative differentiate_by(const SmoothedDifferences& method, std::span<const d
 Derivative differentiate_by(const KalmanSmoother& method, std::span<const double> x, double dt, double noise,
                             int derivative);
 
+// What a method leaves open, chosen from the estimated error of a signal of so many rows.
+FiniteDifferences chosen(const FiniteDifferences& given, const DerivativeError& error, double noise, Eigen::Index rows,
+                         int derivative);
+PolynomialWindow chosen(const PolynomialWindow& given, const DerivativeError& error, Eigen::Index rows, int derivative);
+SmoothedDifferences chosen(const SmoothedDifferences& given, const DerivativeError& error, Eigen::Index rows,
+                           int derivative);
+// The same from parts of a signal, each with ends of its own: one part where it is whole.
+double chosen_weight(const SmoothingSpline& given, std::span<const std::span<const double>> parts, double dt,
+                     double noise);  ///< [s^degree]
+double chosen_density(const KalmanSmoother& given, std::span<const std::vector<Measurement>> parts, double dt);
+
+/// " by the noise", of a weight that was chosen.
+std::string choice_words(const SmoothingSpline& given);
 /// "Kalman smoother, white jerk of density 3e+05"
 std::string kalman_words(const KalmanSmoother& method, const SmoothedMotion& motion);
 

@@ -39,6 +39,13 @@ Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
   return degree < 0 ? sum : detrend({sum.data(), n}, degree);
 }
 
+Channel at_rest(Channel channel, const std::string& from, Eigen::Index rows) {
+  channel.values = Eigen::VectorXd::Zero(rows);
+  channel.derived = true;
+  channel.derivation = "of " + from + ", which is constant";
+  return channel;
+}
+
 namespace {
 
 /// The smoothed derivative of a channel, with the noise that the filter lets through.
@@ -46,10 +53,12 @@ Channel differentiate(const Record& record, const std::string& from, const std::
                       int rank) {
   const Channel& source = record.channel(from);
   const std::span<const double> x = record[from];
-  const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
   Channel channel;
   channel.name = name;
   channel.unit = motion_unit(source.unit, rank);
+  if (std::all_of(x.begin(), x.end(), [&](double value) { return value == x[0]; }))
+    return at_rest(channel, from, record.rows());
+  const SavitzkyGolay filter = choose_savitzky_golay(x, source.noise, derivative);
   channel.values = savitzky_golay(x, record.dt(), derivative, filter);
   channel.noise = source.noise * savitzky_golay_noise(record.dt(), derivative, filter);
   channel.derived = true;

@@ -102,30 +102,42 @@ double minimise_over_scale(double low, double high, double ratio, const std::fun
   return std::min(fc, fd) < least ? inner : best;
 }
 
+double chosen_weight(const SmoothingSpline& given, std::span<const std::span<const double>> parts, double dt,
+                     double noise) {
+  if (given.weight > 0) return given.weight;
+  const auto weight_of = [&](double h) { return std::pow(h, given.degree + 1); };  // h: rows that it smooths over
+  double n = 0;
+  for (const auto& x : parts) n += static_cast<double>(x.size());
+  const double h = minimise_over_scale(0.3, static_cast<double>(parts[0].size()) / 4, 1.6, [&](double scale) {
+    double squares = 0, trace = 0;
+    for (const auto& x : parts) {
+      const Spline spline = fit_spline(x, given.degree, weight_of(scale));
+      squares += spline.squares;
+      trace += spline.trace;
+    }
+    const double left = 1 - trace / n;
+    return given.by == SmoothingSpline::Choice::cross_validation ? squares / (n * left * left)
+                                                                 : squares / n + 2 * noise * noise * trace / n;
+  });
+  return weight_of(h) * std::pow(dt, given.degree);
+}
+
+std::string choice_words(const SmoothingSpline& given) {
+  if (given.weight > 0) return "";
+  return given.by == SmoothingSpline::Choice::cross_validation ? " by generalised cross-validation" : " by the noise";
+}
+
 Derivative differentiate_by(const SmoothingSpline& method, std::span<const double> x, double dt, double noise,
                             int derivative) {
   if (method.degree != 3 && method.degree != 5)
     refuse("spline", "degree: expected 3 or 5, got " + std::to_string(method.degree));
-  const double n = static_cast<double>(x.size());
-  const auto weight_of = [&](double h) { return std::pow(h, method.degree + 1); };  // h: rows that it smooths over
-  const bool crossed = method.by == SmoothingSpline::Choice::cross_validation;
-  double weight = method.weight / std::pow(dt, method.degree);
-  if (!(weight > 0)) {
-    const double h = minimise_over_scale(0.3, n / 4, 1.6, [&](double scale) {
-      const Spline spline = fit_spline(x, method.degree, weight_of(scale));
-      const double left = 1 - spline.trace / n;
-      return crossed ? spline.squares / (n * left * left) : spline.squares / n + 2 * noise * noise * spline.trace / n;
-    });
-    weight = weight_of(h);
-  }
+  const double weight = chosen_weight(method, {&x, 1}, dt, noise) / std::pow(dt, method.degree);
   const Spline spline = fit_spline(x, method.degree, weight);
   const double scale = std::pow(dt, derivative);
   return {spline.values.col(derivative) / scale, noise * noise_gain(method.degree, weight, derivative) / scale,
           std::string(method.degree == 3 ? "cubic" : "quintic") + " smoothing spline, weight " +
               short_number(weight * std::pow(dt, method.degree)) + " s^" + std::to_string(method.degree) +
-              (method.weight > 0 ? ""
-               : crossed         ? " by generalised cross-validation"
-                                 : " by the noise")};
+              choice_words(method)};
 }
 
 }  // namespace lunid

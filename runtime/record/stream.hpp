@@ -62,22 +62,8 @@ class Stream {
  private:
   friend Stream open_stream(const std::string& path, const StreamOptions& options);
 
-  /// A channel that a filter of few rows makes of another.
-  struct Derived {
-    std::size_t from = 0;     // among the channels of the file
-    int derivative = 0;       // 0: smoothed
-    DerivativeMethod method;  // nothing left to choose
-    Eigen::Index reach = 0;   // rows that it needs on either side, at the ends of the record twice as many on one
-    std::optional<std::size_t> in_place_of;  // a channel of the file
-  };
-  struct File {
-    RowSource::Layout layout;  // with the derived channels
-    std::unique_ptr<const RowSource> source;
-    std::vector<Derived> derived;
-    std::function<void(Eigen::Index rows)> reading;
-  };
+  struct File;
   explicit Stream(std::shared_ptr<const File> file);
-  static void derive(File& file, const StreamOptions& options);
 
   std::optional<Record> record_;
   std::shared_ptr<const File> file_;
@@ -86,10 +72,11 @@ class Stream {
 
 struct StreamOptions {
   ReadOptions read;  ///< resample must be false
-  /// Of what was not measured: PolynomialWindow, or FiniteDifferences with accuracy and step. Others need the whole
-  /// record at once.
+  /// Of what was not measured. Windows give the bits of the whole record; a smoothing spline and a Kalman smoother
+  /// reach so far beyond a block that they give its numbers to 1e-9 of a deviation, their parameters chosen on 32768
+  /// rows where there are more. A Fourier filter and total variation need the whole record.
   DerivativeMethod derivative = PolynomialWindow{};
-  bool smooth = false;  ///< measured y, v and a as well are replaced by what the polynomial window makes of them
+  bool smooth = false;  ///< measured y, v and a as well are replaced by what the method makes of them
   std::function<void(double fraction)> progress;  ///< of the first looks; may throw, which ends them
   /// After rows were read later on. Several threads call it; may throw.
   std::function<void(Eigen::Index rows)> reading{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/parallel.hpp"
 #include "regress/lag.hpp"
 #include "regress/number.hpp"
 #include "regress/unit.hpp"
@@ -57,29 +58,31 @@ void check_units(std::span<const Stream> records, const std::vector<Expr>& expre
     }
 }
 
-VectorXd block_deviations(const Solved& solved) {
+VectorXd block_deviations(const Solved& solved, int threads) {
   const Fit& fit = solved.fit;
   const Index n = fit.coefficients.size();
   const std::size_t count = solved.parts.size();
   const VectorXd none = VectorXd::Constant(n, std::nan(""));
   if (count < 3) return none;
   // All but part k is what comes before and what comes after it: three merges for each part.
-  std::vector<Statistic> after(count + 1, Statistic(fit.features));
+  std::vector<Statistic> after(count + 1, Statistic(fit.features)), before = after;
   for (std::size_t k = count; k-- > 0;) {
     after[k] = after[k + 1];
     after[k].merge(solved.parts[k]);
   }
-  Statistic before(fit.features);
-  Eigen::MatrixXd left(n, static_cast<Index>(count));
   for (std::size_t k = 0; k < count; ++k) {
-    Statistic rest = before;
-    rest.merge(after[k + 1]);
-    before.merge(solved.parts[k]);
-    const VectorXd rms = rest.rms();
+    before[k + 1] = before[k];
+    before[k + 1].merge(solved.parts[k]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    before[k].merge(after[k + 1]);
+    const VectorXd rms = before[k].rms();
     for (Index j = 0; j < n; ++j)
       if (rms[j] == 0 && fit.coefficients[j] != 0) return none;
-    left.col(static_cast<Index>(k)) = solved.again(rest);
   }
+  Eigen::MatrixXd left(n, static_cast<Index>(count));
+  parallel_for(static_cast<int>(count), threads,
+               [&](int k) { left.col(k) = solved.again(before[static_cast<std::size_t>(k)]); });
   const VectorXd mean = left.rowwise().mean();
   const double blocks = static_cast<double>(count);
   return ((left.colwise() - mean).rowwise().squaredNorm() * ((blocks - 1) / blocks)).cwiseSqrt();
@@ -134,7 +137,8 @@ std::string unit_of(Expr feature, const RegressOptions& options, const Stream& r
 void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,
                std::span<const Stream> records) {
   const Fit& fit = solved.fit;
-  const VectorXd block_std = options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved);
+  const VectorXd block_std =
+      options.bootstrap > 0 ? VectorXd::Zero(fit.coefficients.size()) : block_deviations(solved, options.threads);
   for (std::size_t j = 0; j < options.features.size(); ++j) {
     const Index i = static_cast<Index>(j);
     Term term;
@@ -169,7 +173,7 @@ void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Stream
   if (!spring || !inertia) return;
   for (const Stream& record : records)
     if (!record.has("y") || !record.has("a")) return;
-  const auto blocks = time_blocks(records, 1, 1);
+  const auto blocks = time_blocks(records, 32, 1 << 14);
   const Statistic data = merged(statistics(Columns({y}, a), records, blocks, {}, options.threads));
   if (data.rms()[0] == 0) return;
   const Fit one = least_squares(data);

@@ -13,7 +13,7 @@ void check_units(std::span<const Stream> records, const std::vector<Expr>& expre
 
 /// Spread of the coefficients when each block of time is left out in turn (Efron & Stein 1981, Ann. Stat. 9, 586), on
 /// the selected features. NaN with fewer than 3 blocks, or where a block alone excites a feature.
-Eigen::VectorXd block_deviations(const Solved& solved);
+Eigen::VectorXd block_deviations(const Solved& solved, int threads);
 
 /// Fills in terms with their units and intervals.
 void add_terms(Regression& result, const RegressOptions& options, const Solved& solved,

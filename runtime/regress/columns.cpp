@@ -52,6 +52,12 @@ Columns::Loaded Columns::load(const Stream& stream, Index first, Index count) co
 }
 
 void Columns::fill(const Loaded& data, Index first, std::span<const double> values, MatrixXd& work) const {
+  evaluate(data, first, values, work);
+  for (Index j = 1; j < work.cols(); ++j)
+    if (!std::isfinite(work.col(j).sum())) refuse(data.stream, first, work);
+}
+
+void Columns::evaluate(const Loaded& data, Index first, std::span<const double> values, MatrixXd& work) const {
   const Record& record = data.rows;
   const Index rows = work.rows(), at = first - data.first;
   std::vector<double> time;
@@ -76,8 +82,6 @@ void Columns::fill(const Loaded& data, Index first, std::span<const double> valu
   std::vector<double*> out;
   for (Index j = 1; j < work.cols(); ++j) out.push_back(work.col(j).data());
   tape_.run_columns(in, stride, static_cast<std::size_t>(rows), out);
-  for (Index j = 1; j < work.cols(); ++j)
-    if (!std::isfinite(work.col(j).sum())) refuse(data.stream, first, work);
 }
 
 void Columns::refuse(const Stream& record, Index first, const MatrixXd& work) const {
@@ -105,9 +109,13 @@ Statistic Columns::statistic(const Stream& stream, Index first, Index count, std
     const Loaded data = load(stream, from, to - from);
     for (Index at = from; at < to; at += kRows) {
       work.resize(std::min(kRows, to - at), static_cast<Index>(names_.size()) + 2);
-      fill(data, at, values, work);
+      evaluate(data, at, values, work);
       if (visit) visit(at, work);
-      sum.add_in_place(work);
+      try {
+        sum.add_in_place(work);  // looks at each value
+      } catch (const InputError&) {
+        refuse(stream, at, work);
+      }
     }
   }
   return sum;

@@ -46,6 +46,8 @@ class Columns {
                       const Visit& visit = {}) const;
 
  private:
+  /// As fill(), whatever the values are.
+  void evaluate(const Loaded& data, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
   [[noreturn]] void refuse(const Stream& stream, Eigen::Index first, const Eigen::MatrixXd& work) const;
 
   std::vector<std::string> names_, channels_, parameters_;

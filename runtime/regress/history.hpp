@@ -66,7 +66,7 @@ struct Prediction {
   Eigen::VectorXd values;   ///< one for each row of the record; the first rows are measured ones
   Eigen::Index first = 0;   ///< row of the first prediction
   double rmse = 0;          ///< from there on; infinite where it ended early
-  double fit = 0;           ///< 1 - rmse / standard deviation of the measured output, over the same rows
+  double fit = 0;           ///< 100 (1 - rmse / standard deviation of the measured output) [%], over the same rows
   Eigen::Index ended = -1;  ///< row where it grew without bound, or -1
 };
 Prediction predict(const HistoryModel& model, const Record& record, int steps);

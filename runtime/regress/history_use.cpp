@@ -43,7 +43,7 @@ void score(Prediction& p, const VectorXd& measured) {
   const VectorXd y = measured.tail(rows);
   p.rmse = std::sqrt((p.values.tail(rows) - y).squaredNorm() / static_cast<double>(rows));
   const double spread = std::sqrt((y.array() - y.mean()).square().mean());
-  p.fit = spread > 0 ? 1 - p.rmse / spread : kNan;
+  p.fit = spread > 0 ? 100 * (1 - p.rmse / spread) : kNan;
 }
 
 void check_time(const HistoryModel& model, const Record& record) {

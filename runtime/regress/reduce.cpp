@@ -34,6 +34,11 @@ VectorXd fixed_values(const Statistic& data, std::span<const Constraint> constra
   return value;
 }
 
+/// A feature's name as a factor: a sum or a product in brackets.
+std::string as_factor(const std::string& name) {
+  return name.find_first_of(" +-*/") == std::string::npos ? name : "(" + name + ")";
+}
+
 /// "on these data a = -4.3e4*y + 12*v": column `k` as a combination of the columns `before` (all of length `size`).
 Unexcited combination(const Statistic& data, const MatrixXd& r, const VectorXd& size, int k,
                       const std::vector<int>& before) {
@@ -47,10 +52,10 @@ Unexcited combination(const Statistic& data, const MatrixXd& r, const VectorXd& 
     if (std::abs(weight[i]) < 1e-6 * weight.cwiseAbs().maxCoeff()) continue;
     const double factor = weight[i] * size[k] / size[before[at(i)]];
     text += text.empty() ? (factor < 0 ? "-" : "") : (factor < 0 ? " - " : " + ");
-    text += number(std::abs(factor), 4) + "*" + data.names()[at(before[at(i)])];
+    text += number(std::abs(factor), 4) + "*" + as_factor(data.names()[at(before[at(i)])]);
     of.push_back(before[at(i)]);
   }
-  return {k, "on these data " + data.names()[at(k)] + " = " + text, std::move(of)};
+  return {k, "on these data " + as_factor(data.names()[at(k)]) + " = " + text, std::move(of)};
 }
 
 /// Moves those of `candidates` that are combinations of candidates before them to `out`.
@@ -176,9 +181,9 @@ Problem reduce(const Statistic& data, std::span<const Constraint> constraints, c
     }
   }
   if (static_cast<Index>(candidates.size()) > data.rows())
-    throw InputError(
-        std::to_string(candidates.size()) + " features need at least as many rows, got " + std::to_string(data.rows()),
-        {}, Fault::data);
+    throw InputError(std::to_string(candidates.size()) + " features need at least as many rows, got " +
+                         std::to_string(data.rows()) + ": take fewer features or more of the record",
+                     {}, Fault::data);
   p.columns = excited(data, r, size, candidates, p.unexcited);
 
   const Index f = static_cast<Index>(p.columns.size());

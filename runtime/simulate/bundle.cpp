@@ -126,18 +126,19 @@ LUNID_WIDE void set_times(const Stepper& s, double step, double* time) {
   for (int l = 0; l < s.width; l += 4) quad(time + l) = quad(s.t0 + l) + step * quad(s.h + l);
 }
 
-/// True when every lane is finite and within its bound.
+/// True when every lane is finite and within its bound, which is finite.
 LUNID_WIDE bool all_sound(const double* x, int n, int degrees, int width, const double* bound) {
-  auto sound = quad(x) == quad(x);
-  sound = ~(sound ^ sound);
+  auto sound = quad(bound) == quad(bound);
   for (int l = 0; l < width; l += 4) {
     kernel::Quad sum{};
-    for (int i = 0; i < n; ++i) sum += quad(x + width * i + l) * 0.0;  // NaN for NaN and infinity
-    sound &= sum == 0.0;
-    for (int i = 0; i < degrees; ++i) {
-      const auto y = quad(x + 2 * i * width + l);
-      sound &= (y <= quad(bound + l)) & (-y <= quad(bound + l));
+    for (int i = 0; i < n; ++i) {
+      const auto value = quad(x + width * i + l);
+      if (i < 2 * degrees && i % 2 == 0)
+        sound &= (value <= quad(bound + l)) & (-value <= quad(bound + l));
+      else
+        sum += value * 0.0;  // NaN for NaN and infinity
     }
+    sound &= sum == 0.0;
   }
   return (sound[0] & sound[1] & sound[2] & sound[3]) != 0;
 }
@@ -152,6 +153,7 @@ class BundleRun {
   void place_step();
   void substep_by_tape(Index row, int j);
   void load_step(Index row, int j);
+  void load_turns(int j);
   double* rate_row(int stage, int i) const;
   void load_lane(int lane);
   void repeat_lane(int from, int to);
@@ -170,6 +172,8 @@ class BundleRun {
   std::vector<double*> rates_;
   double *k_, *previous_, *t0_, *dt_, *h_, *bound_;
   double *next_ = nullptr, *next_k_ = nullptr;  ///< where a step tape writes
+  int turns_of_ = -1;                           ///< the substep whose turns are loaded
+  std::vector<int> speed_;                      ///< of each state, as speed_of
   std::vector<char> alive_, bound_known_;
   std::vector<int> source_;
   Stepper s_{};
@@ -193,6 +197,7 @@ BundleRun::BundleRun(const BundleProblem& problem)
   s_.width = width_;
   s_.shared = true;
   s_.timed = d_.rate.reads(0);
+  for (int i = 0; i < n_; ++i) speed_.push_back(speed_of(d_, i));
   place_registers();
   for (int l = 0; l < width_; ++l) load_lane(l);
   if (force_) force_->begin(t0_, dt_);
@@ -264,26 +269,36 @@ void BundleRun::load_step(Index row, int j) {
   for (int w = 0; w < problem_.force->waves(); ++w) {
     place[step.wave(w)] = force_->cosine(w);
     place[step.wave(w) + 1] = force_->sine(w);
-    for (int i = 1; i < dp::nodes; ++i) {
-      place[step.turn(i, w)] = force_->cosine_of(w, dp::nodes * j + i);
-      place[step.turn(i, w) + 1] = force_->sine_of(w, dp::nodes * j + i);
-    }
   }
+  if (j != turns_of_) load_turns(j);
   if (!within) force_->turn_to(end_row);  // the waves of this row stay where they are
   force_->values(end_place, place + step.end_value());
+}
+
+/// The turns to the nodes of a substep.
+void BundleRun::load_turns(int j) {
+  const StepTape& step = *problem_.step;
+  for (int w = 0; w < problem_.force->waves(); ++w)
+    for (int i = 1; i < dp::nodes; ++i) {
+      double** const place = step_place_.data() + step.turn(i, w);
+      place[0] = force_->cosine_of(w, dp::nodes * j + i);
+      place[1] = force_->sine_of(w, dp::nodes * j + i);
+    }
+  turns_of_ = j;
 }
 
 void BundleRun::substep_by_tape(Index row, int j) {
   load_step(row, j);
   problem_.step->tape().run_lanes(step_place_.data(), width_);
   std::swap(s_.states[0], next_);
+  if (j == 0) std::swap(previous_, next_);  // the state at the row stays
   std::swap(k_, next_k_);
   for (int i = 0; i < n_; ++i) rates_[static_cast<std::size_t>(i)] = rate_row(0, i);
 }
 
 /// Where the rate of state i at a stage is kept: that of a displacement is a speed, which stands there already.
 double* BundleRun::rate_row(int stage, int i) const {
-  const int speed = speed_of(d_, i);
+  const int speed = speed_[static_cast<std::size_t>(i)];
   return speed >= 0 ? s_.states[stage] + width_ * speed : k_ + width_ * (stage * n_ + i);
 }
 
@@ -295,7 +310,7 @@ void BundleRun::load_lane(int l) {
   t0_[l] = lane.t0;
   dt_[l] = lane.dt;
   h_[l] = lane.dt / lane.substeps;
-  bound_[l] = lane.bound > 0 ? lane.bound : std::numeric_limits<double>::infinity();
+  bound_[l] = lane.bound > 0 ? lane.bound : std::numeric_limits<double>::max();
   alive_[static_cast<std::size_t>(l)] = l < count_;
   for (int i = 0; i < n_; ++i) s_.states[0][width_ * i + l] = problem_.x0[from][i];
   for (int i = 0; i < d_.p; ++i) s_.place[d_.inputs() - d_.p + i][l] = lane.theta[static_cast<std::size_t>(i)];
@@ -329,7 +344,7 @@ bool BundleRun::passes_bound(int lane) {
   char& known = bound_known_[static_cast<std::size_t>(lane)];
   if (problem_.true_bound && !known) {
     const double bound = problem_.true_bound(lane);
-    bound_[lane] = bound > 0 ? bound : std::numeric_limits<double>::infinity();
+    bound_[lane] = bound > 0 ? bound : std::numeric_limits<double>::max();
     known = true;
   }
   return beyond(lane);
@@ -376,7 +391,7 @@ void BundleRun::run(LaneSink& sink, std::span<FixedOutcome> outcomes) {
     if (hold && row > 0) start(s_, row, substeps);
     sink.row(row, s_.states[0], k_);
     if (row + 1 == first_.rows) break;
-    std::copy_n(s_.states[0], width_ * n_, previous_);
+    if (!problem_.step) std::copy_n(s_.states[0], width_ * n_, previous_);
     for (int j = 0; j < substeps; ++j)
       problem_.step ? substep_by_tape(row, j) : substep_by_stages(s_, row, j, substeps, hold);
     if (!keep_going(row, outcomes)) break;

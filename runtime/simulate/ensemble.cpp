@@ -25,17 +25,17 @@ constexpr Index most_lanes = 64;
 constexpr Index probes = 5;
 constexpr int substep_limit = 64;
 constexpr double substep_tolerance = 1e-5;
-/// Members cut into bundles of about the same size, as many as keep all threads busy.
+/// Members cut into bundles of about the same size, as many as keep all threads busy, of whole groups of lanes.
 std::vector<std::span<const Index>> bundles_of(std::span<const Index> members, bool beside, int threads) {
   const auto count = static_cast<Index>(members.size());
   const Index workers = thread_count(threads), group = beside ? Tape::lane_group : 1;
-  const Index most = beside ? most_lanes : 1;
-  Index bundles = (count + most - 1) / most;
-  bundles = std::min((bundles + workers - 1) / workers * workers, (count + group - 1) / group);
+  const Index most = beside ? most_lanes / group : 1, groups = (count + group - 1) / group;
+  Index bundles = (groups + most - 1) / most;
+  bundles = std::min((bundles + workers - 1) / workers * workers, groups);
   std::vector<std::span<const Index>> cut;
   for (Index b = 0; b < bundles; ++b) {
-    const auto from = static_cast<std::size_t>(count * b / bundles),
-               to = static_cast<std::size_t>(count * (b + 1) / bundles);
+    const auto from = static_cast<std::size_t>(group * (groups * b / bundles)),
+               to = static_cast<std::size_t>(std::min(group * (groups * (b + 1) / bundles), count));
     cut.push_back(members.subspan(from, to - from));
   }
   return cut;

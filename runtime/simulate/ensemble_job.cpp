@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "simulate/bundle.hpp"
 #include "simulate/lane_summaries.hpp"
@@ -14,8 +15,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Samples of a force on which the first look at its peak rests.
-constexpr Index look_samples = 64;
+/// Samples of a force on which the first look at its peak rests: so many, spread by the golden ratio, which no period
+/// is a multiple of. The bound that follows from the peak is far away.
+constexpr Index look_samples = 8;
 
 /// One thread's work on the members of a bundle.
 class Job {
@@ -144,9 +146,9 @@ class Job {
     return "";
   }
 
-  /// The bound of simulate(), of which the peaks of the inputs on their samples are a part; taken on some samples only
-  /// (stride > 1) it is a lower one.
-  double bound_of(Index member, Index stride) const {
+  /// The bound of simulate(), of which the peaks of the inputs on their samples are a part; taken on `samples` of them
+  /// only it is a lower one.
+  double bound_of(Index member, Index samples) const {
     if (options_.bound > 0) return options_.bound;
     const MemberForce& force = ensemble_.force;
     const Tape& tape = force.tape().direct();
@@ -154,12 +156,14 @@ class Job {
     std::vector<double> out(force.channels().size());
     std::vector<InputRange> inputs(out.size());
     std::copy_n(force.q(member), in.size() - 1, in.begin() + 1);
-    for (Index row = 0; row < force.rows(); row += stride) {
+    const double stride = samples < force.rows() ? (std::numbers::phi - 1) * static_cast<double>(force.rows()) : 1;
+    for (Index i = 0; i < samples; ++i) {
+      const Index row = static_cast<Index>(static_cast<double>(i) * stride) % force.rows();
       in[0] = force.t0() + force.dt(member) * static_cast<double>(row);
       tape.run_point(in.data(), out.data(), scratch.data());
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (row == 0) inputs[i] = {out[i], 0};
-        inputs[i].peak = std::max(inputs[i].peak, std::abs(out[i]));
+      for (std::size_t j = 0; j < out.size(); ++j) {
+        if (row == 0) inputs[j].first = out[j];
+        inputs[j].peak = std::max(inputs[j].peak, std::abs(out[j]));
       }
     }
     const double time = force.dt(member) * static_cast<double>(force.rows() - 1);
@@ -176,7 +180,7 @@ class Job {
     problem.dt = force.dt(member);
     problem.rows = force.rows();
     problem.substeps = result_.substeps;
-    problem.bound = bound_of(member, std::max<Index>(1, force.rows() / look_samples));
+    problem.bound = bound_of(member, std::min(look_samples, force.rows()));
     if (!(problem.bound > 0)) problem.bound = std::numeric_limits<double>::min();
     problem.max_events = options_.max_events;
     problem.cancelled = options_.cancelled;
@@ -210,7 +214,7 @@ class Job {
     BundleProblem bundle{problems, x0, nullptr, q, step_, {}};
     if (expression) {
       bundle.force = &force.tape();
-      bundle.true_bound = [&](int lane) { return bound_of(members[static_cast<std::size_t>(lane)], 1); };
+      bundle.true_bound = [&](int lane) { return bound_of(members[static_cast<std::size_t>(lane)], force.rows()); };
     }
     std::vector<FixedOutcome> outcomes(members.size());
     BundleSink sink(*this, members, bundle_width(members.size()));

@@ -21,12 +21,13 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
   return segments;
 }
 
-/// 1.4826 times the median of |residual|: the standard deviation of the rows that are no outliers.
-double robust_scale(const FitResult& result) {
+/// 1.4826 times the median of |residual|, as the fit weighs it: the standard deviation of the rows that are no
+/// outliers.
+double robust_scale(const FitResult& result, const std::vector<FitData>& data) {
   std::vector<double> sizes;
-  for (const Eigen::VectorXd& r : result.residual)
-    for (const double e : r)
-      if (std::isfinite(e)) sizes.push_back(std::abs(e));
+  for (std::size_t r = 0; r < data.size(); ++r)
+    for (const double e : result.residual[r])
+      if (std::isfinite(e)) sizes.push_back(data[r].weight * std::abs(e));
   if (sizes.empty()) return 0;
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
   return 1.4826 * sizes[sizes.size() / 2];
@@ -45,7 +46,7 @@ FitResult refit_robustly(const System& system, const std::vector<FitData>& data,
   constexpr int passes = 4;
   constexpr double huber = 1.345;
   for (int pass = 0; pass < passes && std::isfinite(result.cost); ++pass) {
-    const double scale = robust_scale(result);
+    const double scale = robust_scale(result, data);
     if (!(scale > 0)) break;
     const long runs = result.runs;
     result = minimise_by(options, system, result.theta, data, result.segments, result.substeps, huber * scale);

@@ -140,6 +140,14 @@ struct FreeSink : RowSink {
   Run& run;
 };
 
+/// simulate() on inputs as the system takes them (Excitations::of), without its checks and its end by a condition.
+Run run_prepared(const System& system, std::span<const double> theta, const Excitations& excitation,
+                 const Eigen::VectorXd& x0, const SimulateOptions& options);
+/// The same signals in `parts` parts of length dt from a time within an interval.
+Excitations within(const Excitations& excitation, double from, double dt, int parts);
+/// Options of a run between two rows of another, by the same method.
+SimulateOptions options_between_rows(const SimulateOptions& options, const Run& run);
+
 /// Ends a run where options.stop_when first rises above 0; the place is found by runs within the sample interval.
 /// Throws InputError when the condition holds a symbol that is no part of the system.
 void stop_where(const System& system, std::span<const double> theta, const Excitations& excitation,

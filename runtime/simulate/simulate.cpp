@@ -142,6 +142,16 @@ Run run_free(const System& system, std::span<const double> theta, const Excitati
   return run;
 }
 
+Run run_prepared(const System& system, std::span<const double> theta, const Excitations& excitation, const VectorXd& x0,
+                 const SimulateOptions& options) {
+  const bool automatic = options.solver == Solver::automatic, fixed = options.solver == Solver::fixed;
+  return (automatic || fixed) && options.substeps > 0
+             ? run_free(system, theta, excitation, x0, options.substeps, options)
+         : automatic ? run_automatic(system, theta, excitation, x0, options).run
+         : fixed     ? run_by_halving(system, theta, excitation, x0, options)
+                     : run_sundials(system, theta, excitation, x0, options);
+}
+
 Run simulate(const System& system, std::span<const double> theta, const Excitations& given, const VectorXd& x0,
              const SimulateOptions& options) {
   check_run("simulate", system, theta, given, x0, options);
@@ -151,12 +161,7 @@ Run simulate(const System& system, std::span<const double> theta, const Excitati
   Run run = empty_run(system, excitation);
   if (refuse_start(system, theta, excitation, x0, run)) return externals.rethrow(), run;
 
-  const bool automatic = options.solver == Solver::automatic, fixed = options.solver == Solver::fixed;
-  run = (automatic || fixed) && options.substeps > 0
-            ? run_free(system, theta, excitation, x0, options.substeps, options)
-        : automatic ? run_automatic(system, theta, excitation, x0, options).run
-        : fixed     ? run_by_halving(system, theta, excitation, x0, options)
-                    : run_sundials(system, theta, excitation, x0, options);
+  run = run_prepared(system, theta, excitation, x0, options);
   if (options.stop_when.valid()) stop_where(system, theta, excitation, options, run);
   close(run.summary, clock, externals);
   return run;

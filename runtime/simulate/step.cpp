@@ -15,6 +15,9 @@ constexpr double stability = 3.3;
 /// Halving that leaves more than this part of the change, twice in a row, is no convergence.
 constexpr double stalled_ratio = 0.5;
 
+/// A coordinate that moves less than this part of the one that moves most is at rest: what a wave has not reached.
+constexpr double still = 1e-6;
+
 /// Iterations that find the growth of a large Jacobian, and those of them that count.
 constexpr int power_iterations = 120, power_counted = 40;
 
@@ -127,11 +130,16 @@ double relative_change(const Run& a, const Run& b) {
     const bool both = !a.summary.completed && !b.summary.completed;
     return both && apart <= b.dt * std::max(1.5, 1e-3 * static_cast<double>(rows)) ? 0 : infinite;
   }
-  double worst = 0;
+  double worst = 0, widest = 0;
+  const auto spread_of = [&](Eigen::Index i) {
+    const auto y = b.x.col(2 * i).array();
+    return std::sqrt((y - y.mean()).square().mean());
+  };
+  for (Eigen::Index i = 0; i < b.a.cols(); ++i) widest = std::max(widest, spread_of(i));
   for (Eigen::Index i = 0; i < b.a.cols(); ++i) {
     const auto y = b.x.col(2 * i).array();
     const double change = (a.x.col(2 * i).array() - y).abs().maxCoeff();
-    const double spread = std::sqrt((y - y.mean()).square().mean());
+    const double spread = std::max(spread_of(i), still * widest);
     const double scale = spread > 0 ? spread : y.abs().maxCoeff();
     if (change > 0) worst = std::max(worst, change / scale);
   }

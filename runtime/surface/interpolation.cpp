@@ -91,7 +91,16 @@ void validate(const Interpolator& how) {
 std::string name_of(const Interpolator& how) {
   static constexpr const char* names[] = {"polynomial",     "bilinear grid",    "nearest neighbours", "triangulation",
                                           "neural network", "Gaussian process", "support vectors",    "random forest"};
-  return names[how.index()];
+  const auto* grid = std::get_if<GridOptions>(&how);
+  return grid && grid->between == Between::cubic ? "bicubic grid" : names[how.index()];
+}
+
+bool is_smooth(const Interpolator& how) {
+  return std::visit(
+      Overloaded{[](const PolynomialOptions&) { return true; }, [](const MlpOptions&) { return true; },
+                 [](const GaussianProcessOptions&) { return true; }, [](const SupportVectorOptions&) { return true; },
+                 [](const GridOptions& o) { return o.between == Between::cubic; }, [](const auto&) { return false; }},
+      how);
 }
 
 FittedSurface fit_surface(const SurfacePoints& points, const Interpolator& how) {

@@ -53,9 +53,11 @@ using Interpolator = std::variant<PolynomialOptions, GridOptions, NearestOptions
                                   GaussianProcessOptions, SupportVectorOptions, ForestOptions>;
 /// Throws InputError: an option outside the range that it states.
 void validate(const Interpolator& how);
-/// "polynomial", "bilinear grid", "nearest neighbours", "triangulation", "neural network", "Gaussian process",
-/// "support vectors", "random forest": what the surface's name() says.
+/// "polynomial", "bilinear grid" or "bicubic grid", "nearest neighbours", "triangulation", "neural network", "Gaussian
+/// process", "support vectors", "random forest": what the surface's name() says.
 std::string name_of(const Interpolator& how);
+/// Whether its derivatives have no jumps.
+bool is_smooth(const Interpolator& how);
 
 /// A surface that was fitted to points, and how well.
 struct FittedSurface {

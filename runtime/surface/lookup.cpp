@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "surface/number.hpp"
+#include "surface/spline.hpp"
 
 namespace lunid {
 
@@ -33,7 +34,7 @@ Place place(const VectorXd& axis, double x) {
   return {cell, (x - axis[cell]) / width, width};
 }
 
-double between(double a, double b, double along) { return a + along * (b - a); }
+double straight(double a, double b, double along) { return a + along * (b - a); }
 
 [[noreturn]] void refuse(const std::string& name, const std::string& message) {
   throw InputError("table '" + name + "': " + message);
@@ -114,12 +115,28 @@ VectorXd ends(double from, double to, Index cells) {
   return axis;
 }
 
+/// Slopes of the splines along the first axis, one for each column.
+MatrixXd slopes_along_first(const VectorXd& axis, const MatrixXd& values) {
+  MatrixXd slopes(values.rows(), values.cols());
+  for (Index j = 0; j < values.cols(); ++j) slopes.col(j) = detail::spline_slopes(axis, values.col(j));
+  return slopes;
+}
+
 }  // namespace
 
-Lookup::Lookup(std::string name, std::vector<VectorXd> axes, MatrixXd values)
+Between between_from(const std::string& name) {
+  if (name == "linear") return Between::linear;
+  if (name == "cubic") return Between::cubic;
+  throw InputError("between: expected linear or cubic, got '" + name + "'");
+}
+
+std::string to_string(Between between) { return between == Between::linear ? "linear" : "cubic"; }
+
+Lookup::Lookup(std::string name, std::vector<VectorXd> axes, MatrixXd values, Between between)
     : ExternalFunction(std::move(name), static_cast<int>(axes.size())),
       axes_(std::move(axes)),
-      values_(std::move(values)) {
+      values_(std::move(values)),
+      between_(between) {
   if (axes_.size() > 2) refuse(this->name(), "expected 1 or 2 axes, got " + std::to_string(axes_.size()));
   for (std::size_t i = 0; i < axes_.size(); ++i) check_axis(this->name(), i, axes_[i]);
   const Index columns = axes_.size() == 2 ? axes_[1].size() : 1;
@@ -133,17 +150,58 @@ Lookup::Lookup(std::string name, std::vector<VectorXd> axes, MatrixXd values)
       if (!std::isfinite(values_(i, j)))
         refuse(this->name(), "values: row " + std::to_string(i + 1) + ", entry " + std::to_string(j + 1) +
                                  ": expected a finite number");
+  if (between_ == Between::linear) return;
+  by_first_ = slopes_along_first(axes_[0], values_);
+  if (axes_.size() == 1) return;
+  by_second_ = slopes_along_first(axes_[1], values_.transpose()).transpose();
+  by_both_ = slopes_along_first(axes_[0], by_second_);
 }
 
 double Lookup::value(const double* x) const {
-  const Place p = place(axes_[0], x[0]);
-  const auto along_first = [&](Index j) { return between(values_(p.cell, j), values_(p.cell + 1, j), p.along); };
-  if (axes_.size() == 1) return along_first(0);
-  const Place q = place(axes_[1], x[1]);
-  return between(along_first(q.cell), along_first(q.cell + 1), q.along);
+  return between_ == Between::linear ? linear_value(x) : cubic(x, nullptr);
 }
 
 void Lookup::gradient(const double* x, double* slopes) const {
+  if (between_ == Between::linear)
+    linear_gradient(x, slopes);
+  else
+    cubic(x, slopes);
+}
+
+double Lookup::cubic(const double* x, double* slopes) const {
+  const Place p = place(axes_[0], x[0]);
+  const detail::CubicWeights first = detail::cubic_weights(p.along, p.width);
+  const auto along_first = [&](const Eigen::Array4d& w, const MatrixXd& value, const MatrixXd& slope, Index j) {
+    return w[0] * value(p.cell, j) + w[1] * slope(p.cell, j) + w[2] * value(p.cell + 1, j) +
+           w[3] * slope(p.cell + 1, j);
+  };
+  if (axes_.size() == 1) {
+    if (slopes) slopes[0] = along_first(first.of_slope, values_, by_first_, 0);
+    return along_first(first.of_value, values_, by_first_, 0);
+  }
+  const Place q = place(axes_[1], x[1]);
+  const detail::CubicWeights second = detail::cubic_weights(q.along, q.width);
+  const auto across = [&](const Eigen::Array4d& w) -> Eigen::Array4d {
+    return {along_first(w, values_, by_first_, q.cell), along_first(w, by_second_, by_both_, q.cell),
+            along_first(w, values_, by_first_, q.cell + 1), along_first(w, by_second_, by_both_, q.cell + 1)};
+  };
+  const Eigen::Array4d values = across(first.of_value);
+  if (slopes) {
+    slopes[0] = (across(first.of_slope) * second.of_value).sum();
+    slopes[1] = (values * second.of_slope).sum();
+  }
+  return (values * second.of_value).sum();
+}
+
+double Lookup::linear_value(const double* x) const {
+  const Place p = place(axes_[0], x[0]);
+  const auto along_first = [&](Index j) { return straight(values_(p.cell, j), values_(p.cell + 1, j), p.along); };
+  if (axes_.size() == 1) return along_first(0);
+  const Place q = place(axes_[1], x[1]);
+  return straight(along_first(q.cell), along_first(q.cell + 1), q.along);
+}
+
+void Lookup::linear_gradient(const double* x, double* slopes) const {
   const Place p = place(axes_[0], x[0]);
   const auto slope = [&](Index j) { return (values_(p.cell + 1, j) - values_(p.cell, j)) / p.width; };
   if (axes_.size() == 1) {
@@ -151,24 +209,21 @@ void Lookup::gradient(const double* x, double* slopes) const {
     return;
   }
   const Place q = place(axes_[1], x[1]);
-  const auto along_first = [&](Index j) { return between(values_(p.cell, j), values_(p.cell + 1, j), p.along); };
-  slopes[0] = between(slope(q.cell), slope(q.cell + 1), q.along);
+  const auto along_first = [&](Index j) { return straight(values_(p.cell, j), values_(p.cell + 1, j), p.along); };
+  slopes[0] = straight(slope(q.cell), slope(q.cell + 1), q.along);
   slopes[1] = (along_first(q.cell + 1) - along_first(q.cell)) / q.width;
 }
 
-std::shared_ptr<const Lookup> lookup_of(const ForceSurface& surface, std::string name, int cells) {
+std::shared_ptr<const Lookup> lookup_of(const ForceSurface& surface, std::string name, Between between, int cells) {
   const Cells& data = surface.cells();
   const auto* grid = dynamic_cast<const GridSurface*>(&surface);
   const VectorXd y = ends(data.y_min(), data.y_max(), grid ? data.cells_y() : cells),
                  v = ends(data.v_min(), data.v_max(), grid ? data.cells_v() : cells);
-  MatrixXd nodes(y.size(), v.size());
   const auto at = [&](Index i, Index j) {
-    if (grid) return grid->nodes()(i, j);
     return surface.has_data(y[i], v[j]) ? surface.value(y[i], v[j]) : std::nan("");
   };
-  for (Index i = 0; i < y.size(); ++i)
-    for (Index j = 0; j < v.size(); ++j) nodes(i, j) = at(i, j);
-  return std::make_shared<const Lookup>(std::move(name), std::vector{y, v}, Filling(nodes).run());
+  const MatrixXd nodes = grid ? grid->nodes() : MatrixXd(MatrixXd::NullaryExpr(y.size(), v.size(), at));
+  return std::make_shared<const Lookup>(std::move(name), std::vector{y, v}, Filling(nodes).run(), between);
 }
 
 }  // namespace lunid

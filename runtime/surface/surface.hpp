@@ -74,6 +74,12 @@ class ForceSurface {
   int least_count_;
 };
 
+/// What a table or a grid is between its points: straight, or a cubic spline.
+enum class Between { linear, cubic };
+/// "linear" "cubic". Throws InputError with the choices. [lookup.cpp]
+Between between_from(const std::string& name);
+std::string to_string(Between between);
+
 // ---- polynomial.cpp ----
 struct PolynomialOptions {
   int order_y = 4, order_v = 4;    ///< 0..20 each; all products up to them: (order_y + 1) * (order_v + 1) coefficients
@@ -111,25 +117,33 @@ struct GridOptions {
   int cells_y = 20, cells_v = 20;  ///< 1..300
   int least_count = 3;             ///< >= 1: cells with fewer points have no data
   double smoothness = 1e-3;  ///< > 0: weight of squared second differences, over the mean number of points in a cell
+  Between between = Between::linear;
 };
 void validate(const GridOptions& options);
 
-/// Bilinear over each cell between values at its corners. value() is NaN in cells without data and outside.
+/// A sum of products of B-splines over equal cells: bilinear between values at the corners, or bicubic, whose first and
+/// second derivatives have no jump (de Boor 1978, chapter 9). value() is NaN in cells without data and outside.
 class GridSurface : public ForceSurface {
  public:
-  GridSurface(Cells cells, int least_count, Eigen::MatrixXd nodes);
-  std::string name() const override { return "bilinear grid"; }
+  /// `coefficients`: (cells_y + 1) x (cells_v + 1), of which the value at a corner is its own; bicubic: + 3 each. NaN
+  /// where no cell with data has them.
+  GridSurface(Cells cells, int least_count, Between between, Eigen::MatrixXd coefficients);
+  std::string name() const override { return between_ == Between::linear ? "bilinear grid" : "bicubic grid"; }
   double value(double y, double v) const override;
+  Between between() const { return between_; }
   /// Values at the corners, (cells_y + 1) x (cells_v + 1); NaN at corners that no cell with data touches.
-  const Eigen::MatrixXd& nodes() const { return nodes_; }
+  Eigen::MatrixXd nodes() const;
 
   double rmse = 0, r2 = 0;  ///< on the points of the fit in cells with data [N]
 
  private:
-  Eigen::MatrixXd nodes_;
+  double value(const Cells::Place& at) const;
+
+  Between between_;
+  Eigen::MatrixXd coefficients_;
 };
 
-/// Least squares of the corner values, smoothed lightly by second differences along y and v among corners with data.
+/// Least squares of the coefficients, smoothed lightly by their second differences along y and v.
 /// Throws InputError: no cell with enough points, or points on a line.
 GridSurface fit_grid(const SurfacePoints& points, const GridOptions& options = {});
 

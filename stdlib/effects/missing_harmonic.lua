@@ -1,3 +1,6 @@
+--- Two rounds within the record: slower than that it is constant_force or a drift.
+local function slowest(scale) return math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration) end
+
 return function(effect)
   return effect {
     name = "missing_harmonic",
@@ -7,12 +10,12 @@ return function(effect)
     parameters = { { "Ac", unit = "N" }, { "As", unit = "N" }, { "w", min = 0, unit = "rad/s" } },
     guess = function(scale)
       local guesses = {}
-      for i, w in ipairs(scale.lines) do guesses[i] = { w = w } end
-      return #guesses > 0 and guesses or { { w = scale.omega } }
+      for _, w in ipairs(scale.lines) do
+        if w >= slowest(scale) then guesses[#guesses + 1] = { w = w } end
+      end
+      return #guesses > 0 and guesses or { { w = math.max(scale.omega, slowest(scale)) } }
     end,
-    range = function(scale)  -- slower ones: sensor_drift, constant_force
-      return { w = { math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration), 1e3 * scale.omega } }
-    end,
+    range = function(scale) return { w = { slowest(scale), 1e3 * scale.omega } } end,
     passive = false,
     signature = "does not depend on the motion; one line of the spectrum, at any amplitude of the rest",
     sentence = "the exciter delivers a harmonic that the recorded force does not show",

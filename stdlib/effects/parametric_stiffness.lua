@@ -1,3 +1,6 @@
+--- Two rounds within the record: slower than that it is stiffness_drift.
+local function slowest(scale) return math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration) end
+
 return function(effect)
   return effect {
     name = "parametric_stiffness",
@@ -6,12 +9,13 @@ return function(effect)
     parameters = { { "ac", unit = "N/m" }, { "as", unit = "N/m" }, { "w", min = 0, unit = "rad/s" } },
     guess = function(scale)  -- steps that a record of some twenty periods cannot step over
       local guesses = {}
-      for i = 1, 80 do guesses[i] = { w = i / 16 * scale.omega } end
+      for i = 1, 80 do
+        local w = i / 16 * scale.omega
+        if w >= slowest(scale) then guesses[#guesses + 1] = { w = w } end
+      end
       return guesses
     end,
-    range = function(scale)  -- w -> 0: stiffness_drift, until the record has seen two rounds of it
-      return { w = { math.max(1e-3 * scale.omega, 4 * math.pi / scale.duration), 1e3 * scale.omega } }
-    end,
+    range = function(scale) return { w = { slowest(scale), 1e3 * scale.omega } } end,
     passive = false,
     signature = "odd in y, even in v; side bands at the sum and difference of frequencies; may grow without a force",
     sentence = "the stiffness goes up and down by itself, as of gear teeth or of a rotor that is not round",

@@ -51,8 +51,8 @@ function lunid.record(fields) end
 ---@field columns? string # all at once: "t=time,y=disp [mm],F=load [kN]"
 ---@field rate? number # rows per second, where there is no time: a number, or its name in a MAT or HDF5 file
 ---@field interval? number # the same as the time between rows
----@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default, or finite_differences with accuracy and step; others need the whole record
----@field smooth? boolean # smooth measured y, v and a too (savitzky_golay)
+---@field derivative? lunid.derivative # of what of v and a was not measured: lunid.derivative.savitzky_golay {} by default. fourier and total_variation need the whole record; spline and kalman give its numbers to 1e-9 of a deviation
+---@field smooth? boolean # smooth measured y, v and a too, by the same method
 ---@field window? lunid.window # part of the record to keep
 ---@param fields lunid.stream.fields
 ---@return lunid.stream
@@ -257,15 +257,16 @@ function lunid.huber(fields) end
 ---@field excitation any # a record or an excitation, whose channels drive the model, an expression of lunid.time (the force), or a table of expressions by channel, such as { F1 = ..., yb = ... }
 ---@field from? "record"|table # first state { y, v, ... }, { y1, v1, y2, v2, ... }, or 'record': that of the record; else the record's, else rest
 ---@field duration? number # length of the run; of a record, else all
----@field dt? number # sample time of the result, where the force is an expression
+---@field dt? number # sample time of the result; of a record its own, else a whole part of that
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
+---@field atol? number # absolute tolerance of SUNDIALS, for all states; else rtol times the scale of each
 ---@field substeps? integer # of the fixed path, per sample; else chosen
----@field sensitivities? boolean # exact ones of every state to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
+---@field sensitivities? boolean # exact ones of every state and acceleration to every parameter and first state: run:sensitivity('y', 'k'), run:sensitivity('v', 'y(0)'); by fixed, bdf or adams
 ---@field max_memory? number # a run that needs more is refused
 ---@field regularise? number # smooth the branches over so much, in the unit of what switches: sign(v) becomes tanh(v/width), and so on; the run says so. Else every switch is located
----@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1
+---@field stop_when? number|lunid.expression # the run ends where this rises above 0, such as lunid.displacement - 0.1; looked at four times per sample, then located
 ---@param fields lunid.simulate.fields
 ---@return lunid.run
 function lunid.simulate(fields) end
@@ -283,6 +284,7 @@ function lunid.simulate(fields) end
 ---@field solver? "auto"|"fixed"|"bdf"|"adams" # what integrates the runs and their sensitivities; auto: fixed, or bdf where the model is stiff at the start
 ---@field gradient? "auto"|"forward"|"adjoint" # forward: sensitivities and Levenberg-Marquardt; adjoint: one backward sweep for all parameters and NLopt's L-BFGS; auto: adjoint from 40 parameters on, or beyond 64 states
 ---@field max_iterations? integer # of Levenberg-Marquardt; L-BFGS may take 25 evaluations for each
+---@field check? boolean # compare the final runs of the fixed path with SUNDIALS': summary.checked
 ---@param fields lunid.fit_trajectory.fields
 ---@return lunid.trajectory_fit
 function lunid.fit_trajectory(fields) end
@@ -297,11 +299,12 @@ function lunid.fit_trajectory(fields) end
 ---@return lunid.function
 function lunid.lua_function(fields) end
 
----A table of values as a function: linear between the points of one axis, bilinear between those of two; beyond its ends it goes on as in the last cell.
+---A table of values as a function of one or two variables. Beyond its ends it goes on straight.
 ---@class lunid.lookup.fields
 ---@field name string # how it is written in equations
 ---@field axes table # one list of increasing values, or two
 ---@field values table # one number for each point; with two axes a list over the second axis for each point of the first
+---@field between? "linear"|"cubic" # the points: straight lines, or a spline without a jump in its first and second derivatives
 ---@param fields lunid.lookup.fields
 ---@return lunid.function
 function lunid.lookup(fields) end
@@ -782,11 +785,12 @@ function lunid.history_model(fields) end
 ---@return lunid.selection
 function lunid.select(fields) end
 
----Bilinear interpolation between the corners of equal cells; cells without data stay empty.
+---A bilinear or bicubic spline over equal cells, by least squares; cells without data stay empty.
 ---@class lunid.grid.fields
 ---@field cells? table # number of cells along displacement and velocity
 ---@field least_count? integer # cells with fewer points have no data
 ---@field smoothness? number # weight of the squared second differences
+---@field between? "linear"|"cubic" # the corners of the cells: straight lines, or a spline without a jump in its first and second derivatives
 ---@param fields lunid.grid.fields
 ---@return lunid.interpolator
 function lunid.grid(fields) end
@@ -851,6 +855,7 @@ function lunid.random_forest(fields) end
 ---@field expand? "regression"|"quadrature" # the polynomial's coefficients: from the points, or from the surface by Gauss-Chebyshev quadrature
 ---@field blocks? integer # blocks of time left out in turn, for the score and the deviation
 ---@field name? string # how it is written in equations
+---@field between? "linear"|"cubic" # what surface(y, v) is between the corners of the drawn surface's cells: straight, or a spline without a jump in its first and second derivatives; else cubic where the drawn kind is smooth (mlp, gaussian_process, support_vectors, a cubic grid)
 ---@param fields lunid.rfs.fields
 ---@return lunid.surface
 function lunid.rfs(fields) end

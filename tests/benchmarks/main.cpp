@@ -29,21 +29,25 @@ class Fastest : public benchmark::BenchmarkReporter {
   std::map<std::string, double> seconds_;
 };
 
-void add(const std::string& name, const std::function<void()>& function, int repetitions) {
-  benchmark::RegisterBenchmark(name.c_str(),
-                               [function](benchmark::State& state) {
-                                 for (auto _ : state) function();
-                               })
-      ->Repetitions(repetitions)
-      ->MinTime(0.05)
-      ->UseRealTime();
+void add(const std::string& name, const std::function<void()>& function, const std::function<double()>& seconds,
+         int repetitions) {
+  auto* const registered = seconds ? benchmark::RegisterBenchmark(name.c_str(),
+                                                                  [seconds](benchmark::State& state) {
+                                                                    for (auto _ : state)
+                                                                      state.SetIterationTime(seconds());
+                                                                  })
+                                   : benchmark::RegisterBenchmark(name.c_str(), [function](benchmark::State& state) {
+                                       for (auto _ : state) function();
+                                     });
+  registered->Repetitions(repetitions)->MinTime(0.05);
+  seconds ? registered->UseManualTime() : registered->UseRealTime();
 }
 
 std::vector<bench::Work> works(const std::string& lunid, const std::string& wanted) {
   std::vector<bench::Work> chosen;
   for (auto part :
        {bench::free_run_works(), bench::sundials_works(), bench::trajectory_fit_works(), bench::regression_works(),
-        bench::ensemble_works(), bench::statistics_works(), bench::process_works(lunid)}) {
+        bench::ensemble_works(), bench::statistics_works(), bench::surface_works(), bench::process_works(lunid)}) {
     for (bench::Work& work : part) {
       if (work.name.find(wanted) != std::string::npos) chosen.push_back(std::move(work));
     }
@@ -69,8 +73,8 @@ int main(int argc, char** argv) {
   int count = 2;
   benchmark::Initialize(&count, arguments);
   for (const bench::Work& work : chosen) {
-    add(work.name + " ours", work.ours, work.repetitions);
-    if (work.hand) add(work.name + " hand", work.hand, work.repetitions);
+    add(work.name + " ours", work.ours, work.ours_seconds, work.repetitions);
+    if (work.hand) add(work.name + " hand", work.hand, work.hand_seconds, work.repetitions);
   }
   Fastest fastest;
   benchmark::RunSpecifiedBenchmarks(&fastest);

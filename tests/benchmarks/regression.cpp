@@ -9,7 +9,6 @@
 #include <memory>
 
 #include "benchmarks/work.hpp"
-#include "expr/tape.hpp"
 #include "record/container.hpp"
 #include "regress/regress.hpp"
 
@@ -53,53 +52,22 @@ double by_hand(const Data& data) {
   return gram(features, features);
 }
 
-struct Library {
-  lunid::Pool pool;
-  lunid::Tape tape;
-  std::vector<std::string> names;
-
-  Library() {
-    const lunid::Expr y = pool.channel("y"), v = pool.channel("v");
-    std::vector<lunid::Expr> terms;
-    for (int power = 0; power <= degree; ++power) {
-      for (int j = 0; j <= power; ++j) terms.push_back(pow(y, power - j) * pow(v, j));
-    }
-    for (const lunid::Expr& term : terms) names.push_back(to_text(term));
-    const lunid::Expr inputs[] = {y, v};
-    tape = lunid::Tape(terms, inputs);
-  }
-
-  /// One pass over blocks of rows into a statistic; `blocks` of them for cross-validation.
-  std::vector<lunid::Statistic> reduce(const Data& data, int blocks) const {
-    std::vector<lunid::Statistic> parts(blocks, lunid::Statistic(names));
-    Eigen::MatrixXd work(block, features + 2);
-    const int stride[] = {1, 1};
-    for (Eigen::Index first = 0; first < rows; first += block) {
-      const Eigen::Index count = std::min(block, rows - first);
-      const double* in[] = {data.y.data() + first, data.v.data() + first};
-      double* out[features];
-      for (int j = 0; j < features; ++j) out[j] = work.col(j + 1).data();
-      tape.run_columns(in, stride, static_cast<std::size_t>(count), out);
-      work.col(features + 1).head(count) = data.target.segment(first, count);
-      parts[first * blocks / rows].add_in_place(work.topRows(count));
-    }
-    return parts;
-  }
-};
-
 /// The same data as a record, for whole regressions.
 lunid::Record record_of(const Data& data) {
   return lunid::Record("bench", 0, 1e-3,
                        {{"F", "N", "", "", data.target}, {"y", "m", "", "", data.y}, {"v", "m/s", "", "", data.v}});
 }
 
-lunid::Regression regress(const lunid::Stream& record, int threads, int bootstrap) {
+/// From y and v to coefficients with their deviations.
+lunid::Regression regress(const lunid::Stream& record, int threads, int bootstrap,
+                          const lunid::RegressionSolver& solver = {}, int blocks = 32) {
   lunid::Pool pool;
   const lunid::Expr y = pool.channel("y"), v = pool.channel("v");
   lunid::RegressOptions options;
   for (int power = 0; power <= degree; ++power)
     for (int j = 0; j <= power; ++j) options.features.push_back(pow(y, power - j) * pow(v, j));
-  options.blocks = 32;
+  options.blocks = blocks;
+  options.solver = solver;
   options.threads = threads;
   options.bootstrap = bootstrap;
   lunid::Regression result = lunid::regress(std::span(&record, 1), options);
@@ -126,19 +94,14 @@ class DataFile {
 
 std::vector<Work> regression_works() {
   const auto data = std::make_shared<Data>();
-  const auto library = std::make_shared<Library>();
   const auto record = std::make_shared<lunid::Record>(record_of(*data));
   const auto file = std::make_shared<DataFile>(*record);
   const auto hand = [=] { benchmark::DoNotOptimize(by_hand(*data)); };
   return {
-      {"regress-stlsq", 2, [=] { benchmark::DoNotOptimize(lunid::stlsq(library->reduce(*data, 1)[0]).rmse); }, hand},
-      {"regress-lasso-100", 2,
-       [=] {
-         const std::vector<lunid::Statistic> parts = library->reduce(*data, 1);
-         std::vector<lunid::PathPoint> path;
-         benchmark::DoNotOptimize(lunid::lasso(parts, {.lambda = 1e-3}, {}, &path).rmse);
-       },
+      {"regress-stlsq", 2, [=] { benchmark::DoNotOptimize(regress(*record, 1, 0, lunid::StlsqOptions{}, 8).rmse); },
        hand},
+      {"regress-lasso-100", 2,  // a path of 100 values
+       [=] { benchmark::DoNotOptimize(regress(*record, 1, 0, lunid::LassoOptions{.lambda = 1e-3}, 8).rmse); }, hand},
       // Two threads over one: 1.8 times as fast is 0.56 of the time.
       {"regress-2-threads", 1 / 1.8, [=] { benchmark::DoNotOptimize(regress(*record, 2, 0).rmse); },
        [=] { benchmark::DoNotOptimize(regress(*record, 1, 0).rmse); }},

@@ -13,6 +13,8 @@ struct Work {
   std::function<void()> hand;  ///< the hand-written limit; empty: none
   double allowance = 0;        ///< [s]; > 0: the ratio is (ours - hand) / allowance
   int repetitions = 7;
+  /// Seconds by a clock of its own, for ours and the limit, instead of the time that they take.
+  std::function<double()> ours_seconds = {}, hand_seconds = {};
 };
 
 std::vector<Work> free_run_works();
@@ -21,6 +23,7 @@ std::vector<Work> trajectory_fit_works();
 std::vector<Work> regression_works();
 std::vector<Work> ensemble_works();
 std::vector<Work> statistics_works();
+std::vector<Work> surface_works();
 /// Whole processes: `lunid` is the executable.
 std::vector<Work> process_works(const std::string& lunid);
 

@@ -195,10 +195,10 @@ spec.case("a study that fails on all ranks says so once", function()
 end)
 
 --- Starts a command, sends `signal` to the process `pid` names once members are kept; its exit code and words.
-local function stopped(command, find, signal)
+local function stopped(command, find, signal, out)
   return spec.shell(([[(%s > said 2>&1 & p=$!
-    for i in $(seq 200); do ls | grep -q 'out.ensemble-' && break; sleep 0.05; done
-    kill -%s $(%s); wait $p; echo "[exit $?]"); cat said]]):format(command, signal, find))
+    for i in $(seq 200); do ls | grep -q '%s.ensemble-' && break; sleep 0.05; done
+    kill -%s $(%s); wait $p; echo "[exit $?]"); cat said]]):format(command, out or "out", signal, find))
 end
 
 spec.case("Ctrl-C keeps what is done, and the same study continues from it", function()
@@ -212,6 +212,32 @@ spec.case("Ctrl-C keeps what is done, and the same study continues from it", fun
   spec.contains(said, "continued\ttrue")
   spec.lunid "run long.lua members=12000 --out whole"
   spec.equal(spec.shell "cmp out/sweep.csv whole/sweep.csv && echo same; ls | grep ensemble-", "same\n")
+end)
+
+spec.case("an ensemble that calls functions of the study continues, too, unless the study has changed", function()
+  local slow = long:gsub("local model = [^\n]*", [[
+local spring = lunid.lua_function { "spring", function(y) return 1e6*y^3 end }
+local model = lunid.model { mass = 1, restoring = k*y + c*v + spring(y) }]])
+  assert(slow ~= long)
+  spec.write("called.lua", slow)
+  local run = "run called.lua members=1200 duration=0.5"
+  local said = stopped(("'%s' %s --out called"):format(spec.executable, run), "echo $p", "INT", "called")
+  spec.contains(said, "[exit 130]")
+  spec.contains(said, "are done and kept; the same study continues from them\n")
+  local code
+  said, code = spec.lunid(run .. " --out called")
+  spec.equal(code, 0)
+  spec.contains(said, "continued\ttrue")
+  spec.lunid(run .. " --out fresh")
+  spec.equal(spec.shell "cmp called/sweep.csv fresh/sweep.csv && echo same; ls | grep ensemble-", "same\n")
+  -- what another text of the study left is not taken
+  said = stopped(("'%s' %s --out called"):format(spec.executable, run), "echo $p", "INT", "called")
+  spec.contains(said, "[exit 130]")
+  spec.write("called.lua", (slow:gsub("1e6%*y", "2e6*y")))
+  said, code = spec.lunid(run .. " --out called")
+  spec.equal(code, 0)
+  spec.contains(said, "continued\tfalse")
+  spec.shell "rm -f called.ensemble-*"
 end)
 
 spec.case("a rank that dies ends the run; what is done is kept for any number of ranks", function()

@@ -130,8 +130,24 @@ spec.case("a run that cannot be", function()
     "study.lua:3: state: missing field 'rate': an expression or a number or a function")
   line_3("local r = lunid.simulate { model = lunid.model { mass = 1, restoring = y + 1/y }, excitation = 0, "
     .. "duration = 1, dt = 0.1 } error(tostring(r), 0)",
-    "run of 11 rows at 10 Hz by : stopped at t = 0 s: the term 1/y has no finite value at the start, t = 0 s, "
-      .. "y = 0 m, v = 0 m/s")
+    "run of 11 rows at 10 Hz: stopped at t = 0 s: the term 1/y has no finite value at the start, t = 0 s, "
+      .. "y = 0 m, v = 0 m/s\n  asked for at study.lua:3")
+  line_3("lunid.simulate { model = lunid.model { mass = 1, restoring = y + 1/y }, excitation = 0, duration = 1, "
+    .. "dt = 0.1 }:save 'run.csv'",
+    "study.lua:3: run: there is no row to keep: the term 1/y has no finite value at the start, t = 0 s, y = 0 m, v = 0 "
+      .. "m/s")
+  line_3("lunid.simulate { model = lunid.model { mass = 0, restoring = 5*y, motion = 'imposed' }, excitation = 0, "
+    .. "duration = 1, dt = 0.1 }", "study.lua:3: simulate: the motion of this model is imposed: there is no free run; "
+    .. "model:force(record) is its force along a motion")
+  line_3("lunid.ensemble { model = lunid.model { mass = 0, restoring = 5*y, motion = 'imposed' }, excitation = 0, "
+    .. "duration = 1, dt = 0.1 }", "study.lua:3: ensemble: the motion of this model is imposed: there is no free run")
+  line_3("lunid.simulate { model = " .. model .. ", excitation = 0, duration = 1, dt = 0.1, from = { 1, 2, 3 } }",
+    "study.lua:3: simulate: from: expected 2 values (y v), got 3")
+  line_3("local z = lunid.state { 'z', rate = v } lunid.simulate { model = lunid.model { mass = 1, restoring = z }, "
+    .. "excitation = 0, duration = 1, dt = 0.1, from = { 1, 2, 3, 4 } }",
+    "study.lua:3: simulate: from: expected 2 to 3 values (y v z), got 4")
+  line_3("lunid.model { mass = 1, restoring = y, states = { lunid.parameter { 'z' } } }",
+    "study.lua:3: model: states: expected states from lunid.state, got z")
   line_3("local r = lunid.simulate { model = lunid.model { mass = 1, restoring = y - 1000*(1 - y^2)*v }, excitation = 0, "
     .. "from = { 2, 0 }, duration = 1000, dt = 500, solver = 'rk45' } error(r.summary.cause:gsub('%d+%.%d+', '#'), 0)",
     "the model is stiff: its fastest decay, # s, holds the steps of ARKODE ERK Dormand-Prince 5(4) down to # s; take "
@@ -139,6 +155,10 @@ spec.case("a run that cannot be", function()
   spec.write("short.csv", "t,F,y\n0,0,0\n0.1,1,0\n0.2,1,0\n0.3,1,0\n0.4,1,0\n0.5,1,0\n")
   line_3("lunid.simulate { model = " .. model .. ", excitation = lunid.read 'short.csv', duration = 2 }",
     "study.lua:3: simulate: duration: the excitation lasts 0.5 s, got 2 s")
+  line_3("lunid.simulate { model = " .. model .. ", excitation = lunid.read 'short.csv', dt = 0.03 }",
+    "study.lua:3: simulate: dt: expected the sample time of the record, 0.1 s, or a whole part of it, got 0.03 s")
+  line_3("local r = lunid.simulate { model = " .. model .. ", excitation = lunid.read 'short.csv' } r:at(0.6)",
+    "study.lua:3: at: t: expected within the run, 0 to 0.5 s, got 0.6")
   line_3("lunid.model { restoring = y }", "study.lua:3: model: missing field 'mass': an expression or a number, a list of them, or the rows of a matrix")
   line_3("lunid.model { mass = 1, restoring = y + lunid.tanh(lunid.acceleration) }",
     "study.lua:3: model: restoring: terms in a must be a times something without a, got tanh(a)")

@@ -31,6 +31,22 @@ spec.case("separate parameters, one model for each record", function()
   spec.contains(tostring(fit), "(record 2)")
 end)
 
+-- Samples that are far off raise what a spectrum shows of noise tenfold; the weight of y beside v must not see that.
+spec.case("outliers in one channel leave the weights of the channels alone", function()
+  local truth = lunid.model { mass = 1, restoring = 2e4*y + 10*v }
+  local push = lunid.excitation.multisine { from = 5, to = 60, rms = 60, period = 2, dt = 0.00125, duration = 2, seed = 1 }
+  local wild = lunid.simulate { model = truth, excitation = push }:record():with_noise { seed = 1, v = 0.03,
+    y = { lunid.noise.gaussian { relative = 0.03 }, lunid.noise.outliers { fraction = 0.005, relative = 5 } } }
+  local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = k*y + c*v }:with { k = 1.8e4, c = 15 }, record = wild,
+    channels = { "y", "v" }, loss = "huber" }
+  local share = fit.summary.outliers/fit.summary.rows
+  assert(0.15 < share and share < 0.25, share)  -- 18 % of a Gaussian lie beyond 1.345 deviations
+  local row = fit.model.parameters.k
+  assert(math.abs(row.value - 2e4) < 4*row.std, tostring(fit))
+  assert(fit.summary.checked < 1e-4)
+  spec.equal(lunid.fit_trajectory { model = fit.model, record = wild, check = false }.summary.checked, nil)
+end)
+
 local function fault(run, message)
   local good, said = pcall(run)
   assert(not good, "no error")

@@ -179,5 +179,70 @@ spec.case("a surface moves a model, and fits in a regression", function()
   spec.equal(spec.message_of(function() return surface(y) end), "a surface takes 2 arguments, y and v, got 1")
 end)
 
+spec.case("a spline is saved as such", function()
+  local spring = lunid.lookup { "bent", axes = { { -0.01, 0, 0.01, 0.02 } }, values = { -90, 0, 90, 210 }, between = "cubic" }
+  local straight = lunid.lookup { "bent", axes = { { -0.01, 0, 0.01, 0.02 } }, values = { -90, 0, 90, 210 } }
+  spec.near(spring(0.015), 144.375, 1e-10)  -- the cubic through the four points
+  spec.near(straight(0.015), 150, 1e-10)
+  local path = spec.folder .. "/spline.lua"
+  local model = lunid.model { mass = 1, restoring = spring(y) + v }
+  model:save(path)
+  local a, b = run(model), run(lunid.load(path))
+  for i = 1, a.rows do spec.equal(a:column("y")[i], b:column("y")[i]) end
+  spec.equal(spec.message_of(function() lunid.lookup { "x", axes = { { 0, 1 } }, values = { 1, 2 }, between = "smooth" } end),
+    "lookup: between: expected 'linear' or 'cubic', got the string 'smooth'")
+end)
+
+--- Order in which the error of runs falls with their steps, on the table of a smooth force.
+local function order_of(between)
+  local places, values = {}, {}
+  for i = 0, 10 do
+    places[i + 1] = (i - 5)*2e-3
+    values[i + 1] = 2e4*places[i + 1] + 1e8*places[i + 1]^3
+  end
+  local spring = lunid.lookup { "spring_" .. between, axes = { places }, values = values, between = between }
+  local model = lunid.model { mass = 1, restoring = spring(y) + 10*v }
+  local function final(substeps)
+    return lunid.simulate { model = model, excitation = 60*lunid.sin(80*t), from = { 5e-3, 0 }, duration = 0.4, dt = 4e-3,
+      solver = "fixed", substeps = substeps }:column "y"
+  end
+  local exact = final(512)
+  local function error(substeps)
+    local found, sum = final(substeps), 0
+    for i = 1, #found do sum = sum + (found[i] - exact[i])^2 end
+    return math.sqrt(sum / #found)
+  end
+  return math.log(error(4) / error(32)) / math.log(8)
+end
+
+spec.case("a run on a spline converges in the fourth order, on straight pieces in the second", function()
+  local straight, spline = order_of "linear", order_of "cubic"
+  assert(straight > 1.5 and straight < 2.7, "order " .. straight)
+  assert(spline > 3.6 and spline < 5.2, "order " .. spline)
+end)
+
+spec.case("a smooth surface is a smooth function", function()
+  local hardening = lunid.model { mass = 1, restoring = 2e4*y + 1e10*y^3 + 20*v }
+  local record = lunid.simulate { model = hardening, excitation = lunid.excitation.white_noise { rms = 50, seed = 3,
+    dt = 1e-3, duration = 20 } }:record()
+  local function off(kind, between)
+    local surface = lunid.rfs { record = record, mass = 1, interpolate = kind, between = between }
+    local most = 0
+    for i = 1, 15 do
+      local place, speed = i*1e-4 - 8e-4 + 3.3e-5, i*8e-3 - 0.064
+      most = math.max(most, math.abs(surface(place, speed) - surface:at(place, speed)))
+    end
+    return most
+  end
+  local process = lunid.gaussian_process { centres = 200 }
+  local by_itself, straight = off(process), off(process, "linear")
+  assert(by_itself < 0.2*straight, ("off by %g, straight by %g"):format(by_itself, straight))
+  local grid = lunid.grid { cells = { 8, 8 } }
+  spec.near(off(grid), 0, 1e-10)
+  assert(off(grid, "cubic") > 1e-3)
+  local cubic = lunid.grid { cells = { 8, 8 }, between = "cubic" }
+  assert(off(cubic) < 0.1*off(cubic, "linear"))
+end)
+
 spec.clean()
 spec.finish()

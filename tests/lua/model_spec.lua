@@ -127,6 +127,26 @@ spec.case("stop_when ends a run where its condition is met", function()
   assert(whole.summary.completed and not whole.summary.ended_at)
 end)
 
+spec.case("a run tells what is between its rows, and may have more rows than its record", function()
+  local model = lunid.model { mass = 1, restoring = 400*y }
+  local push = lunid.excitation.harmonic { amplitude = 3, frequency = 2, phase = -math.pi/2, dt = 0.05, duration = 1 }
+  local run = lunid.simulate { model = model, excitation = push, from = { 0, 0 } }
+  local w = 4*math.pi
+  local function exact(t) return 3/(400 - w^2)*(math.sin(w*t) - w/20*math.sin(20*t)) end
+  for _, t in ipairs { 0.05, 0.2345, 0.999 } do
+    local there = run:at(t)
+    spec.equal(there.t, t)
+    spec.near(there.y, exact(t), 1e-6)
+    spec.near(there.a, 3*math.sin(w*t) - 400*there.y, 1e-9)
+  end
+  local fine = lunid.simulate { model = model, excitation = push, from = { 0, 0 }, dt = 0.01 }
+  spec.equal(fine.rows, 101)
+  for i = 1, 101, 7 do spec.near(fine:column "y"[i], exact((i - 1)*0.01), 1e-6) end
+  local coarse = lunid.simulate { model = model, excitation = push, from = { 0, 0 }, solver = "bdf", rtol = 1e-3, atol = 1e-3 }
+  local close = lunid.simulate { model = model, excitation = push, from = { 0, 0 }, solver = "bdf", rtol = 1e-9, atol = 1e-12 }
+  assert(coarse.summary.steps < close.summary.steps/3)
+end)
+
 spec.case("a model as C computes the same rates", function()
   local k, c = lunid.parameter { "k", 20000.25, unit = "N/m" }, lunid.parameter { "c", 3 }
   local y1, y2 = lunid.displacements(2)

@@ -157,7 +157,7 @@ spec.case("too few rows, constant channels", function()
   local short = lunid.read(spec.folder .. "/short.csv")
   spec.equal(spec.message_of(function()
     lunid.regress { record = short, features = { lunid.polynomials({ v, lunid.acceleration }, 3) } }
-  end), "9 features need at least as many rows, got 6")
+  end), "9 features need at least as many rows, got 6: take fewer features or more of the record")
   local constant = lunid.regress { record = short, features = { y, v } }
   spec.equal(constant.warnings[1], "'y' is constant on these rows: its coefficient is that of a constant force")
   spec.equal(spec.message_of(function() lunid.regress { record = short, features = { lunid.chebyshev({ y }, 2) } } end),

@@ -31,6 +31,8 @@ spec.case("5 % noise: the true terms alone", function()
   assert(#found.rejected > 0 and found.rejected[1].reason:match "free run stopped at t = ", "nothing was rejected")
 end)
 
+spec.case("1 % noise", function() check(0.01, 10, noisy) end)
+
 spec.case("without noise", function() check(0, 10, noisy) end)
 
 spec.case("case 3.2: the tanh, its sign and its slope", function()

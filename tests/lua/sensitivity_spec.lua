@@ -23,6 +23,8 @@ spec.case("sensitivities of a run are the closed form's by each solver that carr
       local row = math.floor(t / 0.01 + 0.5) + 1
       assert(math.abs(by_k[row] + 0.1*t*math.sin(20*t) / 40) < 1e-8, solver .. i)
       assert(math.abs(by_y[row] - math.cos(20*t)) < 1e-5, solver .. i)
+      -- a = -k y
+      spec.near(run:sensitivity("a", "k")[row], -run:column("y")[row] - 400*by_k[row], 1e-12)
     end
   end
 end)
@@ -34,7 +36,7 @@ spec.case("faults of sensitivities", function()
   run.sensitivities = true
   fault(function() lunid.simulate(run):sensitivity("y", "kk") end,
     "sensitivity: to: expected one of k c y(0) v(0), got 'kk'")
-  fault(function() lunid.simulate(run):sensitivity("F", "k") end, "sensitivity: of: expected one of y v, got 'F'")
+  fault(function() lunid.simulate(run):sensitivity("F", "k") end, "sensitivity: of: expected one of y v a, got 'F'")
   run.solver = "rk45"
   fault(function() lunid.simulate(run) end,
     "simulate_sensitivities: solver: 'fixed', 'bdf' and 'adams' carry sensitivities, 'rk45' does not")

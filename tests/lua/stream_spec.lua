@@ -48,10 +48,20 @@ spec.case("derivatives of few rows are as asked for", function()
   spec.equal(fit { record = small }.terms.y.value, fit { record = derived }.terms.y.value)
 end)
 
+spec.case("a spline and a Kalman smoother reach over the ends of blocks", function()
+  for _, method in ipairs { lunid.derivative.spline {}, lunid.derivative.kalman {} } do
+    local derived = record:derive { method = method }
+    local small = lunid.stream(path, { derivative = method })
+    spec.equal(small.channels.a.derivation, derived.channels.a.derivation)
+    local whole, part = fit { record = derived }, fit { record = small }
+    for i, term in ipairs(whole.terms) do spec.near(part.terms[i].value, term.value, 1e-6*term.std) end
+  end
+end)
+
 spec.case("what needs the whole record refuses a stream by name", function()
-  spec.equal(spec.message_of(function() lunid.stream(path, { derivative = lunid.derivative.kalman {} }) end),
-    "stream: derivative: expected savitzky_golay or finite_differences, which need few rows at a time, got kalman, which "
-      .. "needs the whole record: see lunid.read")
+  spec.equal(spec.message_of(function() lunid.stream(path, { derivative = lunid.derivative.fourier {} }) end),
+    "stream: derivative: fourier: its weights have no end: take savitzky_golay, spline or kalman, which a stream makes "
+      .. "block by block, or the whole record by lunid.read")
   spec.equal(spec.message_of(function() lunid.stream(path, { resample = true }) end):match "^stream: unknown field 'resample'",
     "stream: unknown field 'resample'")
   spec.equal(spec.message_of(function() lunid.rfs { record = stream, mass = 49 } end),

@@ -63,6 +63,14 @@ spec.case("a surface stands in a model and runs", function()
   for i = 1, #a, 25 do spec.near(a[i], b[i], 4e-4) end
 end)
 
+spec.case("a network that is cut short is a result that says so", function()
+  local surface = lunid.rfs { record = record, mass = 2, interpolate = lunid.mlp { evaluations = 5 } }
+  spec.equal(surface.rivals[1].converged, false)
+  spec.contains(tostring(surface), "\n  not converged: stopped after 5 evaluations, not at rest")
+  local both = lunid.rfs { record = record, mass = 2, interpolate = { lunid.mlp { evaluations = 5 }, lunid.grid {} } }
+  spec.contains(tostring(both), "stopped after 5 evaluations, not at rest")
+end)
+
 spec.case("messages", function()
   spec.equal(spec.message_of(function() lunid.rfs { record = record, mass = 2, interpolate = "best" } end),
     "rfs: interpolate: expected an interpolator from lunid.grid and its kin or a list of interpolators from lunid.grid "

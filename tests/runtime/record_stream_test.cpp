@@ -113,6 +113,100 @@ TEST(Stream, SmoothsAndDifferentiatesAsARecord) {
                    derive(record, {FiniteDifferences{6, 3}, {"v", "a"}, "", false}), 0, 20000);
 }
 
+TEST(Stream, ChoosesWindowsAsForARecord) {
+  const TextFile file(ringing(17000));
+  const Record record = read_csv(file.path());
+  for (const DerivativeMethod& method :
+       {DerivativeMethod(FiniteDifferences{}), DerivativeMethod(FiniteDifferences{4, 0}),
+        DerivativeMethod(PolynomialWindow{0, 5}), DerivativeMethod(SmoothedDifferences{})}) {
+    StreamOptions options;
+    options.derivative = method;
+    options.smooth = !std::holds_alternative<FiniteDifferences>(method);
+    const Record derived = derive(record, {method, {}, "", options.smooth});
+    const Stream stream = open_stream(file.path(), options);
+    EXPECT_EQ(stream.channel("v").derivation, derived.channel("v").derivation);
+    EXPECT_EQ(stream.channel("a").noise, derived.channel("a").noise);
+    EXPECT_EQ(stream.channel("y").derivation, derived.channel("y").derivation);
+    expect_same_rows(stream, derived, 0, 17000);
+  }
+}
+
+/// Of all rows, read in blocks that begin at odd places: the channels of the record, to so much of their deviation.
+void expect_near_rows(const Stream& stream, const Record& record, double tolerance) {
+  for (const char* name : {"y", "v", "a"}) {
+    const auto values = record[name];
+    const Eigen::Map<const Eigen::VectorXd> whole(values.data(), record.rows());
+    const double deviation = std::sqrt((whole.array() - whole.mean()).square().mean());
+    double most = 0;
+    for (Index first = 0; first < record.rows(); first += 1777) {
+      const Index count = std::min<Index>(1777, record.rows() - first);
+      const Record part = stream.read(first, count);
+      most = std::max(most, (Eigen::Map<const Eigen::VectorXd>(part[name].data(), count) - whole.segment(first, count))
+                                .cwiseAbs()
+                                .maxCoeff());
+    }
+    EXPECT_LT(most, tolerance * deviation) << name;
+  }
+}
+
+class StreamOverlap : public ::testing::TestWithParam<DerivativeMethod> {};
+INSTANTIATE_TEST_SUITE_P(Methods, StreamOverlap,
+                         ::testing::Values(SmoothingSpline{}, SmoothingSpline{3}, SmoothingSpline{5, {}, 1e-18},
+                                           SmoothingSpline{5, SmoothingSpline::Choice::cross_validation},
+                                           KalmanSmoother{}, KalmanSmoother{0, 3}, KalmanSmoother{1e4, 4}),
+                         [](const auto& info) { return name_of(info.param) + std::to_string(info.index); });
+
+/// A displacement, and a velocity where it is measured as well, with 1 % of noise each.
+std::string swinging(int rows, bool with_velocity) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::string text = with_velocity ? "t,y,v\n" : "t,y\n";
+  for (int i = 0; i < rows; ++i) {
+    char line[96];
+    const double t = 1.25e-3 * i;
+    const int length = std::snprintf(line, sizeof line, "%.5f,%.7g", t, std::sin(50 * t) + 0.01 * normal(random));
+    std::snprintf(line + length, sizeof line - length, with_velocity ? ",%.7g\n" : "\n",
+                  50 * (std::cos(50 * t) + 0.01 * normal(random)));
+    text += line;
+  }
+  return text;
+}
+
+TEST_P(StreamOverlap, GivesTheNumbersOfTheWholeRecord) {
+  const bool joint = std::holds_alternative<KalmanSmoother>(GetParam());
+  for (const bool with_velocity : {false, true}) {
+    if (with_velocity && !joint) continue;
+    const TextFile file(swinging(5000, with_velocity));
+    StreamOptions options;
+    options.derivative = GetParam();
+    options.smooth = !with_velocity;
+    const Stream stream = open_stream(file.path(), options);
+    const Record record = derive(read_csv(file.path()), {GetParam(), {}, "", options.smooth});
+    for (const char* name : {"y", "v", "a"}) {
+      EXPECT_EQ(stream.channel(name).derivation, record.channel(name).derivation);
+      EXPECT_EQ(stream.channel(name).derived, record.channel(name).derived);
+      EXPECT_EQ(stream.channel(name).unit, record.channel(name).unit);
+      EXPECT_NEAR(stream.channel(name).noise, record.channel(name).noise, 1e-6 * record.channel(name).noise);
+    }
+    expect_near_rows(stream, record, 1e-9);
+  }
+}
+
+TEST(Stream, ChoosesAParameterOnPartsOfALongRecord) {
+  const TextFile file(ringing(40000));
+  StreamOptions options;
+  options.derivative = SmoothingSpline{};
+  const Stream stream = open_stream(file.path(), options);
+  const std::string text = stream.channel("v").derivation;
+  const std::string end = " s^5 by the noise, chosen on 4 parts of 8192 rows";
+  ASSERT_GT(text.size(), end.size());
+  EXPECT_EQ(text.substr(text.size() - end.size()), end) << text;
+  // The weight itself is that of another part but for chance: so is the noise that it leaves.
+  const TextFile part(ringing(10000));
+  const Record record = derive(read_csv(part.path()), {SmoothingSpline{}, {"v"}, "", false});
+  EXPECT_NEAR(stream.channel("v").noise, record.channel("v").noise, 0.05 * record.channel("v").noise);
+}
+
 TEST(Stream, WideWindowsDifferByRounding) {  // their sums are made by Fourier transforms, whose blocks differ
   const TextFile file(ringing(20000));
   StreamOptions wide;
@@ -177,20 +271,33 @@ TEST(Stream, LeavesASpareColumnOutThatIsNoNumber) {
 
 TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   StreamOptions options;
-  options.derivative = KalmanSmoother{};
   const TextFile file(ringing(2000));
+  const std::string instead =
+      ": take savitzky_golay, spline or kalman, which a stream makes block by block, or the whole record by lunid.read";
+  options.derivative = FourierFilter{};
+  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
+            "stream: derivative: fourier: its weights have no end" + instead);
+  options.derivative = TotalVariation{};
+  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
+            "stream: derivative: total_variation: each of its pieces depends on all rows" + instead);
+  options.derivative = SmoothingSpline{5, {}, 1e9};
   EXPECT_EQ(
       message([&] { open_stream(file.path(), options); }),
-      "stream: derivative: expected savitzky_golay or finite_differences, which need few rows at a time, got kalman, "
-      "which needs the whole record: see lunid.read");
-  options.derivative = FiniteDifferences{};
-  EXPECT_EQ(
-      message([&] { open_stream(file.path(), options); }),
-      "stream: derivative: finite_differences: expected accuracy and step: from the noise they need the whole record");
+      "stream: derivative: spline: smooths over 7.971e+05 rows on either side, expected at most 262144: less noise "
+      "in the channels, or the whole record by lunid.read");
+  // The integral of a velocity without noise tells less and less of where the motion began.
+  std::string exact = "t,y,v\n";
+  for (int i = 0; i < 3000; ++i)
+    exact +=
+        std::to_string(1e-3 * i) + "," + std::to_string(i * 7 % 10) + "," + std::to_string(std::sin(0.05 * i)) + "\n";
+  const TextFile drifting(exact);
+  options.derivative = KalmanSmoother{};
+  EXPECT_NE(message([&] { open_stream(drifting.path(), options); }).find("stream: derivative: kalman: smooths over "),
+            std::string::npos);
   options.derivative = FiniteDifferences{2, 1};
   options.smooth = true;
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
-            "stream: smooth: expected the derivative savitzky_golay, got finite_differences");
+            "stream: smooth: expected a derivative that smooths, got finite_differences");
   options = {};
   options.read.resample = true;
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
@@ -200,6 +307,24 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
       test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
       "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral, which needs the whole "
       "record: see lunid.read");
+}
+
+TEST(Stream, OfAChannelAtRestIsAtRest) {
+  std::string text = "t,F,y\n";
+  for (int i = 0; i < 3000; ++i) text += std::to_string(1e-3 * i) + "," + std::to_string(i % 7) + ",0.1\n";
+  const TextFile file(text);
+  const Record record = read_csv(file.path());
+  const Stream stream = open_stream(file.path());
+  expect_same_layout(stream, record);
+  expect_same_rows(stream, record, 0, 3000);
+  for (const char* name : {"v", "a"}) {
+    EXPECT_EQ(record.channel(name).derivation, "of y, which is constant");
+    for (const double value : record[name]) ASSERT_EQ(value, 0);
+  }
+  StreamOptions options;
+  options.derivative = KalmanSmoother{};
+  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
+            "stream: derivative: kalman: channel 'y' is constant: there is no motion in it");
 }
 
 TEST(Stream, SaysWhenTheFileChanged) {

@@ -355,7 +355,7 @@ TEST(RegressWarnings, name_the_places_of_features_that_are_one) {
   ASSERT_EQ(r.warnings.size(), 1u);
   EXPECT_EQ(
       r.warnings[0],
-      "on these data v = -2*y + 1*2*y + v (v at study.lua:6, y at study.lua:4, 2*y + v at study.lua:5): they cannot "
+      "on these data v = -2*y + 1*(2*y + v) (v at study.lua:6, y at study.lua:4, 2*y + v at study.lua:5): they cannot "
       "be told apart, 'v' is left at 0");
 }
 

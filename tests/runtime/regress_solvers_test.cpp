@@ -132,7 +132,8 @@ TEST(RegressLeastSquares, names_features_that_the_data_do_not_excite) {
 TEST(RegressLeastSquares, texts_of_what_cannot_be) {
   Statistic few({"y", "v", "y^3"});
   few.add(MatrixXd::Random(2, 3), VectorXd::Random(2));
-  EXPECT_EQ(message([&] { least_squares(few); }), "3 features need at least as many rows, got 2");
+  EXPECT_EQ(message([&] { least_squares(few); }),
+            "3 features need at least as many rows, got 2: take fewer features or more of the record");
   MatrixXd x = MatrixXd::Random(9, 3);
   x.col(1).setZero();
   Statistic zero({"y", "v", "y^3"});

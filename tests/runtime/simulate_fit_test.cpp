@@ -138,6 +138,20 @@ TEST(FitTrajectory, WithHubersLossIsNotPulledByOutliers) {
   EXPECT_NEAR(robust.theta[1], 10, 4 * std::sqrt(robust.covariance(1, 1)));
 }
 
+// Of two records the one with a fifth of the noise has five times the weight; the scale that tells outliers is that of
+// the weighted residuals, so that 18 % of the rows of both lie beyond the clip.
+TEST(FitTrajectory, WithHubersLossKnowsTheScaleOfRecordsOfUnlikeNoise) {
+  const System system(model_of("1", "k*y + c*v"));
+  std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 3)),
+                            data_of(system, record_of(duffing(2e4, 10, 0), {"y"}, {4e-6}, 4))};
+  data[1].weight = 5;
+  FitOptions options;
+  options.loss = Loss::huber;
+  const FitResult fit = fit_trajectory(system, vector({1.95e4, 14}), data, options);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_NEAR(static_cast<double>(fit.outliers) / (2 * rows), 0.18, 0.03);
+}
+
 TEST(FitTrajectory, ProfileIsTheNormalIntervalWhereTheModelIsNearlyLinear) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
   const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 4))};

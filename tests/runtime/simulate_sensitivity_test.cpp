@@ -1,4 +1,5 @@
 // Sensitivities against central finite differences of the run itself, and jumps at switches included.
+#include "simulate/acceleration.hpp"
 #include "simulate_models.hpp"
 
 namespace lunid {
@@ -98,6 +99,47 @@ TEST(Sensitivities, JumpWhereAStateReachesItsBound) {
   const System moving(model_of("m", "c*v + k*(y - ys)", {{"ys", "0", "y - R/k", "y + R/k"}}));
   const auto same = theta_of(moving, {{"m", 1.1}, {"c", 0.5}, {"k", 60}, {"R", 1.5}});
   EXPECT_LT(worst_difference(moving, same, slow, state({0.02, 0.1, 0.015}), 4), 1e-5);
+}
+
+// With a state, a delayed force and dry friction at which the mass stops: the central differences of the acceleration,
+// and 0 while it sticks.
+TEST(Sensitivities, OfTheAccelerationAreThoseOfTheRun) {
+  Model model = model_of("m", "k*y + c*v + s + Fc*sign(v)", {{"s", "e*v - s/tau", "", ""}});
+  model.delay = model.pool->parameter("late");
+  const System system(complete(model));
+  const std::vector<std::pair<std::string, double>> values{{"m", 1.3}, {"k", 40},    {"c", 0.4},     {"Fc", 2.5},
+                                                           {"e", 20},  {"tau", 0.2}, {"late", 0.013}};
+  const auto theta = theta_of(system, values);
+  const Excitations force(force_of(3, 0.01, sweep));
+  const Eigen::VectorXd x0 = state({0.1, 0.3, 0});
+  const SensitivityRun run = simulate_sensitivities(system, theta, force, x0, with_substeps(4));
+  const std::vector<Eigen::MatrixXd> slopes = acceleration_slopes(system, theta, force, run);
+  ASSERT_EQ(slopes.size(), 1U);
+  EXPECT_GT(run.run.summary.stuck, 0.05);
+  int still = 0, compared = 0;
+  for (int c = 0; c < system.parameters() + 3; ++c) {
+    const bool parameter = c < system.parameters();
+    const double h = 1e-6 * (parameter ? theta[static_cast<std::size_t>(c)] : 0.1);
+    const auto moved = [&](double by) {
+      auto p = theta;
+      Eigen::VectorXd x = x0;
+      (parameter ? p[static_cast<std::size_t>(c)] : x[c - system.parameters()]) += by;
+      return simulate(system, p, force, x, with_substeps(4)).a.col(0).eval();
+    };
+    const Eigen::VectorXd difference = (moved(h) - moved(-h)) / (2 * h);
+    const double scale = difference.cwiseAbs().maxCoeff();
+    for (Eigen::Index row = 0; row < difference.size(); row += 3) {
+      if (run.run.a(row, 0) == 0) {
+        EXPECT_EQ(slopes[0](row, c), 0);
+        ++still;
+        continue;
+      }
+      EXPECT_NEAR(slopes[0](row, c), difference[row], 2e-5 * scale) << "column " << c << ", row " << row;
+      ++compared;
+    }
+  }
+  EXPECT_GT(still, 10);
+  EXPECT_GT(compared, 300);
 }
 
 }  // namespace

@@ -46,6 +46,49 @@ TEST(SurfaceGrid, follows_a_smooth_function_to_second_order) {
   EXPECT_NEAR(coarse / fine, 4, 0.5);  // h^2, less terms of h^4
 }
 
+TEST(SurfaceGrid, a_bicubic_function_is_exact_on_a_cubic_grid) {
+  const auto f = [](double y, double v) {
+    const double a = 1e3 * y, b = 2 * v;
+    return (1 - a + 0.5 * a * a * a) * (2 + b * b - b * b * b);
+  };
+  const SurfacePoints p = uniform_points(20000, f);
+  const GridSurface s = fit_grid(p, {.cells_y = 6, .cells_v = 5, .smoothness = 1e-12, .between = Between::cubic});
+  EXPECT_EQ(s.name(), "bicubic grid");
+  EXPECT_LT(s.rmse, 1e-7);  // of 2, what so little smoothness takes
+  for (Index i = 0; i < p.size(); i += 101) EXPECT_NEAR(s.value(p.y[i], p.v[i]), p.f[i], 1e-6);
+  const MatrixXd nodes = s.nodes();
+  ASSERT_EQ(nodes.rows(), 7);
+  const Cells& c = s.cells();
+  for (Index i = 0; i < 7; ++i)
+    for (Index j = 0; j < 6; ++j)
+      EXPECT_NEAR(nodes(i, j),
+                  f(c.y_min() + (c.y_max() - c.y_min()) * static_cast<double>(i) / 6,
+                    c.v_min() + (c.v_max() - c.v_min()) * static_cast<double>(j) / 5),
+                  1e-6);
+}
+
+TEST(SurfaceGrid, a_cubic_grid_follows_a_smooth_function_to_fourth_order_and_without_jumps) {
+  const auto f = [](double y, double v) { return std::sin(800 * y) * std::cos(3 * v); };
+  const SurfacePoints p = uniform_points(100000, f);
+  const auto fit = [&](int cells) {
+    return fit_grid(p, {.cells_y = cells, .cells_v = cells, .smoothness = 1e-12, .between = Between::cubic});
+  };
+  EXPECT_NEAR(fit(6).rmse / fit(12).rmse, 16, 4);
+  const GridSurface s = fit(6);
+  const double y = s.cells().y_min() + (s.cells().y_max() - s.cells().y_min()) / 3, step = 1e-8;  // an edge of cells
+  EXPECT_NEAR((s.value(y + step, 0.1) - s.value(y, 0.1)) / step, (s.value(y, 0.1) - s.value(y - step, 0.1)) / step,
+              0.01);
+}
+
+TEST(SurfaceGrid, a_cubic_grid_stays_within_its_data) {
+  const SurfacePoints p = spiral(20000, bilinear);
+  const GridSurface s = fit_grid(p, {.between = Between::cubic});
+  EXPECT_TRUE(std::isnan(s.value(1.9e-3, 0.48)));
+  EXPECT_TRUE(std::isnan(s.nodes()(0, 0)));
+  EXPECT_NEAR(s.value(0.5e-3, 0.1), bilinear(0.5e-3, 0.1), 1e-3);
+  EXPECT_LT(s.rmse, 1e-3);  // a plane and a twist cost no smoothness
+}
+
 TEST(SurfaceGrid, cells_without_data_have_no_value) {
   const SurfacePoints p = spiral(20000, bilinear);
   const GridSurface s = fit_grid(p);
