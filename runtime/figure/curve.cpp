@@ -127,7 +127,7 @@ Stroke thin(const Stroke& stroke, double column) {
 
 namespace {
 
-constexpr std::size_t block = 8;  // cells each way
+constexpr std::size_t block = 32;  // cells each way
 
 }  // namespace
 
@@ -140,26 +140,32 @@ SeenSegments::SeenSegments(const Box& box, double cell)
 
 /// A segment in cells: whole steps of at most one cell along it. From 1, so that each cell has neighbours.
 struct SeenSegments::Walk {
-  double x, y, along_x, along_y;
+  double x, y, along_x, along_y, inverse_x, inverse_y;
   int steps;
   std::size_t column(int k) const { return static_cast<std::size_t>(std::max(1.0, x + k * along_x)); }
   std::size_t row(int k) const { return static_cast<std::size_t>(std::max(1.0, y + k * along_y)); }
 
   /// Steps from the k-th until one of the two coordinates leaves its block.
   int leap(int k) const {
-    const auto out = [](double at, double along) {
-      const double low = std::floor(at / block) * block;
-      return along > 0.0 ? (low + block - at) / along : along < 0.0 ? (low - at) / along : 1e9;
+    const auto out = [](double at, double along, double inverse) {
+      const double low = static_cast<double>(static_cast<std::size_t>(std::max(0.0, at)) / block * block);
+      return along > 0.0 ? (low + block - at) * inverse : along < 0.0 ? (low - at) * inverse : 1e9;
     };
-    const double least = std::min(out(x + k * along_x, along_x), out(y + k * along_y, along_y));
+    const double least = std::min(out(x + k * along_x, along_x, inverse_x), out(y + k * along_y, along_y, inverse_y));
     return std::max(1, static_cast<int>(std::min(least, 1e9)));
   }
 };
 
 SeenSegments::Walk SeenSegments::walk(Point a, Point b) const {
   const int steps = static_cast<int>(std::max(std::abs(b.x - a.x), std::abs(b.y - a.y)) / cell_) + 1;
-  return {1.0 + (a.x - box_.left) / cell_, 1.0 + (a.y - box_.bottom) / cell_, (b.x - a.x) / cell_ / steps,
-          (b.y - a.y) / cell_ / steps, steps};
+  const double along_x = (b.x - a.x) / cell_ / steps, along_y = (b.y - a.y) / cell_ / steps;
+  return {1.0 + (a.x - box_.left) / cell_,
+          1.0 + (a.y - box_.bottom) / cell_,
+          along_x,
+          along_y,
+          1.0 / along_x,
+          1.0 / along_y,
+          steps};
 }
 
 bool SeenSegments::is_clear(const Walk& w, int k) const {

@@ -105,7 +105,8 @@ report:table { head = head, rows = judged, caption = ("Fitted on windows of test
   .. "of each run against the rig's own forces; work and rate over the truth, harmonics 2 to 5 that are above 5 %% of the first. Aims: R2 %.1f of "
   .. "what the noise allows, work within %.0f %%, harmonics and rate within %.0f %%"):format(limits.r2, 100*limits.work, 100*limits.rate) }
 local rivals = {}
-for i, rival in ipairs(soil.rivals(tests, sealed, best, { shaft = fits.shaft1.restoring, tip = fits.tip1.restoring }, 2, sealed.duration - 0.5)) do
+for i, rival in ipairs(soil.rivals(tests, sealed, best, { shaft = fits.shaft1.restoring, tip = fits.tip1.restoring }, rig.oracle(site, sealed.gauges),
+  2, sealed.duration - 0.5)) do
   rivals[i] = cells(rival[1], rival.shaft, rival.tip, rival.rate)
 end
 head[1] = "rivals on the sealed test"

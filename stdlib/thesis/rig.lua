@@ -83,6 +83,42 @@ local function toe_force(site, toe, y, v)
   return math.max(0, force * (1 + site.toe_J * v))
 end
 
+--- All of the soil before a test: slices, toe, plug, and their forces: on each segment of the shaft, under the toe, from the plug.
+local function new_ground(site)
+  local ground = { slices = new_slices(site), toe = { at = 0 }, plug_y = 0, plug_v = 0, plug_at = 0, shaft = {}, under_toe = 0, plug = 0 }
+  for i = 1, segments do ground.shaft[i] = 0 end
+  return ground
+end
+
+--- Moves the soil by h seconds along a pile whose segments stand at y and move at v.
+local function step_ground(site, ground, y, v, shake, h)
+  local n, shaft = segments, ground.shaft
+  for i = 1, n do shaft[i] = 0 end
+  for i = 1, slices do
+    local slice = ground.slices[i]
+    -- the slice meets the segment that stands beside it; below the toe there is no pile
+    local from_head = slice.depth - site.embedded - y[n] + site.length
+    if slice.depth < site.embedded + y[n] and from_head > 0 then
+      local segment = math.min(n, math.max(1, math.ceil(from_head / site.length * n)))
+      shaft[segment] = shaft[segment] + friction(site, slice, y[segment] - (slice.base or 0), v[segment], shake, h)
+    else
+      slice.base = y[n]
+    end
+  end
+  ground.under_toe = toe_force(site, ground.toe, y[n], v[n])
+  local grip = site.plug_grip / 0.5e-3 * (y[n] - ground.plug_y - ground.plug_at)
+  if math.abs(grip) > site.plug_grip then
+    ground.plug_at = y[n] - ground.plug_y - (grip > 0 and 0.5e-3 or -0.5e-3)
+    grip = grip > 0 and site.plug_grip or -site.plug_grip
+  end
+  ground.plug = grip + 200 * (v[n] - ground.plug_v)
+end
+
+local function step_plug(site, ground, h)
+  ground.plug_v = ground.plug_v + h * (ground.plug / (site.plug * site.mass))
+  ground.plug_y = ground.plug_y + h * ground.plug_v
+end
+
 -- ---- the test ----
 
 --- Rotation of the unbalance: a run-up over `rise` seconds, then a steady frequency.
@@ -102,13 +138,11 @@ local function motion(site, test)
   local rope = 2e5
   local mass = { [0] = site.vibrator }
   for i = 1, n do mass[i] = m end
-  local y, v, soil, toe = {}, {}, new_slices(site), { at = 0 }
+  local y, v, ground = {}, {}, new_ground(site)
+  local shaft = ground.shaft
   for i = 0, n do y[i], v[i] = 0, 0 end
-  local plug_y, plug_v, plug_at, plug_mass = 0, 0, 0, site.plug * site.mass
   local total = (site.vibrator + site.mass) * g
   local hang = total / rope  -- the rope holds all at the start
-  local shaft, toe_now, plug_now = {}, 0, 0
-  for i = 1, n do shaft[i] = 0 end
   local out = { t = {}, head = {}, tip = {}, a = {}, y = {}, v = {}, shaft = {}, toe = {} }
   local shake, rows = 0, math.floor(test.duration / dt + 0.5)
   local a = {}
@@ -118,26 +152,7 @@ local function motion(site, test)
     for step = 0, inner - 1 do
       local t = row * dt + step * h
       if step % soil_every == 0 then
-        for i = 1, n do shaft[i] = 0 end
-        for i = 1, slices do
-          local slice = soil[i]
-          -- the slice meets the segment that stands beside it; below the toe there is no pile
-          local from_head = slice.depth - site.embedded - y[n] + site.length
-          if slice.depth < site.embedded + y[n] and from_head > 0 then
-            local segment = math.min(n, math.max(1, math.ceil(from_head / site.length * n)))
-            slice.born = slice.born or y[n]
-            shaft[segment] = shaft[segment] + friction(site, slice, y[segment] - (slice.base or 0), v[segment], shake, soil_every * h)
-          else
-            slice.base, slice.born = y[n], nil
-          end
-        end
-        toe_now = toe_force(site, toe, y[n], v[n])
-        local grip = site.plug_grip / 0.5e-3 * (y[n] - plug_y - plug_at)
-        if math.abs(grip) > site.plug_grip then
-          plug_at = y[n] - plug_y - (grip > 0 and 0.5e-3 or -0.5e-3)
-          grip = grip > 0 and site.plug_grip or -site.plug_grip
-        end
-        plug_now = grip + 200 * (v[n] - plug_v)
+        step_ground(site, ground, y, v, shake, soil_every * h)
       end
       local theta, w = phase_of(t, test.frequency, test.rise)
       local push = site.unbalance * w * w * math.sin(theta)
@@ -146,7 +161,7 @@ local function motion(site, test)
       for i = 1, n do
         local force = mass[i] * g + k * (y[i - 1] - y[i]) + c * (v[i - 1] - v[i]) - shaft[i]
         if i < n then force = force - k * (y[i] - y[i + 1]) - c * (v[i] - v[i + 1]) end
-        if i == n then force = force - toe_now - plug_now end
+        if i == n then force = force - ground.under_toe - ground.plug end
         a[i] = force / mass[i]
       end
       -- Channels are means over a sample, as after a filter against aliasing.
@@ -154,13 +169,12 @@ local function motion(site, test)
       sum.head = sum.head + k * (y[0] - y[1]) + c * (v[0] - v[1])
       sum.tip = sum.tip + k * (y[n - 1] - y[n]) + c * (v[n - 1] - v[n])
       for i = 1, n - 1 do sum.shaft = sum.shaft + shaft[i] end
-      sum.toe = sum.toe + toe_now + plug_now + shaft[n]
+      sum.toe = sum.toe + ground.under_toe + ground.plug + shaft[n]
       for i = 0, n do
         v[i] = v[i] + h * a[i]
         y[i] = y[i] + h * v[i]
       end
-      plug_v = plug_v + h * (plug_now / plug_mass)
-      plug_y = plug_y + h * plug_v
+      step_plug(site, ground, h)
     end
     out.t[row + 1] = row * dt
     for name, value in pairs(sum) do out[name][row + 1] = value / inner end
@@ -169,6 +183,30 @@ local function motion(site, test)
   out.between_gauges = m * (n - 1)
   out.below_tip_gauge = m
   return out
+end
+
+--- What one who knows the soil to the last number makes of a measured motion: its shaft's and tip's force along it. The limit of what any
+--- model can make of these gauges; not for a study.
+function rig.oracle(site, gauges)
+  local ground, shaft, toe, shake = new_ground(site), {}, {}, 0
+  local y, v, parts = {}, {}, inner // soil_every
+  for row = 1, #gauges.t do
+    local next_row = math.min(row + 1, #gauges.t)
+    shaft[row], toe[row] = 0, 0
+    for part = 0, parts - 1 do
+      local share = part / parts
+      for i = 1, segments do
+        y[i] = gauges.y[row] + share * (gauges.y[next_row] - gauges.y[row])
+        v[i] = gauges.v[row] + share * (gauges.v[next_row] - gauges.v[row])
+      end
+      step_ground(site, ground, y, v, shake, dt / parts)
+      for _ = 1, soil_every do step_plug(site, ground, dt / inner) end
+      for i = 1, segments - 1 do shaft[row] = shaft[row] + ground.shaft[i] / parts end
+      toe[row] = toe[row] + (ground.under_toe + ground.plug + ground.shaft[segments]) / parts
+    end
+    shake = 0.98 * shake + 0.02 * 1.57 * math.abs(gauges.a[row])
+  end
+  return { shaft = shaft, tip = toe }
 end
 
 local function gaussian(draw) return math.sqrt(-2 * math.log(draw(1e-12, 1))) * math.cos(2 * math.pi * draw(0, 1)) end

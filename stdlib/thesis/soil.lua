@@ -171,8 +171,8 @@ function soil.score_along(test, force, part, from, to)
 end
 
 --- Rivals that need the measured motion or the excitation alone: the best multiple of the acceleration, a sinusoid in step with the
---- head's force, a linear ARX, polynomials (fits: by part); and Smith's elements, run freely. Gives { name, shaft, tip, rate }.
-function soil.rivals(tests, test, found, fits, from, to)
+--- head's force, a linear ARX, polynomials (fits: by part), the oracle's forces; and Smith's elements, run freely. Gives { name, shaft, tip, rate }.
+function soil.rivals(tests, test, found, fits, oracle, from, to)
   local list = {}
   local function measured(which, part)
     local gauges, out = which.gauges, {}
@@ -220,6 +220,8 @@ function soil.rivals(tests, test, found, fits, from, to)
   if smith.completed then
     list[#list + 1] = { "Smith's elements, run freely", shaft = smith.shaft, tip = smith.tip, rate = smith.rate/smith.true_rate }
   end
+  list[#list + 1] = { "an oracle that knows the soil, along the measured motion", shaft = soil.score_along(test, oracle.shaft, "shaft", from, to),
+    tip = soil.score_along(test, oracle.tip, "tip", from, to) }
   list[#list + 1] = noise
   return list
 end

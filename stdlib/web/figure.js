@@ -329,8 +329,11 @@
         const x = b.left + this.share("x", value) * b.width;
         pen.fillStyle = set.colour;
         pen.fillRect(Math.min(zero, x), top, Math.abs(x - zero), 0.92 * thick);
-        sheet.text(minus(String(+(value / this.panel.x.factor).toPrecision(3))), x + (value < 0 ? -5 : 5), top + thick / 2,
-          value < 0 ? "right" : "left", "middle", this.figure.ink);
+        const label = minus(String(+(value / this.panel.x.factor).toPrecision(3)));
+        const within = value >= 0 && x + 5 + pen.measureText(label).width > b.right;  // no room beyond the bar
+        const leftward = value < 0 || within;
+        sheet.text(label, x + (leftward ? -5 : 5), top + thick / 2, leftward ? "right" : "left", "middle",
+          within ? this.figure.paper : this.figure.ink);
       }));
     }
 

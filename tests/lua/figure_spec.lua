@@ -303,6 +303,40 @@ print(select(2, pcall(relief.save, relief, "relief.png")))
   spec.contains(said, "wrote      all-but/page.html, all-but/relief.csv, all-but/relief.vtu")
 end)
 
+spec.case("memory is returned: by many figures, by a large one, by a long line", function()
+  local said, code = spec.study [[
+local lunid = require "lunid"
+local function resident()  -- MB of this process
+  for line in io.lines "/proc/self/status" do
+    local kilobytes = line:match "^VmRSS:%s+(%d+)"
+    if kilobytes then return kilobytes/1024 end
+  end
+end
+local function draw(width, dpi, rows)
+  local column = lunid.excitation.white_noise { rms = 1, seed = 1, dt = 1e-3, duration = rows/1000 }
+  lunid.figure.lines { series = { lunid.figure.series { column:column "t", column:column "F" } }, width = width, height = 6, dpi = dpi }:save "a.png"
+end
+local function small()
+  lunid.figure.lines { series = { lunid.figure.series { { 1, 2, 3 }, { 1, 4, 2 } } }, height = 6, dpi = 60 }:save "a.png"
+end
+for i = 1, 10 do small() end
+local before = resident()
+for i = 1, 40 do small() end
+print(("many %.1f"):format(resident() - before))
+draw(60, 300, 1000)
+draw(16, 60, 1000)
+print(("large %.1f"):format(resident() - before))
+draw(16, 60, 1e6)
+draw(16, 60, 1000)
+print(("long %.1f"):format(resident() - before))]]
+  spec.equal(code, 0)
+  -- A window of 60 x 6 cm at 300 dots per inch has 5 million pixels, over 100 MB with its samples; 1e6 points are 16 MB, twice copied.
+  for name, most in pairs { many = 5, large = 200, long = 250 } do
+    local more = tonumber(said:match(name .. " (%S+)"))
+    assert(more < most, said)
+  end
+end)
+
 spec.case("two runs at once draw the same", function()
   spec.write("study.lua", [[
 local lunid = require "lunid"
