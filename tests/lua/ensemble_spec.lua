@@ -202,15 +202,15 @@ local function stopped(command, find, signal, out)
 end
 
 spec.case("Ctrl-C keeps what is done, and the same study continues from it", function()
-  local said = stopped(("'%s' run long.lua members=12000 --threads 1 --out out"):format(spec.executable), "echo $p", "INT")
+  local said = stopped(("'%s' run long.lua members=48000 --threads 1 --out out"):format(spec.executable), "echo $p", "INT")
   spec.contains(said, "[exit 130]")
-  assert(said:match "ensemble: %d+ of 12000 members are done and kept; the same study continues from them\n", said)
+  assert(said:match "ensemble: %d+ of 48000 members are done and kept; the same study continues from them\n", said)
   spec.contains(spec.shell "ls", "out.ensemble-")
   local code
-  said, code = spec.lunid "run long.lua members=12000 --threads 2 --out out"
+  said, code = spec.lunid "run long.lua members=48000 --threads 2 --out out"
   spec.equal(code, 0)
   spec.contains(said, "continued\ttrue")
-  spec.lunid "run long.lua members=12000 --out whole"
+  spec.lunid "run long.lua members=48000 --out whole"
   spec.equal(spec.shell "cmp out/sweep.csv whole/sweep.csv && echo same; ls | grep ensemble-", "same\n")
 end)
 
@@ -241,13 +241,13 @@ local model = lunid.model { mass = 1, restoring = k*y + c*v + spring(y) }]])
 end)
 
 spec.case("a rank that dies ends the run; what is done is kept for any number of ranks", function()
-  local said = stopped(mpirun .. ("-n 2 '%s' run long.lua members=12000 --out out"):format(spec.executable),
+  local said = stopped(mpirun .. ("-n 2 '%s' run long.lua members=48000 --out out"):format(spec.executable),
     "pgrep -P $p | tail -1", "KILL")
   assert(not said:find("[exit 0]", 1, true), said)
   spec.contains(said, "exited on signal 9")
   spec.contains(spec.shell "ls", "out.ensemble-")
   local code
-  said, code = spec.lunid "run long.lua members=12000 --out out"
+  said, code = spec.lunid "run long.lua members=48000 --out out"
   spec.equal(code, 0)
   spec.contains(said, "continued\ttrue")
   spec.equal(spec.shell "cmp out/sweep.csv whole/sweep.csv && echo same; ls | grep ensemble-", "same\n")
