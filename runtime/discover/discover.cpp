@@ -300,11 +300,12 @@ class Spine {
   }
 
   bool has_simpler_form(const Choices& named) const {
-    return std::any_of(catalogue_.begin() + static_cast<std::ptrdiff_t>(first_), catalogue_.end(), [&](const Effect& e) {
-      return std::any_of(e.special_case_of.begin(), e.special_case_of.end(), [&](const std::string& general) {
-        return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return c.effect->name == general; });
-      });
-    });
+    return std::any_of(
+        catalogue_.begin() + static_cast<std::ptrdiff_t>(first_), catalogue_.end(), [&](const Effect& e) {
+          return std::any_of(e.special_case_of.begin(), e.special_case_of.end(), [&](const std::string& general) {
+            return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return c.effect->name == general; });
+          });
+        });
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline

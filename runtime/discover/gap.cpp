@@ -134,7 +134,8 @@ FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
     StateEstimate state;
     Run run;
-    // A test may go faster than what the substeps were chosen on: shorter ones are tried before a run counts as stopped.
+    // A test may go faster than what the substeps were chosen on: shorter ones are tried before a run counts as
+    // stopped.
     for (; options.substeps <= std::max(substeps, most_substeps); options.substeps *= 2) {
       const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
       state = estimate_state(system, theta, data, 0, out.lead, options.substeps, spread);

@@ -112,7 +112,8 @@ TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
   EXPECT_GT(gap.floor, 0.1);  // and far above the sensor's noise
 }
 
-/// A damper so strong that whole samples are too long a step for the explicit method (its limit is 3.3 on the real axis).
+/// A damper so strong that whole samples are too long a step for the explicit method (its limit is 3.3 on the real
+/// axis).
 TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
   const truth::Records records = made("null_linear", 40);
   const Record record = record_of(records.train, "train");
