@@ -55,6 +55,7 @@ class Spine {
  private:
   /// What generic forces of the motion would explain beside a model, and whether that counts.
   struct Left {
+    Gap gap;  ///< of the model itself over the training records
     Closure closure;
     bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
     bool material = false;  ///< and it is more than what is asked of an effect
@@ -256,11 +257,12 @@ class Spine {
   // ---- verdict ----
   Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
     Left left;
+    left.gap = pool_gap(runs(c, study_.full), 0);
     left.closure = test_closure(study_, c, whitening);
     if (!(left.closure.p_value < options_.alpha / 10)) return left;
     fit_closure(study_, c, left.closure);
     if (!std::isfinite(left.closure.fit.cost)) return left;
-    const Gap now = pool_gap(runs(c, study_.full), 0);
+    const Gap& now = left.gap;
     const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
     // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
@@ -276,12 +278,10 @@ class Spine {
   void decide(Round& round) const {
     SearchResult& found = round.found;
     round.left = look_for_structure(found.chosen, found.whitening);
-    const double noise = study_.sensor_noise() / study_.measured_std();
     if (!round.names()) {
-      const bool open = far_from_the_floor(pool_gap(runs(found.chosen, study_.full), 0));
-      round.verdict = round.left.material || open ? "unknown-effect" : "nothing-missing";
+      round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
     } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
-               closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, noise) < 0.95) {
+               closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study_.noise_gap()) < 0.95) {
       withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.shape);
       round.verdict = "unknown-effect";
     } else {
@@ -294,18 +294,15 @@ class Spine {
   bool leaves_open(const Round& round) const {
     const Closure& generic = round.left.closure;
     const bool hints = generic.p_value < options_.alpha / 10 && generic.gain > options_.minimum_gain;
-    const Gap gap = pool_gap(runs(round.found.chosen, study_.full), 0);
     return round.verdict == "unknown-effect" || round.left.seen || hints || round.found.chosen.choices.size() > 1 ||
-           !(gap.value < 1.2 * gap.floor) || has_simpler_form(round.found.chosen.choices);
+           !(round.left.gap.value < 1.2 * round.left.gap.floor) || has_simpler_form(round.found.chosen.choices);
   }
 
   bool has_simpler_form(const Choices& named) const {
-    return std::any_of(
-        catalogue_.begin() + static_cast<std::ptrdiff_t>(first_), catalogue_.end(), [&](const Effect& e) {
-          return std::any_of(e.special_case_of.begin(), e.special_case_of.end(), [&](const std::string& general) {
-            return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return c.effect->name == general; });
-          });
-        });
+    const auto others = std::span<const Effect>(catalogue_).subspan(first_);
+    return std::any_of(others.begin(), others.end(), [&](const Effect& e) {
+      return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return e.is_special_case(*c.effect); });
+    });
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
@@ -319,8 +316,7 @@ class Spine {
     if (round.names() && rare.parameters() <= common.parameters() &&
         rms_error(rare.fit) <= as_well * rms_error(common.fit))
       return true;
-    const double noise = study_.sensor_noise() / study_.measured_std();
-    return closed_share(common.left_out_gap, rare.left_out_gap, noise) > 0.95;
+    return closed_share(common.left_out_gap, rare.left_out_gap, study_.noise_gap()) > 0.95;
   }
 
   /// Takes the names back; the model is the baseline again.

@@ -1,5 +1,6 @@
 #pragma once
 // A catalogue entry: data, declared in Lua (stdlib/effects), never special-cased in C++.
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <string>
@@ -48,6 +49,9 @@ struct Effect {
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, confusers, channels;
   std::string signature, sentence, source;
+  bool is_special_case(const Effect& general) const {
+    return std::find(special_case_of.begin(), special_case_of.end(), general.name) != special_case_of.end();
+  }
   /// First guesses of the shape parameters of a variant, several to try; called on the main thread. Empty: all are
   /// linear.
   std::function<std::vector<Guess>(const RecordScales&, int variant)> guess;

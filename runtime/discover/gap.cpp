@@ -15,6 +15,15 @@ namespace {
 constexpr double roughest_noise = 0.3;
 constexpr int most_substeps = 32;
 
+/// Squared change of what is shown after the lead-in, under another force or first state; NaN where the run stops.
+double squared_change(const System& system, std::span<const double> theta, const Excitations& excitation,
+                      const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index rows,
+                      const SimulateOptions& options) {
+  const Run run = simulate(system, theta, excitation, x0, options);
+  if (!run.summary.completed) return NAN;
+  return (shown(system, theta, run) - shown(system, theta, nominal)).tail(rows).squaredNorm();
+}
+
 /// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
 double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
                            const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
@@ -32,12 +41,10 @@ double input_noise_squares(const Study& study, const System& system, const Eigen
     const Excitation noisy(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
                            data.excitation.interpolation());
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-    const Run run = simulate(system, values, data.excitation.replaced("F", noisy), x0, options);
-    if (!run.summary.completed) return 0;
-    const Eigen::VectorXd change = shown(system, values, run) - shown(system, values, nominal);
-    squares += change.tail(record.rows() - lead).squaredNorm();
+    squares += squared_change(system, values, data.excitation.replaced("F", noisy), x0, nominal, record.rows() - lead,
+                              options);
   }
-  return squares / draws;
+  return std::isfinite(squares) ? squares / draws : 0;
 }
 
 /// What the first state's error makes of the run where slopes do not tell: it grows along the run (several attractors,
@@ -54,10 +61,9 @@ void add_drawn_states(const Study& study, const System& system, const Eigen::Vec
     Philox random(study.options->seed, stream_of("first state") + static_cast<std::uint64_t>(draw));
     Eigen::VectorXd step(lengths.size());
     for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = lengths[i] * random.normal();
-    const Run run = simulate(system, values, data.excitation, state.x0 + parts.eigenvectors() * step, options);
-    if (!run.summary.completed) continue;
-    const Eigen::VectorXd change = shown(system, values, run) - shown(system, values, nominal);
-    squares.push_back(change.tail(out.rows).squaredNorm());
+    const double change = squared_change(system, values, data.excitation, state.x0 + parts.eigenvectors() * step,
+                                         nominal, out.rows, options);
+    if (!std::isnan(change)) squares.push_back(change);
   }
   if (squares.empty()) return;
   const double deviation = standard_deviation(squares);

@@ -204,8 +204,7 @@ class Grower {
   /// What an entry without memory would leave of the force itself.
   double misfit(const Shape& shape, const Proposer::Parent& space) const {
     if (!shape.system->model().states.empty()) return INFINITY;
-    Shape alone = shape;
-    alone.columns.clear();
+    Shape alone{shape.choice, shape.system, shape.linear, shape.guesses, {}};
     plain_.run(alone);
     const Standing standing = plain_.score(alone, space);
     return standing.shown && std::isfinite(standing.cost) ? standing.cost : INFINITY;

@@ -171,8 +171,7 @@ double vuong_z(const Candidate& a, const Candidate& b) {
 }
 
 double required_gain(const Study& study, double gap_after) {
-  const double noise = study.sensor_noise() / study.measured_std();
-  return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * noise ? 1 : 5));
+  return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * study.noise_gap() ? 1 : 5));
 }
 
 double closed_share(double before, double after, double floor) {

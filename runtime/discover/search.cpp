@@ -26,7 +26,6 @@ class Search {
 
   SearchResult run(std::span<const Effect> catalogue, const Grown& known) {
     result_.grown = grow(study_, model_, result_.baseline, catalogue, known, progress_);
-    all_ = result_.grown.sets;
     progress_("compare", 0.7);
     decide();
     return std::move(result_);
@@ -50,22 +49,20 @@ class Search {
   }
 
   void decide() {
-    result_.chosen = result_.baseline;
-    if (all_.empty()) {
-      result_.whitening = residual_colour(study_, result_.baseline);
-      judge_all({&result_.baseline});
-      result_.chosen = result_.baseline;
-      return;
-    }
-    const Candidate& best_raw =
-        result_.baseline.ran() && result_.baseline.fit.cost < all_.front().fit.cost ? result_.baseline : all_.front();
-    result_.whitening = residual_colour(study_, best_raw);
+    const auto& sets = result_.grown.sets;
+    const Candidate& baseline = result_.baseline;
+    const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
+    result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
     std::vector<Candidate> field = contenders();
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
     std::erase_if(field, [](const Candidate& c) { return c.degenerate(); });
-    if (field.empty()) return;
+    if (field.empty()) {
+      run_left_out(study_, result_.baseline);
+      result_.chosen = result_.baseline;
+      return;
+    }
     std::stable_sort(field.begin(), field.end(),
                      [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
     choose(field);
@@ -80,25 +77,26 @@ class Search {
   /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
   /// the input are heard whatever physics does better.
   std::vector<Candidate> contenders() {
-    std::stable_sort(all_.begin(), all_.end(),
+    auto& sets = result_.grown.sets;
+    std::stable_sort(sets.begin(), sets.end(),
                      [](const Candidate& a, const Candidate& b) { return priced(a) < priced(b); });
     std::vector<Candidate> field;
     for (int size = 1; size <= study_.options->max_effects; ++size) {
       int taken = 0;
       double best = INFINITY;
-      for (const auto& c : all_) {
+      for (const auto& c : sets) {
         if (static_cast<int>(c.choices.size()) != size) continue;
         best = std::min(best, c.fit.cost);
-        const bool hopeless = size > 1 && c.fit.cost > near * all_.front().fit.cost;
+        const bool hopeless = size > 1 && c.fit.cost > near * sets.front().fit.cost;
         if (hopeless || taken >= (c.fit.cost < near * best ? most : finalists)) continue;
         field.push_back(c);
         ++taken;
       }
-      const auto fault = std::find_if(all_.begin(), all_.end(), [&](const Candidate& c) {
+      const auto fault = std::find_if(sets.begin(), sets.end(), [&](const Candidate& c) {
         return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
       });
       const auto heard = [&](const Candidate& c) { return same(c.choices, fault->choices); };
-      if (fault != all_.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
+      if (fault != sets.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
     }
     return field;
   }
@@ -190,9 +188,8 @@ class Search {
   /// More of what the baseline leaves above the sensor's noise is closed than stays open. A small part of a disturbance
   /// that comes from elsewhere can be followed by a force of the motion, beyond what a test of chance would allow.
   bool explains_most(const Candidate& chosen) const {
-    const double noise = study_.sensor_noise() / study_.measured_std();
     return !std::isfinite(result_.baseline.left_out_gap) ||
-           closed_share(result_.baseline.left_out_gap, chosen.left_out_gap, noise) > 0.5;
+           closed_share(result_.baseline.left_out_gap, chosen.left_out_gap, study_.noise_gap()) > 0.5;
   }
 
   bool earns(const Candidate& without, const Candidate& with) const {
@@ -270,10 +267,7 @@ class Search {
   static bool related(const Choices& a, const Choices& b) {
     for (const auto& x : a)
       for (const auto& y : b)
-        for (const auto& [one, other] : {std::make_pair(x.effect, y.effect), std::make_pair(y.effect, x.effect)})
-          if (std::find(one->special_case_of.begin(), one->special_case_of.end(), other->name) !=
-              one->special_case_of.end())
-            return true;
+        if (x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect)) return true;
     return false;
   }
 
@@ -335,7 +329,6 @@ class Search {
   const Study& study_;
   const Model& model_;
   const std::function<void(const std::string&, double)>& progress_;
-  std::vector<Candidate> all_;
   SearchResult result_;
 };
 

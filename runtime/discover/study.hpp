@@ -25,8 +25,9 @@ struct Study {
   Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
 
   const std::string output() const { return imposed ? "F" : "y"; }
-  double measured_std() const;  ///< of the output, over the training records
-  double sensor_noise() const;  ///< of the output, over the training records
+  double measured_std() const;                                          ///< of the output, over the training records
+  double sensor_noise() const;                                          ///< of the output, over the training records
+  double noise_gap() const { return sensor_noise() / measured_std(); }  ///< what the sensor alone leaves
 };
 
 /// A record without a force whose motion dies away gets F = 0. Cuts the holdout, checks the records (rows, motion,

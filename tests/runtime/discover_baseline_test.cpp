@@ -13,17 +13,9 @@ namespace lunid {
 namespace {
 
 using testing::baseline;
+using testing::channel;
 using testing::record_of;
 using testing::small_catalogue;
-
-Channel channel(const std::string& name, const std::string& unit, const std::vector<double>& values) {
-  Channel c;
-  c.name = c.source = name;
-  c.unit = unit;
-  c.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-  c.noise = noise_level(values);
-  return c;
-}
 
 /// A free decay of the truth (k = 1, zeta = 0.02, k3 = 0.1) from x0, 1 % noise; y alone, in `unit`.
 Record decay(double x0, std::uint64_t seed, const std::string& unit) {

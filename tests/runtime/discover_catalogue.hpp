@@ -34,15 +34,16 @@ inline std::vector<Effect> small_catalogue(Pool& pool) {
           entry(pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)", {row("coulomb_friction_Fc", 0)})};
 }
 
+inline Channel channel(const std::string& name, const std::string& unit, const std::vector<double>& values) {
+  Channel c;
+  c.name = c.source = name;
+  c.unit = unit;
+  c.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  c.noise = noise_level(values);
+  return c;
+}
+
 inline Record record_of(const truth::Columns& columns, const std::string& name) {
-  auto channel = [](const char* name, const char* unit, const std::vector<double>& values) {
-    Channel c;
-    c.name = c.source = name;
-    c.unit = unit;
-    c.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-    c.noise = noise_level(values);
-    return c;
-  };
   return Record(name, columns.t.front(),
                 (columns.t.back() - columns.t.front()) / static_cast<double>(columns.t.size() - 1),
                 {channel("F", "N", columns.F), channel("y", "m", columns.y)});

@@ -132,6 +132,8 @@ TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
   const Discovery d = discover(model, {stop}, {record_of(records.train, "train")}, {record_of(records.test, "test")});
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
   EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_GT(d.gap_left_out_before, 0.1);  // measured where no set is left to be judged, too
+  EXPECT_EQ(d.gap_left_out_after, d.gap_left_out_before);
 }
 
 TEST(Discovery, JsonKeepsItsContract) {
