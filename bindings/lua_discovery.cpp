@@ -314,6 +314,7 @@ void push_options(lua_State* L, const ExperimentOptions& o) {
   set_number(L, "duration", o.duration);
   set_number(L, "rate", o.rate);
   set_number(L, "noise", o.noise);
+  set_text(L, "measured", o.measured);
 }
 
 /// discovery.json, without the time that it took: the same run gives the same bits.
@@ -339,6 +340,8 @@ int get(lua_State* L) {
     push_json(L, data_of(found));
   else if (key == "json")
     push_text(L, data_of(found).dump(1) + "\n");
+  else if (key == "output")
+    push_text(L, found.output);
   else if (key == "seconds")
     lua_pushnumber(L, found.seconds);
   else if (key == "comparisons")
@@ -361,9 +364,10 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a discovery has no '" + key +
-                       "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json "
-                       "seconds comparisons map; methods: save next_experiment)");
+      throw InputError(
+          "a discovery has no '" + key +
+          "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json output "
+          "seconds comparisons map; methods: save next_experiment)");
     }
   }
   return 1;

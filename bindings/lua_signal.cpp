@@ -206,7 +206,7 @@ int record_of_columns(lua_State* L) {
     channels.push_back(std::move(channel));
   });
   const Record record(check_string(L, 1), check_number(L, 2), check_number(L, 3), std::move(channels));
-  push<Record>(L, record.has("y") ? derive_motion(record) : record);
+  push<Record>(L, has_motion(record) ? derive_motion(record) : record);
   return 1;
 }
 

@@ -70,6 +70,7 @@ ExperimentOptions read_experiment(lua_State* L, int index) {
   o.duration = number_field(L, index, "duration").value_or(0);
   o.rate = number_field(L, index, "rate").value_or(0);
   o.noise = number_field(L, index, "noise").value_or(0);
+  o.measured = string_field(L, index, "measured").value_or("y");
   o.seed = runtime(L).seed;
   o.threads = runtime(L).threads;
   for (const FunctionPtr& function : runtime(L).pool()->functions())

@@ -96,8 +96,10 @@ local design_experiment = schema.define({
       help = "what the machine can do: { force = largest [N], displacement = largest [m], frequency = { lowest, highest } [Hz] }" },
     { "duration", types.number { above = 0 }, unit = "s", help = "else 16 periods of the lowest frequency" },
     { "rate", types.number { above = 0 }, unit = "Hz", help = "else 20 rows in a period of the highest frequency" },
-    { "noise", types.number { above = 0 }, unit = "m",
-      help = "standard deviation of the measured displacement's noise; of the force's where the motion is imposed" },
+    { "measured", types.choice { "y", "v", "a" },
+      help = "of each coordinate: displacement, velocity or acceleration; else what the discovery's records had, or y" },
+    { "noise", types.number { above = 0 },
+      help = "standard deviation of the noise of what is measured, in SI; of the force's where the motion is imposed" },
   },
   returns = "experiment_design",
   example = [[local next = lunid.design_experiment { models = { a, b }, limits = { force = 40, displacement = 0.005,
@@ -120,6 +122,7 @@ next.excitation:save "next.csv"]],
   limits.duration = choose(given, "duration", same, 16 / limits.from)
   limits.rate = choose(given, "rate", same, 20 * limits.to)
   limits.noise = choose(given, "noise", same)
+  limits.measured = given.measured or same.measured or "y"
   return experiment.wrap(core.design_experiment(models, names, limits))
 end)
 

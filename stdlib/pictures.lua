@@ -9,10 +9,10 @@ local time = { name = "time", unit = "s" }
 local displacement = { name = "displacement", unit = "m" }
 local velocity = { name = "velocity", unit = "m/s" }
 
---- What the gap is about: displacement, or force where the motion is imposed.
-local function output_axis(found)
-  return found.model.imposed_motion and { name = "force", unit = "N" } or displacement
-end
+local output_axes = { y = displacement, v = { name = "velocity", unit = "m/s" },
+  a = { name = "acceleration", unit = "m/s^2" }, F = { name = "force", unit = "N" } }
+--- What the gap is about.
+local function output_axis(found) return output_axes[found.output] end
 
 --- "free run", or what stands in its place where the motion is imposed.
 local function run_words(found) return found.model.imposed_motion and "along the motion" or "free run" end

@@ -108,7 +108,8 @@ local fit_trajectory = schema.define({
       required = true, help = "one record or several" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
     { "channels", types.list(types.string, 1),
-      help = "the displacements and velocities to fit, each weighted by its noise; else the displacements" },
+      help = "the displacements, velocities and accelerations to fit, each weighted by its noise; else of each coordinate "
+        .. "what was measured: y, or v or a where that alone was" },
     { "separate", types.list(types.string, 1), help = "names of parameters that each record has for itself" },
     { "loss", types.choice { "squared", "huber" }, default = "squared",
       help = "'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull" },

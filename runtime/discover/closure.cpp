@@ -122,6 +122,7 @@ void fit_closure(const Study& study, const Candidate& candidate, Closure& closur
   options.max_iterations = 12;
   options.tolerance = 1e-3;
   options.substeps = candidate.whitened.substeps;
+  options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(closure.system->parameters());
   start.head(candidate.parameters()) = candidate.fit.theta;

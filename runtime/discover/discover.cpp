@@ -55,7 +55,8 @@ class Spine {
  private:
   /// What generic forces of the motion would explain beside a model, and whether that counts.
   struct Left {
-    Gap gap;  ///< of the model itself over the training records
+    std::vector<FreeRun> train;  ///< of the model itself over the training records
+    Gap gap;
     Closure closure;
     bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
     bool material = false;  ///< and it is more than what is asked of an effect
@@ -66,6 +67,7 @@ class Spine {
   struct Round {
     SearchResult found;
     Left left;
+    std::vector<FreeRun> train;  ///< of the chosen model over the training records
     std::string verdict, withdrawn;
     bool names() const { return !found.chosen.choices.empty(); }
   };
@@ -244,6 +246,7 @@ class Spine {
       FitOptions options = fit_options(6);
       options.tolerance = 1e-4;
       options.substeps = chosen.fit.substeps;
+      options.first_states = chosen.fit.segments;
       const FitResult fit = fit_trajectory(*chosen.system, chosen.fit.theta, study_.train, options);
       if (fit.cost < needed * cost) {
         cost = fit.cost;
@@ -257,18 +260,22 @@ class Spine {
   // ---- verdict ----
   Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
     Left left;
-    left.gap = pool_gap(runs(c, study_.full), 0);
+    left.train = runs(c, study_.full);
+    left.gap = pool_gap(left.train, 0);
     left.closure = test_closure(study_, c, whitening);
     if (!(left.closure.p_value < options_.alpha / 10)) return left;
     fit_closure(study_, c, left.closure);
     if (!std::isfinite(left.closure.fit.cost)) return left;
     const Gap& now = left.gap;
-    const Gap with = pool_gap(runs(*left.closure.system, left.closure.fit, study_.full), 0);
+    const auto with_closure = [&](bool floor) {
+      return pool_gap(runs(*left.closure.system, left.closure.fit, study_.full, floor), 0);
+    };
+    const Gap with = with_closure(false);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
     // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
     const bool above = !(now.value <= now.floor + 2 * now.floor_std);
     left.material = left.seen && above && left.closure.gain > options_.minimum_gain;
-    left.whole = left.material && with.value < 1.5 * with.floor;
+    left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
     return left;
   }
 
@@ -278,11 +285,13 @@ class Spine {
   void decide(Round& round) const {
     SearchResult& found = round.found;
     round.left = look_for_structure(found.chosen, found.whitening);
+    round.train = round.left.train;
     if (!round.names()) {
       round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
     } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
                closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study_.noise_gap()) < 0.95) {
       withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.shape);
+      round.train = runs(found.chosen, study_.full);
       round.verdict = "unknown-effect";
     } else {
       round.verdict = found.ties.empty() ? "explained" : "ambiguous";
@@ -331,42 +340,49 @@ class Spine {
     found.aliases.clear();
   }
 
-  std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records) const {
+  std::vector<FreeRun> runs(const System& system, const FitResult& fit, const std::vector<Record>& records,
+                            bool floor = true) const {
     std::vector<FreeRun> out;
-    for (const auto& r : records) out.push_back(free_run(study_, system, fit.theta, r, std::max(1, fit.substeps)));
+    for (const auto& r : records)
+      out.push_back(free_run(study_, system, fit.theta, r, std::max(1, fit.substeps), floor));
     return out;
   }
-  std::vector<FreeRun> runs(const Candidate& c, const std::vector<Record>& records) const {
-    return runs(*c.system, c.fit, records);
+  std::vector<FreeRun> runs(const Candidate& c, const std::vector<Record>& records, bool floor = true) const {
+    return runs(*c.system, c.fit, records, floor);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
   void validate_on_test(Round& round) {
     SearchResult& found = round.found;
-    const auto& train = study_.full;
-    auto before_test = runs(found.baseline, study_.test), after_test = runs(found.chosen, study_.test);
-    if (!found.chosen.choices.empty()) {
-      out_.test_p_value = test_p_value(before_test, after_test);
-      const std::string fault = refuted(round.left, before_test, after_test);
-      if (!fault.empty()) {
-        out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": the name is withdrawn");
-        const bool patched = round.left.seen;
-        withdraw(round, "not confirmed by the test record");
-        after_test = before_test;
-        round.left = look_for_structure(found.baseline, found.whitening);
-        const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test, 0));
-        round.verdict = open ? "unknown-effect" : "nothing-missing";
-      }
-    } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test, 0))) {
+    after_test_ = runs(found.chosen, study_.test);
+    before_test_ = round.names() ? runs(found.baseline, study_.test, false) : after_test_;
+    if (round.names()) {
+      out_.test_p_value = test_p_value(before_test_, after_test_);
+      const std::string fault = refuted(round.left, before_test_, after_test_);
+      if (!fault.empty()) take_back(round, fault);
+    } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test_, 0))) {
       round.verdict = "unknown-effect";
     }
-    const auto before_train = runs(found.baseline, train), after_train = runs(found.chosen, train);
-    const double share = input_noise_share(after_train);
-    out_.baseline_train = pool_gap(before_train, share);
-    out_.baseline_test = pool_gap(before_test, share);
-    out_.final_train = pool_gap(after_train, share);
-    out_.final_test = pool_gap(after_test, share);
-    name_steps(found, train, share);
+    after_train_ = round.train;
+    before_train_ = round.names() ? runs(found.baseline, study_.full, false) : after_train_;
+    share_ = input_noise_share(after_train_);
+    out_.baseline_train = pool_gap(before_train_, share_);
+    out_.baseline_test = pool_gap(before_test_, share_);
+    out_.final_train = pool_gap(after_train_, share_);
+    out_.final_test = pool_gap(after_test_, share_);
+    name_steps(found);
+  }
+
+  void take_back(Round& round, const std::string& fault) {
+    SearchResult& found = round.found;
+    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": the name is withdrawn");
+    const bool patched = round.left.seen;
+    withdraw(round, "not confirmed by the test record");
+    before_test_ = after_test_ = runs(found.baseline, study_.test);
+    round.left = look_for_structure(found.baseline, found.whitening);
+    round.train = round.left.train;
+    const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test_, 0));
+    round.verdict = open ? "unknown-effect" : "nothing-missing";
   }
 
   /// Why the test record takes the names back; empty when it does not.
@@ -400,7 +416,7 @@ class Spine {
     return p_value_of_lower_error(a, b, bootstrap_block(study_), options_.seed);
   }
 
-  void name_steps(const SearchResult& found, const std::vector<Record>& train, double share) {
+  void name_steps(const SearchResult& found) {
     for (std::size_t i = 0; i < found.steps.size(); ++i) {
       const Candidate& model = found.steps[i];
       const Effect& effect = *found.order[i].effect;
@@ -411,10 +427,11 @@ class Spine {
       named.sentence = effect.sentence;
       named.where = describe_residual(study_, i == 0 ? found.baseline : found.steps[i - 1], found.chosen);
       named.parameters = own_parameters(found.chosen, effect);
-      named.gap_train = pool_gap(runs(model, train), share).value;
-      named.gap_test = pool_gap(runs(model, study_.test), share).value;
+      const bool last = i + 1 == found.steps.size();
+      named.gap_train = last ? out_.final_train.value : pool_gap(runs(model, study_.full, false), share_).value;
+      named.gap_test = last ? out_.final_test.value : pool_gap(runs(model, study_.test, false), share_).value;
       named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
-      if (i + 1 == found.steps.size()) {
+      if (last) {
         named.indistinguishable = found.ties;
         named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
       }
@@ -462,11 +479,14 @@ class Spine {
     }
     design_next(found);
     check_by_sundials(found.chosen);
-    for (const auto& r : study_.full)
-      out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "train"));
-    for (const auto& r : study_.test)
-      out_.comparisons.push_back(compare(study_, found.baseline, found.chosen, r, "test"));
+    for (std::size_t i = 0; i < study_.full.size(); ++i)
+      out_.comparisons.push_back(
+          compare(study_, found.baseline, found.chosen, study_.full[i], before_train_[i], after_train_[i], "train"));
+    for (std::size_t i = 0; i < study_.test.size(); ++i)
+      out_.comparisons.push_back(
+          compare(study_, found.baseline, found.chosen, study_.test[i], before_test_[i], after_test_[i], "test"));
     out_.map = residual_map(study_, found.baseline, found.chosen);
+    out_.output = study_.output();
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
     out_.solver =
         study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
@@ -531,7 +551,11 @@ class Spine {
     const Run reference = simulate(*c.system, theta, part, segment.x0, options);
     out_.check_solver = reference.summary.solver;
     if (fast.summary.completed && reference.summary.completed)
-      out_.check_error = (fast.x.col(0) - reference.x.col(0)).cwiseAbs().maxCoeff() / study_.measured_std();
+      out_.check_error =
+          (shown(*c.system, theta, fast, study_.output()) - shown(*c.system, theta, reference, study_.output()))
+              .cwiseAbs()
+              .maxCoeff() /
+          study_.measured_std();
     else
       out_.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
   }
@@ -600,6 +624,8 @@ class Spine {
   Model model_;
   Study study_;
   Candidate baseline_;
+  std::vector<FreeRun> before_train_, after_train_, before_test_, after_test_;  ///< of baseline and final model
+  double share_ = 0;  ///< of the force channel's noise, that the system did not feel
   Discovery out_;
 };
 

@@ -30,8 +30,9 @@ void validate(const DiscoverOptions& options);
 /// Throws InputError for a model that discovery does not look at: several coordinates, a delay, inputs other than F.
 void check_baseline(const Model& baseline);
 
-/// A gap: RMSE of the free-run displacement over the standard deviation of the measured one, never re-initialised;
-/// with imposed motion that of the force. NaN where the run exploded (stopped_at, cause).
+/// A gap: RMSE of the free-run displacement (velocity or acceleration where that alone was measured) over the standard
+/// deviation of the measured one, never re-initialised; with imposed motion that of the force. NaN where the run
+/// exploded (stopped_at, cause).
 struct Gap {
   double value = 0;
   double floor = 0;  ///< what sensor noise, input noise and first-state error alone leave
@@ -43,7 +44,7 @@ struct Gap {
 /// A measured record beside the free runs of baseline and final model, for figures and reports. All in SI.
 struct Comparison {
   std::string record, role;                         ///< path; "train" or "test"
-  Eigen::VectorXd t, measured, baseline, final;     ///< displacement (force with imposed motion); NaN in the lead-in
+  Eigen::VectorXd t, measured, baseline, final;     ///< of Discovery::output; NaN in the lead-in
   Eigen::VectorXd y, v;                             ///< measured motion, smoothed
   Eigen::VectorXd residual_before, residual_after;  ///< force that the model leaves unexplained [N]
   Eigen::VectorXd named_force;                      ///< the named effects' force along the measured motion [N]
@@ -108,6 +109,7 @@ struct Discovery {
   std::vector<Removable> removable;   ///< terms of the baseline that these records do not need
   ExperimentDesign experiment;        ///< what would tell an ambiguous class apart; else empty
   ExperimentOptions same_experiment;  ///< limits, rate and noise as these records had them
+  std::string output = "y";           ///< what free runs are held against: y, or v or a alone; F with imposed motion
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

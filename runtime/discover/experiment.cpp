@@ -116,10 +116,14 @@ class Designer {
     if (!out.completed) return out;
     std::vector<Channel> channels = driven.channels();
     for (int i = 0; i < model.degrees(); ++i) {
+      const char measured = options_.measured[0];
       channels.push_back(channel(model.channel('y', i),
-                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)), options_.noise,
+                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)),
+                                 measured == 'y' ? options_.noise : 0, Interpolation::cubic));
+      channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), measured == 'v' ? options_.noise : 0,
                                  Interpolation::cubic));
-      channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), 0, Interpolation::cubic));
+      channels.push_back(
+          channel(model.channel('a', i), run.a.col(i), measured == 'a' ? options_.noise : 0, Interpolation::cubic));
     }
     out.record = Record(driven.name(), 0, base_.dt, std::move(channels));
     return out;
@@ -197,6 +201,8 @@ class Designer {
     options.max_iterations = 30;
     options.tolerance = 1e-4;
     options.cancelled = options_.cancelled;
+    for (int i = 0; !imposed_ && i < b.system->degrees(); ++i)
+      options.channels.push_back(b.system->model().channel(options_.measured[0], i));
     const FitResult fit = fit_trajectory(*b.system, b.theta, {data}, options);
     if (!std::isfinite(fit.cost)) return INFINITY;
     return std::sqrt(fit.cost / static_cast<double>(std::max<Index>(1, fit.rows))) / options_.noise;
@@ -293,6 +299,8 @@ void validate(const ExperimentOptions& o, bool imposed) {
   if (!(o.duration * o.limits.from >= 5))
     refuse("duration", ">= " + number(5 / o.limits.from) + " s, five periods of limits.frequency[1]", o.duration);
   if (o.duration * o.rate > 1e6) refuse("duration", "at most 1e6 rows", o.duration * o.rate);
+  if (o.measured != "y" && o.measured != "v" && o.measured != "a")
+    throw InputError("design_experiment: measured: expected y, v or a, got '" + o.measured + "'", {}, Fault::usage);
   if (!(o.noise > 0 && std::isfinite(o.noise))) refuse("noise", "> 0", o.noise);
   if (o.threads < 0) refuse("threads", ">= 0", o.threads);
 }

@@ -20,9 +20,10 @@ struct ExperimentLimits {
 
 struct ExperimentOptions {
   ExperimentLimits limits;
-  double duration = 0;  ///< [s], at least five periods of limits.from
-  double rate = 0;      ///< [Hz], at least eight rows in a period of limits.to
-  double noise = 0;     ///< standard deviation of each measured displacement [m] (imposed motion: force [N]), > 0
+  double duration = 0;         ///< [s], at least five periods of limits.from
+  double rate = 0;             ///< [Hz], at least eight rows in a period of limits.to
+  std::string measured = "y";  ///< of each coordinate: its displacement y, velocity v or acceleration a
+  double noise = 0;            ///< standard deviation of what is measured [SI] (imposed motion: force [N]), > 0
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
   const std::atomic<bool>* cancelled = nullptr;
@@ -60,7 +61,7 @@ struct ExperimentDesign {
 /// Runs every rival under every excitation of the family, at the highest level that the limits allow and at parts of
 /// it, and scores them by T-optimality: the least squared difference between one rival's motion and the other's best
 /// refit to it (Atkinson & Fedorov 1975, Biometrika 62, 57). The force acts on the first driven coordinate; all
-/// displacements are measured. Changes the models' pool: main thread only. Throws InputError for fewer than two models,
+/// coordinates are measured. Changes the models' pool: main thread only. Throws InputError for fewer than two models,
 /// for a parameter without a value, and for free and imposed motion together.
 ExperimentDesign design_experiment(const std::vector<Model>& rivals, const std::vector<std::string>& names,
                                    const ExperimentOptions& options);

@@ -17,11 +17,11 @@ constexpr int most_substeps = 32;
 
 /// Squared change of what is shown after the lead-in, under another force or first state; NaN where the run stops.
 double squared_change(const System& system, std::span<const double> theta, const Excitations& excitation,
-                      const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index rows,
+                      const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index rows, const std::string& channel,
                       const SimulateOptions& options) {
   const Run run = simulate(system, theta, excitation, x0, options);
   if (!run.summary.completed) return NAN;
-  return (shown(system, theta, run) - shown(system, theta, nominal)).tail(rows).squaredNorm();
+  return (shown(system, theta, run, channel) - shown(system, theta, nominal, channel)).tail(rows).squaredNorm();
 }
 
 /// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
@@ -42,7 +42,7 @@ double input_noise_squares(const Study& study, const System& system, const Eigen
                            data.excitation.interpolation());
     const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
     squares += squared_change(system, values, data.excitation.replaced("F", noisy), x0, nominal, record.rows() - lead,
-                              options);
+                              study.output(), options);
   }
   return std::isfinite(squares) ? squares / draws : 0;
 }
@@ -62,7 +62,7 @@ void add_drawn_states(const Study& study, const System& system, const Eigen::Vec
     Eigen::VectorXd step(lengths.size());
     for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = lengths[i] * random.normal();
     const double change = squared_change(system, values, data.excitation, state.x0 + parts.eigenvectors() * step,
-                                         nominal, out.rows, options);
+                                         nominal, out.rows, study.output(), options);
     if (!std::isnan(change)) squares.push_back(change);
   }
   if (squares.empty()) return;
@@ -73,13 +73,14 @@ void add_drawn_states(const Study& study, const System& system, const Eigen::Vec
 
 void add_floor(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
                const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
-  const double noise = data.record.channel("y").noise;
+  const double noise = data.record.channel(study.output()).noise;
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
   const auto sensitivities = simulate_sensitivities(system, values, data.excitation, state.x0, options);
   if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
-    const Eigen::MatrixXd d =
-        shown_slopes(system, values, sensitivities).rightCols(system.states()).bottomRows(out.rows);
+    const Eigen::MatrixXd d = shown_slopes(system, values, data.excitation, sensitivities, study.output())
+                                  .rightCols(system.states())
+                                  .bottomRows(out.rows);
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
     const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;
@@ -124,7 +125,7 @@ Eigen::Index lead_in(const Record& record, double omega) {
 }
 
 FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
-                 int substeps) {
+                 int substeps, bool floor) {
   FreeRun out;
   out.lead = lead_in(record, study.omega);
   out.rows = record.rows() - out.lead;
@@ -148,15 +149,15 @@ FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd
       run = simulate(system, values, data.excitation, state.x0, options);
       if (run.summary.completed) break;
     }
-    out.model = shown(system, values, run);
+    out.model = shown(system, values, run, study.output());
     if (!run.summary.completed) {
       out.stopped_at = run.summary.stopped_at;
       out.cause = run.summary.cause;
-    } else {
+    } else if (floor) {
       add_floor(study, system, theta, data, state, run, options, out);
     }
   }
-  const auto channel = record[imposed ? "F" : "y"];
+  const auto channel = record[study.output()];
   const Eigen::Map<const Eigen::VectorXd> measured(channel.data(), record.rows());
   const Eigen::VectorXd tail = measured.tail(out.rows);
   out.squares = (tail - out.model.tail(out.rows)).squaredNorm();

@@ -10,7 +10,7 @@ Eigen::Index lead_in(const Record& record, double omega);
 /// One record beside the free run of a model.
 struct FreeRun {
   Eigen::Index lead = 0;
-  Eigen::VectorXd model;      ///< displacement (force with imposed motion); NaN in the lead-in and after a stop
+  Eigen::VectorXd model;      ///< of Study::output; NaN in the lead-in and after a stop
   double squares = 0;         ///< sum of squared errors after the lead-in; NaN when the run stopped
   double variance = 0;        ///< sum of squared deviations of the measured output from its mean, same rows
   double floor_squares = 0;   ///< what sensor noise and first-state error alone would leave
@@ -20,8 +20,9 @@ struct FreeRun {
   double stopped_at = 0;
   std::string cause;
 };
+/// `floor`: what noise alone would leave is asked too, at the cost of several runs.
 FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
-                 int substeps);
+                 int substeps, bool floor = true);
 
 /// Pooled gap over records. `input_share`: the part of the force channel's noise that the system did not feel, 0..1.
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);

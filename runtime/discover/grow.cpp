@@ -17,11 +17,13 @@ constexpr int beam = 2;                // sets that grow by one more effect for 
 constexpr std::size_t force_beam = 3;  // and for what they explain of the force, one each of 1, 2 and more parameters
 constexpr int refined = 24;            // proposals whose shape parameters are refined on the force
 constexpr int later_refined = 12;
-constexpr int per_size = 3;      // proposals of one number of parameters that are run
-constexpr int first_runs = 4;    // the best proposals that are run in any case
-constexpr int later_runs = 6;    // the same of sets of two and more
-constexpr int long_fits = 5;     // sets that are fitted to the end
-constexpr int promising = 3;     // and those that explain most of the force
+constexpr int per_size = 3;    // proposals of one number of parameters that are run
+constexpr int first_runs = 4;  // the best proposals that are run in any case
+constexpr int later_runs = 6;  // the same of sets of two and more
+constexpr int heavy_runs = 3;  // beside an entry of many states
+constexpr int long_fits = 5;   // sets that are fitted to the end
+constexpr int promising = 3;   // and those that explain most of the force
+constexpr std::size_t most_states = 4;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 4;        // the same as far as their shape parameters are refined
 constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
@@ -157,7 +159,7 @@ class Grower {
     std::iota(order.begin(), order.end(), std::size_t{0});
     each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
     if (size == 1 && memory_comes_near(offers)) {
-      run_shapes(many_states);
+      run_shapes([](const Shape& shape) { return many_states(shape); });
       each(order, [&](Offer& o) {
         if (many_states(*o.standing.shape)) o.standing = proposer_.score(*o.standing.shape, *o.space);
       });
@@ -233,6 +235,7 @@ class Grower {
     std::vector<std::size_t> list;
     std::vector<int> count(9, 0);
     std::vector<Choices> seen;
+    int heavy = 0;
     const int always = size == 1 ? first_runs : later_runs;
     const double plainly = plain_limit(offers, order);
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
@@ -246,6 +249,7 @@ class Grower {
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
       if (many_states(*o.standing.shape) && o.standing.cost > as_good * offers[order.front()].standing.cost) continue;
+      if (many_states(o.parent->choices) && ++heavy > heavy_runs) continue;
       if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
       ++count[parameters];
       seen.push_back(std::move(set));
@@ -255,7 +259,10 @@ class Grower {
   }
 
   /// Free runs of such an entry cost more than those of all others together.
-  static bool many_states(const Shape& shape) { return shape.system->model().states.size() > 4; }
+  static bool many_states(const Shape& shape) { return shape.system->model().states.size() > most_states; }
+  static bool many_states(const Choices& set) {
+    return std::any_of(set.begin(), set.end(), [](const Choice& c) { return c.effect->states.size() > most_states; });
+  }
 
   /// The misfit of the second best on the force as it is; those are run in any case.
   static double plain_limit(const std::vector<Offer>& offers, const std::vector<std::size_t>& order) {
@@ -266,10 +273,11 @@ class Grower {
     return all.empty() ? -1 : all[std::min<std::size_t>(1, all.size() - 1)];
   }
 
-  // ---- faults of channels: no force to be proposed, but few, and fitted in any case ----
+  // ---- faults of channels: no force to be proposed, but few, and fitted beside all that runs fast ----
   void add_faults(const std::vector<Candidate>& parents, int size, std::vector<Candidate>& level,
                   std::vector<const Candidate*>& parent_of) {
     const Candidate& parent = parents.front();
+    if (many_states(parent.choices)) return;
     std::vector<Candidate> found;
     std::vector<std::vector<Guess>> guesses;
     for (const auto& fault : faults_) {
@@ -283,7 +291,10 @@ class Grower {
     std::vector<std::uint8_t> there(found.size(), 0);
     parallel_for(static_cast<int>(found.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
-      find_starts(study_, found[k], theta_of(parent), {guesses[k]});
+      if (size > 1 && parent.ran())
+        start_beside(study_, found[k], parent, guesses[k]);
+      else
+        find_starts(study_, found[k], theta_of(parent), {guesses[k]});
       there[k] = !found[k].starts.empty() && shows_beside(study_, found[k], parent);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -373,8 +384,8 @@ class Grower {
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end_fit(Candidate& c) const {
     if (c.ran()) {
-      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps());
-      if (further.cost < c.fit.cost) c.fit = std::move(further);  // its first states begin anew: it may end elsewhere
+      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(), c.fit.segments);
+      if (further.cost < c.fit.cost) c.fit = std::move(further);
     }
     const double promised = std::sqrt(c.force_cost / static_cast<double>(proposer_.rows()));
     if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
@@ -452,10 +463,11 @@ bool within(const Choices& part, const Choices& whole) {
 }
 
 FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
-                   int substeps) {
+                   int substeps, const std::vector<FitSegment>& first_states) {
   FitOptions options;
   options.max_iterations = iterations;
   options.tolerance = 1e-4;
+  options.first_states = first_states;
   options.substeps = substeps;
   options.cancelled = study.options->cancelled;
   return fit_trajectory(*candidate.system, start, study.train, options);

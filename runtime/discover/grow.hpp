@@ -28,6 +28,6 @@ bool within(const Choices& part, const Choices& whole);
 
 /// Fits a set from a start that is near already. `substeps`: 0 chooses them anew.
 FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
-                   int substeps);
+                   int substeps, const std::vector<FitSegment>& first_states = {});
 
 }  // namespace lunid

@@ -10,32 +10,7 @@ namespace lunid {
 
 namespace {
 
-Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts) {
-  Eigen::Index rows = 0;
-  for (const auto& p : parts) rows += p.size();
-  Eigen::VectorXd out(rows);
-  Eigen::Index at = 0;
-  for (const auto& p : parts) {
-    out.segment(at, p.size()) = p;
-    at += p.size();
-  }
-  return out;
-}
-
 std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
-/// Leaves a part out. The lead-in stays, since the first state is estimated there.
-std::vector<FitData> without_part(const Study& study, int part, int parts) {
-  std::vector<FitData> out = study.train;
-  for (auto& data : out) {
-    const Eigen::Index lead = lead_in(data.record, study.omega);
-    const Eigen::Index rows = data.record.rows();
-    data.use.assign(static_cast<std::size_t>(rows), 1);
-    for (Eigen::Index i = lead; i < rows; ++i)
-      if (part_of(i, rows, parts) == part) data.use[static_cast<std::size_t>(i)] = 0;
-  }
-  return out;
-}
 
 /// Parameters of the whitened fit are kept where they raise the error of the free run by no more than this factor. A
 /// model that lacks something has no noise to whiten: it is shown at its least error.
@@ -55,9 +30,16 @@ double whitened_cost(const FitResult& fit, const Whitening& whitening) {
 
 }  // namespace
 
-int part_of(Eigen::Index row, Eigen::Index rows, int parts) {
-  constexpr Eigen::Index pieces = 3;
-  return static_cast<int>((row * parts * pieces / rows) % parts);
+Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts) {
+  Eigen::Index rows = 0;
+  for (const auto& p : parts) rows += p.size();
+  Eigen::VectorXd out(rows);
+  Eigen::Index at = 0;
+  for (const auto& p : parts) {
+    out.segment(at, p.size()) = p;
+    at += p.size();
+  }
+  return out;
 }
 
 double squared_error(const FitResult& fit) {
@@ -98,7 +80,9 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   if (!candidate.ran()) return;
   FitOptions options;
   options.max_iterations = iterations;
+  options.tolerance = 1e-6;
   options.whitening = whitening;
+  options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
   if (!(whitened.cost <= tolerable_loss * whitened_cost(candidate.fit, whitening))) whitened = candidate.fit;
@@ -121,31 +105,6 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.substeps = candidate.whitened.substeps;
   FitResult plain = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
   if (plain.cost <= tolerable_loss * squared_error(candidate.fit)) candidate.fit = std::move(plain);
-}
-
-void run_left_out(const Study& study, Candidate& candidate) {
-  candidate.left_out_gap = INFINITY;
-  if (!candidate.ran()) return;
-  const int parts = study.options->blocks;
-  std::vector<Eigen::VectorXd> residual;
-  for (const auto& data : study.train) residual.push_back(Eigen::VectorXd::Zero(data.record.rows()));
-  for (int part = 0; part < parts; ++part) {
-    const auto data = without_part(study, part, parts);
-    FitOptions options;
-    options.max_iterations = 6;
-    options.tolerance = 1e-4;
-    options.substeps = candidate.fit.substeps;
-    options.cancelled = study.options->cancelled;
-    const FitResult fit = fit_trajectory(*candidate.system, candidate.fit.theta, data, options);
-    if (!std::isfinite(fit.cost)) return;
-    for (std::size_t r = 0; r < data.size(); ++r)
-      for (Eigen::Index i = 0; i < residual[r].size(); ++i)
-        if (!data[r].use[static_cast<std::size_t>(i)]) residual[r][i] = fit.residual[r][i];
-  }
-  candidate.left_out = join(residual);
-  candidate.left_out_gap =
-      std::sqrt(candidate.left_out.squaredNorm() / static_cast<double>(candidate.left_out.size())) /
-      study.measured_std();
 }
 
 double improvement_p_value(const Candidate& smaller, const Candidate& larger) {

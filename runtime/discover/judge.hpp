@@ -20,7 +20,11 @@ int part_of(Eigen::Index row, Eigen::Index rows, int parts);
 double squared_error(const FitResult& fit);
 double rms_error(const FitResult& fit);
 
-/// Refits without each of options->blocks interleaved parts of the training records and fills left_out, left_out_gap.
+/// Columns of records, one after another.
+Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts);
+
+/// Fits anew without each of options->blocks interleaved parts of the training records, runs freely over them and fills
+/// left_out, left_out_gap (leave_out.cpp).
 void run_left_out(const Study& study, Candidate& candidate);
 
 /// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.

@@ -29,7 +29,7 @@ MatrixXd slopes(const Study& study, const System& system, const VectorXd& theta,
   options.cancelled = study.options->cancelled;
   const auto run = simulate_sensitivities(system, values, data.excitation, x0, options);
   if (!run.run.summary.completed) return {};
-  return shown_slopes(system, values, run).leftCols(theta.size() + fitted.size());
+  return shown_slopes(system, values, data.excitation, run, study.output()).leftCols(theta.size() + fitted.size());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ Eigen::VectorXd force_of(const Candidate& c, const Eigen::VectorXd& theta, const
   return imposed_force(*c.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
 }
 
-Eigen::Map<const Eigen::VectorXd> column(const Record& record, const char* name) {
+Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
   const auto x = record[name];
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
@@ -25,16 +25,17 @@ int bin_of(double x, double limit) {
   return std::clamp(static_cast<int>((x + limit) / (2 * limit) * cells), 0, cells - 1);
 }
 
-/// What smoothing makes of the reference's own run over a record: a residual force where there is none. `run` is its
-/// displacement; where it has no value (lead-in) the measured one stands in.
+/// What smoothing makes of the reference's own run over a record: a residual force where there is none. `run` is what
+/// it shows of the measured channel; where it has no value (lead-in) the measured one stands in.
 Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, const Record& record,
                                 const Eigen::VectorXd& run) {
   if (study.imposed) return Eigen::VectorXd::Zero(record.rows());
-  Channel y = record.channel("y");
-  y.values = column(record, "y");
-  for (Eigen::Index i = 0; i < y.values.size(); ++i)
-    if (std::isfinite(run[i])) y.values[i] = run[i];
-  const Record smooth = smooth_motion(record.with(y), smoothing_kernel(record));
+  Channel shown = record.channel(study.measured);
+  shown.values = column(record, study.measured);
+  for (Eigen::Index i = 0; i < shown.values.size(); ++i)
+    if (std::isfinite(run[i])) shown.values[i] = run[i];
+  const Record moved = with_motion(study, record.with(shown));
+  const Record smooth = smooth_motion(study, moved, smoothing_kernel(study, record));
   return column(smooth, "F") - force_of(reference, reference.fit.theta, smooth);
 }
 
@@ -46,7 +47,8 @@ Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, c
   const Eigen::VectorXd residual = column(smooth, "F") - force_of(candidate, candidate.fit.theta, smooth);
   if (study.imposed || !reference.ran()) return residual;
   const Record& record = study.train[index].record;
-  return residual - smoothing_error(study, reference, record, column(record, "y") - reference.fit.residual[index]);
+  return residual -
+         smoothing_error(study, reference, record, column(record, study.measured) - reference.fit.residual[index]);
 }
 
 std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference) {
@@ -88,16 +90,16 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
 }
 
 Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
-                   const std::string& role) {
+                   const FreeRun& baseline, const FreeRun& final, const std::string& role) {
   Comparison out;
   out.record = record.name();
   out.role = role;
   out.t.resize(record.rows());
   for (Eigen::Index i = 0; i < record.rows(); ++i) out.t[i] = record.time(i);
-  out.measured = column(record, study.imposed ? "F" : "y");
-  out.baseline = free_run(study, *before.system, before.fit.theta, record, before.fit.substeps).model;
-  out.final = free_run(study, *after.system, after.fit.theta, record, after.fit.substeps).model;
-  const Record smooth = study.imposed ? record : smooth_motion(record, smoothing_kernel(record));
+  out.measured = column(record, study.output());
+  out.baseline = baseline.model;
+  out.final = final.model;
+  const Record smooth = study.imposed ? record : smooth_motion(study, record, smoothing_kernel(study, record));
   out.y = column(smooth, "y");
   out.v = column(smooth, "v");
   const Eigen::VectorXd error = smoothing_error(study, after, record, out.final);

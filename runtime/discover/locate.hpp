@@ -1,6 +1,7 @@
 #pragma once
 // Where a model and its data disagree: on the force, along the measured motion.
 #include "discover/candidate.hpp"
+#include "discover/gap.hpp"
 
 namespace lunid {
 
@@ -20,6 +21,6 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
 
 /// Measured, baseline and final (the reference) runs and forces of one record, for figures.
 Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
-                   const std::string& role);
+                   const FreeRun& baseline, const FreeRun& final, const std::string& role);
 
 }  // namespace lunid

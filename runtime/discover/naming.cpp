@@ -146,7 +146,21 @@ class Resampler {
                                                            : vuong(all, best, i, rows) < vuong_level;
       if (stays && parameters(i) < parameters(pick)) pick = i;
     }
+    for (bool again = true; again;) {
+      again = false;
+      for (std::size_t i = 0; i < all.size() && !again; ++i)
+        if (i != pick && within(choices(i), choices(pick)) && !gains(all, i, pick)) {
+          pick = i;
+          again = true;
+        }
+    }
     return p_value(all, 0, pick, rows) > alpha ? 0 : pick;
+  }
+
+  /// The least gain that is asked of a larger set.
+  bool gains(const std::vector<Drawn>& all, std::size_t small, std::size_t large) const {
+    const double least = required_gain(study_, rms_error(finalists_[large].candidate->fit) / study_.measured_std());
+    return std::sqrt(all[large].cost) < (1 - least) * std::sqrt(all[small].cost);
   }
 
   const Study& study_;

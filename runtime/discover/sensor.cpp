@@ -58,6 +58,14 @@ bool shows_in_force(const Effect& effect) {
   });
 }
 
+/// A fault of a channel that the records do not hold cannot be seen.
+bool changes_unmeasured(const Study& study, const Effect& effect) {
+  return std::all_of(effect.variants.begin(), effect.variants.end(), [&](const EffectVariant& v) {
+    return std::any_of(v.measures.begin(), v.measures.end(),
+                       [&](const ChannelMap& map) { return map.channel != study.measured; });
+  });
+}
+
 }  // namespace
 
 bool is_physics(const Effect& effect) { return effect.family != "sensor" && effect.family != "input"; }
@@ -75,6 +83,8 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     });
     if (lacks != effect.channels.end())
       left.push_back(effect.name + " (no channel " + *lacks + ")");
+    else if (!study.imposed && changes_unmeasured(study, effect))
+      left.push_back(effect.name + " (of y, where " + study.measured + " was measured)");
     else if (study.imposed && !shows_in_force(effect))
       left.push_back(effect.name + " (shows in free motion alone)");
     else
@@ -122,6 +132,60 @@ void order_by_motion(const Study& study, Candidate& candidate, const Eigen::Vect
   std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   candidate.starts.clear();
   for (auto& [cost, start] : starts) candidate.starts.push_back(std::move(start));
+}
+
+namespace {
+
+/// Squared error of free runs from the first states of another fit; states that it lacks start where they begin.
+double squares_of_runs(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
+                       const FitResult& states) {
+  const System& system = *candidate.system;
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = states.substeps;
+  options.cancelled = study.options->cancelled;
+  double squares = 0;
+  for (std::size_t r = 0; r < study.train.size(); ++r) {
+    const FitData& data = study.train[r];
+    const auto measured = data.record[study.output()];
+    Eigen::VectorXd model;
+    if (study.imposed) {
+      model = imposed_force(system, values, data.record);
+    } else {
+      Eigen::VectorXd x0 = measured_state(system, data.record, 0);
+      const Eigen::VectorXd& known = states.segments[r].x0;
+      x0.head(std::min(known.size(), x0.size())) = known.head(std::min(known.size(), x0.size()));
+      const Run run = simulate(system, values, data.excitation, x0, options);
+      if (!run.summary.completed) return INFINITY;
+      model = shown(system, values, run, study.output());
+    }
+    squares += (Eigen::Map<const Eigen::VectorXd>(measured.data(), model.size()) - model).squaredNorm();
+  }
+  return std::isfinite(squares) ? squares : INFINITY;
+}
+
+}  // namespace
+
+void start_beside(const Study& study, Candidate& candidate, const Candidate& parent,
+                  const std::vector<Guess>& guesses) {
+  const auto& table = candidate.system->model().parameters;
+  const Eigen::VectorXd& known = parent.fit.theta;
+  std::vector<std::pair<double, Eigen::VectorXd>> starts;
+  for (const Guess& guess : guesses.empty() ? std::vector<Guess>{{}} : guesses) {
+    Eigen::VectorXd theta(static_cast<Eigen::Index>(table.size()));
+    theta.head(known.size()) = known;
+    for (auto i = static_cast<std::size_t>(known.size()); i < table.size(); ++i) {
+      const auto found = guess.find(table[i].name);
+      const double value = found != guess.end() ? found->second : std::isfinite(table[i].value) ? table[i].value : 1;
+      theta[static_cast<Eigen::Index>(i)] = std::clamp(value, table[i].min, table[i].max);
+    }
+    const double squares = squares_of_runs(study, candidate, theta, parent.fit);
+    if (std::isfinite(squares)) starts.emplace_back(squares, std::move(theta));
+  }
+  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  candidate.starts.clear();
+  for (auto& [squares, start] : starts) candidate.starts.push_back(std::move(start));
 }
 
 bool shows_beside(const Study& study, const Candidate& candidate, const Candidate& parent) {
@@ -259,7 +323,8 @@ double lag_share(const Study& study, const Candidate& baseline, std::size_t inde
       column(smooth, "F") -
       imposed_force(*baseline.force_system,
                     {baseline.fit.theta.data(), static_cast<std::size_t>(baseline.fit.theta.size())}, smooth);
-  const Eigen::VectorXd jerk = savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study.train[index].record));
+  const Eigen::VectorXd jerk =
+      savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study, study.train[index].record));
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (study.force[index].use[static_cast<std::size_t>(i)] && std::isfinite(force[i])) rows.push_back(i);
@@ -276,13 +341,13 @@ std::string sensor_hint(const Study& study, const Candidate& baseline) {
   std::string text;
   double flat = 0, trend = 0, lag = 0;
   for (std::size_t i = 0; i < study.train.size(); ++i) {
-    flat = std::max(flat, flat_share(column(study.full[i], "y")));
+    flat = std::max(flat, flat_share(column(study.full[i], study.imposed ? "y" : study.output())));
     if (study.imposed || !baseline.ran()) continue;
     trend = std::max(trend, trend_share(baseline.fit.residual[i]));
     lag = std::max(lag, lag_share(study, baseline, i));
   }
-  if (flat > few_rows) text += "; the displacement is flat at its extremes, as of a clipped channel";
-  if (trend > much) text += "; what is left of the displacement is a slow trend, as of a drifting sensor";
+  if (flat > few_rows) text += "; the measured motion is flat at its extremes, as of a clipped channel";
+  if (trend > much) text += "; what is left of the motion is a slow trend, as of a drifting sensor";
   if (lag > much) text += "; it follows the rate of the acceleration, as of a channel that lags";
   return text;
 }

@@ -29,6 +29,10 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
 /// short fits on the trajectory. `theta`: the parameters of the model without it.
 void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta);
 
+/// Starts of a set that adds a channel's fault to one that runs: the parameters of that with each guess, best free run
+/// first.
+void start_beside(const Study& study, Candidate& candidate, const Candidate& parent, const std::vector<Guess>& guesses);
+
 /// False when what a fault of a channel adds to the force (as the record shows it) is a combination of what the
 /// parent's parameters do: a gain where the mass and all coefficients are free. True where the force does not show the
 /// fault.

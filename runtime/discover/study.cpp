@@ -6,6 +6,7 @@
 #include "discover/sensor.hpp"
 
 #include "record/spectrum.hpp"
+#include "record/treat.hpp"
 
 namespace lunid {
 
@@ -15,14 +16,42 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
-/// What was integrated twice from an accelerometer has lost its slow part: every free run would be held against that.
-void refuse_doubly_integrated(const Record& record, const SourceSpan& where) {
-  if (!record.has("v") || !record.channel("y").derived) return;
-  if (record.channel("v").derivation.rfind("of a by integration, less a polynomial", 0) != 0) return;
-  throw InputError(
-      "discover: the displacement is known from the acceleration alone, integrated twice: its slow part is lost, and "
-      "every free run would be held against that; record y or v too",
-      where, Fault::data);
+std::string words_of(const std::string& channel) {
+  return channel == "y" ? "displacement" : channel == "v" ? "velocity" : "acceleration";
+}
+
+/// A force that is predicted from the motion needs all of it: an integral has lost its slow part.
+void refuse_integrated(const Record& record, const SourceSpan& where) {
+  if (measured_channel(record) == "y") return;
+  throw InputError("discover: imposed motion: the displacement is known from the " +
+                       words_of(measured_channel(record)) +
+                       " alone: its slow part is lost, and the force needs it; record y too",
+                   where, Fault::data);
+}
+
+/// What all records hold of the motion; those that hold something else are named.
+std::string measured_in(const std::vector<const Record*>& records) {
+  const std::string first = measured_channel(*records.front());
+  for (const Record* record : records)
+    if (measured_channel(*record) != first)
+      throw InputError("discover: expected all records to measure one channel of the motion, got " + first + " in " +
+                           records.front()->name() + " and " + measured_channel(*record) + " here",
+                       {record->name(), 0, 0}, Fault::data);
+  return first;
+}
+
+/// The lowest frequency [Hz] above which the integrals of what was measured hold little noise, from two periods in the
+/// record up to a third of the motion's own frequency; 0 where y was measured.
+double slow_limit(const Record& record, const std::string& measured) {
+  if (measured == "y") return 0;
+  constexpr double tolerable = 0.02;  // of the displacement
+  const double most = dominant_frequency(record[measured], record.dt()) / (2 * M_PI) / 3;
+  double below = 2 / record.duration();
+  for (; below < most; below *= 1.5) {
+    const Record moved = integrate(record, {measured, 1, below});
+    if (moved.channel("y").noise < tolerable * standard_deviation(moved["y"])) break;
+  }
+  return std::min(below, std::max(most, 2 / record.duration()));
 }
 
 void check_record(const Record& record, bool imposed) {
@@ -36,12 +65,16 @@ void check_record(const Record& record, bool imposed) {
       throw InputError(std::string("discover: the record has no channel '") + name +
                            "'; name its column, e.g. --columns \"" + name + "=header [unit]\"",
                        where, Fault::data);
-  refuse_doubly_integrated(record, where);
-  const auto y = record["y"];
-  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  if (imposed) refuse_integrated(record, where);
+  const std::string measured = measured_channel(record);
+  const auto motion = record[measured];
+  const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
   if (!(*high > *low))
-    throw InputError("discover: the displacement is constant (" + std::to_string(*low) +
-                         " m in every row); nothing can be learned from a record without motion",
+    throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
+                         (measured == "y"   ? "m"
+                          : measured == "v" ? "m/s"
+                                            : "m/s^2") +
+                         " in every row); nothing can be learned from a record without motion",
                      where, Fault::data);
   const auto f = record["F"];
   const auto [least, most] = std::minmax_element(f.begin(), f.end());
@@ -53,7 +86,7 @@ void check_record(const Record& record, bool imposed) {
 /// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
 Record with_force_of_decay(const Record& record, std::vector<std::string>& warnings) {
   if (record.has("F") || !record.has("y") || record.rows() < 30) return record;
-  const auto y = record["y"];
+  const auto y = record[measured_channel(record)];
   const std::size_t quarter = y.size() / 4;
   if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return record;
   warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
@@ -119,7 +152,7 @@ FitData force_data(const Record& record, Eigen::Index edge) {
 
 /// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies
 /// above holds noise alone, and F and y are averaged alike.
-Record thinned(const Record& record) {
+Record thinned(const Study& study, const Record& record) {
   const double v = standard_deviation(record["v"]);
   if (!(v > 0)) return record;
   const double upper = standard_deviation(record["a"]) / v;
@@ -128,7 +161,7 @@ Record thinned(const Record& record) {
   if (rows == 1) return record;
   std::vector<Channel> channels;
   std::vector<std::string> names = side_channels(record);
-  names.insert(names.begin(), {"F", "y"});
+  names.insert(names.begin(), {"F", study.measured});
   for (const std::string& name : names) {
     Channel c = record.channel(name);
     const auto x = record[name];
@@ -140,8 +173,25 @@ Record thinned(const Record& record) {
     channels.push_back(std::move(c));
   }
   const double half = 0.5 * record.dt() * static_cast<double>(rows - 1);
-  return derive_motion(
-      Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows), std::move(channels)));
+  return with_motion(study, Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows),
+                                   std::move(channels)));
+}
+
+/// What free runs are held against, and what integrals lose.
+void choose_output(Study& study, const std::vector<Record>& train) {
+  std::vector<const Record*> all;
+  for (const Record& record : train) all.push_back(&record);
+  for (const Record& record : study.test) all.push_back(&record);
+  study.measured = measured_in(all);
+  for (const Record& record : train) study.slow = std::max(study.slow, slow_limit(record, study.measured));
+  if (study.measured == "y") return;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "the records hold the %s alone: free runs are held against it; y is its integral without what lies below "
+      "%.3g Hz, and serves for first guesses and figures",
+      words_of(study.measured).c_str(), study.slow);
+  study.warnings.emplace_back(text);
 }
 
 }  // namespace
@@ -153,13 +203,19 @@ std::vector<std::string> side_channels(const Record& record) {
   return names;
 }
 
-SavitzkyGolay smoothing_kernel(const Record& record) {
-  return choose_savitzky_golay(record["y"], record.channel("y").noise, 1);
+Record with_motion(const Study& study, const Record& record) {
+  if (study.measured == "y") return derive_motion(record);
+  return derive_motion(integrate(record, {study.measured, 1, study.slow}));
 }
 
-/// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms.
-Record smooth_motion(const Record& record, const SavitzkyGolay& kernel) {
-  const auto y = record["y"];
+SavitzkyGolay smoothing_kernel(const Study& study, const Record& record) {
+  const std::string& from = study.measured;
+  return choose_savitzky_golay(record[from], record.channel(from).noise, from == "y" ? 1 : 0);
+}
+
+/// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms: what lies above the measured channel
+/// are its derivatives, what lies below its integrals, smoothed.
+Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
   auto channel = [](const char* name, const char* unit, Eigen::VectorXd values) {
     Channel c;
     c.name = c.source = name;
@@ -168,11 +224,15 @@ Record smooth_motion(const Record& record, const SavitzkyGolay& kernel) {
     c.derived = true;
     return c;
   };
+  const char* const names[] = {"y", "v", "a"};
+  const char* const units[] = {"m", "m/s", "m/s^2"};
+  const int known = study.measured == "y" ? 0 : study.measured == "v" ? 1 : 2;
   std::vector<Channel> channels;
   channels.push_back(channel("F", "N", savitzky_golay(record["F"], record.dt(), 0, kernel)));
-  channels.push_back(channel("y", "m", savitzky_golay(y, record.dt(), 0, kernel)));
-  channels.push_back(channel("v", "m/s", savitzky_golay(y, record.dt(), 1, kernel)));
-  channels.push_back(channel("a", "m/s^2", savitzky_golay(y, record.dt(), 2, kernel)));
+  for (int rank = 0; rank < 3; ++rank)
+    channels.push_back(
+        channel(names[rank], units[rank],
+                savitzky_golay(record[names[std::min(rank, known)]], record.dt(), std::max(0, rank - known), kernel)));
   for (const std::string& name : side_channels(record))
     channels.push_back(
         channel(name.c_str(), record.channel(name).unit.c_str(), savitzky_golay(record[name], record.dt(), 0, kernel)));
@@ -230,17 +290,18 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     check_record(record, study.imposed);
     study.test.push_back(record);
   }
+  if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {
-    const Record moved = with_shaft(derive_motion(record));
-    study.omega = std::max(study.omega, dominant_frequency(moved["y"], moved.dt()));
+    const Record moved = with_shaft(with_motion(study, record));
+    study.omega = std::max(study.omega, dominant_frequency(moved[study.measured], moved.dt()));
     study.full.push_back(moved);
-    study.train.push_back({study.imposed ? moved : thinned(moved), {}, {}});
+    study.train.push_back({study.imposed ? moved : thinned(study, moved), {}, {}});
     const Record& own = study.train.back().record;
-    const SavitzkyGolay kernel = smoothing_kernel(own);
-    study.smooth.push_back(study.imposed ? own : smooth_motion(own, kernel));
+    const SavitzkyGolay kernel = smoothing_kernel(study, own);
+    study.smooth.push_back(study.imposed ? own : smooth_motion(study, own, kernel));
     study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : kernel.half_width));
   }
-  for (auto& record : study.test) record = with_shaft(derive_motion(record));
+  for (auto& record : study.test) record = with_shaft(with_motion(study, record));
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(record));
   set_interpolation(study, study.guesses.front());
   return study;
@@ -310,6 +371,7 @@ ExperimentOptions same_experiment(const Study& study) {
   // as long as the record, but with no more rows than a design needs
   constexpr double most_rows = 6000;
   out.duration = std::max(std::min(time, most_rows * dt), 5 / out.limits.from);
+  out.measured = study.measured;
   out.noise = std::max(study.sensor_noise(), 1e-6 * study.measured_std());
   out.seed = study.options->seed;
   out.threads = study.options->threads;

@@ -24,7 +24,11 @@ struct Study {
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
   Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
 
-  const std::string output() const { return imposed ? "F" : "y"; }
+  std::string measured = "y";  ///< what the records hold of the motion: y, or v or a alone
+  double slow = 0;             ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
+
+  /// What free runs are held against.
+  const std::string output() const { return imposed ? "F" : measured; }
   double measured_std() const;                                          ///< of the output, over the training records
   double sensor_noise() const;                                          ///< of the output, over the training records
   double noise_gap() const { return sensor_noise() / measured_std(); }  ///< what the sensor alone leaves
@@ -43,9 +47,11 @@ FitData fit_data(const Study& study, const Record& record);
 /// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
 std::vector<std::string> side_channels(const Record& record);
 
+/// y v a of a record, from what was measured of them: derivatives, or integrals without what lies below Study::slow.
+Record with_motion(const Study& study, const Record& record);
 /// The kernel that a record's noise calls for, and y v a F and side channels of a record through one kernel.
-SavitzkyGolay smoothing_kernel(const Record& record);
-Record smooth_motion(const Record& record, const SavitzkyGolay& kernel);
+SavitzkyGolay smoothing_kernel(const Study& study, const Record& record);
+Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel);
 
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);

@@ -154,13 +154,16 @@ json to_json(const Discovery& d) {
   out["method"] = {
       {"gap",
        "RMSE of the free-run output over the standard deviation of the measured one, first state from a lead-in"},
+      {"output", d.output},
       {"force_between_samples", d.interpolation},
       {"solver", d.solver},
       {"noise", d.noise_model}};
   if (!d.check_solver.empty())
-    out["method"]["check"] = {{"solver", d.check_solver},
-                              {"largest_difference", number(d.check_error)},
-                              {"meaning", "integration only: same tape, same force between samples; over std(y)"}};
+    out["method"]["check"] = {
+        {"solver", d.check_solver},
+        {"largest_difference", number(d.check_error)},
+        {"meaning",
+         "integration only: same tape, same force between samples; over the standard deviation of the output"}};
   out["seconds"] = d.seconds;
   return out;
 }

@@ -10,24 +10,36 @@ constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 class Assembler {
  public:
-  Assembler(const Values& values, const Layout& layout, std::span<const Result> results)
+  Assembler(const Values& values, const Layout& layout, std::span<const Result> results, std::uint32_t temporaries)
       : list_(values.list),
         layout_(layout),
         results_(results),
+        temporaries_(temporaries),
+        known_(list_.size(), 0),
         uses_(list_.size(), 0),
         last_use_(list_.size(), 0),
-        register_(list_.size(), nowhere) {}
+        register_(list_.size(), nowhere) {
+    for (std::size_t i = 0; i < list_.size(); ++i) known_[i] = is_given(list_[i]);
+  }
+
+  /// These values are in their registers already.
+  void hold(std::span<const Result> held) {
+    for (const Result& h : held) {
+      register_[h.value] = h.place;
+      known_[h.value] = 1;
+    }
+  }
 
   Assembly assemble() {
-    code_.registers = layout_.temporaries;
+    code_.registers = temporaries_;
     count_uses();
-    for (std::size_t i = list_.size(); i-- > 0;)
-      if (uses_[i] > 0) fuse(list_[i]);
+    for (std::uint32_t i = static_cast<std::uint32_t>(list_.size()); i-- > 0;)
+      if (uses_[i] > 0 && !is_known(i)) fuse(list_[i]);
     find_last_uses();
     for (std::uint32_t i = 0; i < list_.size(); ++i) place(i);
     for (const Result& r : results_) reserve(r);
     for (std::uint32_t i = 0; i < list_.size(); ++i)
-      if (uses_[i] > 0 && !is_given(list_[i])) emit(i);
+      if (uses_[i] > 0 && !is_known(i)) emit(i);
     for (const Result& r : results_)
       if (list_[r.value].code != Code::constant && register_[r.value] != r.place)
         code_.instructions.push_back({Code::copy, 0, r.place, register_[r.value], 0, 0, 0});
@@ -48,12 +60,12 @@ class Assembler {
   /// Uses of each value by what the results need; 0 for the rest. Users stand behind their operands.
   void count_uses() {
     for (const Result& r : results_) ++uses_[r.value];
-    for (std::size_t i = list_.size(); i-- > 0;)
-      if (uses_[i] > 0) each_operand(list_[i], [this](std::uint32_t operand) { ++uses_[operand]; });
+    for (std::uint32_t i = static_cast<std::uint32_t>(list_.size()); i-- > 0;)
+      if (uses_[i] > 0 && !is_known(i)) each_operand(list_[i], [this](std::uint32_t operand) { ++uses_[operand]; });
   }
 
   /// A value with one user only: it can be computed within its user.
-  bool own(std::uint32_t i, Code code) const { return list_[i].code == code && uses_[i] == 1; }
+  bool own(std::uint32_t i, Code code) const { return list_[i].code == code && uses_[i] == 1 && !is_known(i); }
   bool own_product(std::uint32_t i) const { return own(i, Code::mul); }
 
   Value take(std::uint32_t product) {
@@ -97,11 +109,13 @@ class Assembler {
 
   void find_last_uses() {
     for (std::uint32_t i = 0; i < list_.size(); ++i)
-      if (uses_[i] > 0) each_operand(list_[i], [this, i](std::uint32_t operand) { last_use_[operand] = i; });
+      if (uses_[i] > 0 && !is_known(i))
+        each_operand(list_[i], [this, i](std::uint32_t operand) { last_use_[operand] = i; });
     for (const Result& r : results_) last_use_[r.value] = nowhere;
   }
 
   static bool is_given(const Value& v) { return v.code == Code::input || v.code == Code::constant; }
+  bool is_known(std::uint32_t i) const { return known_[i] != 0; }
 
   /// Inputs and constants have their places in the layout and are never overwritten.
   void place(std::uint32_t i) {
@@ -119,7 +133,7 @@ class Assembler {
     for (int k = 0; k < operand_count(v); ++k) {
       std::uint32_t& operand = operands[static_cast<std::size_t>(k)];
       const std::uint32_t place = register_[operand];
-      if (last_use_[operand] == i && place >= layout_.temporaries) {
+      if (last_use_[operand] == i && place >= temporaries_) {
         free_.push_back(place);
         last_use_[operand] = nowhere;  // free it once, also in x*x
       }
@@ -140,6 +154,8 @@ class Assembler {
   std::vector<Value> list_;
   const Layout& layout_;
   std::span<const Result> results_;
+  std::uint32_t temporaries_;        ///< the first register that is free for them
+  std::vector<std::uint8_t> known_;  ///< given or held: nothing computes it here
   std::vector<std::uint32_t> uses_, last_use_, register_;
   std::vector<std::uint32_t> free_;
   Assembly code_;
@@ -175,7 +191,46 @@ std::vector<Result> switch_results(const Values& values, const Layout& layout) {
 }
 
 Assembly assemble(const Values& values, const Layout& layout, std::span<const Result> results) {
-  return Assembler(values, layout, results).assemble();
+  return Assembler(values, layout, results, layout.temporaries).assemble();
+}
+
+namespace {
+
+/// A value that computes the same as long as its operands do: no branch of a mode, nothing from outside.
+bool is_plain(const Value& v) { return !is_switching(v.code) && v.code != Code::external && v.code != Code::choose; }
+
+/// The computed values that depend on fixed inputs alone and are wanted by others or as results.
+std::vector<std::uint32_t> fixed_values(const Values& values, const Layout& layout, std::span<const Result> results) {
+  const std::vector<Value>& list = values.list;
+  std::vector<std::uint8_t> fixed(list.size(), 0), wanted(list.size(), 0);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Value& v = list[i];
+    if (v.code == Code::input || v.code == Code::constant) {
+      fixed[i] = v.code == Code::constant || v.a >= layout.inputs - layout.fixed;
+      continue;
+    }
+    const std::uint32_t operands[] = {v.a, v.b, v.c, v.d};
+    fixed[i] = is_plain(v);
+    for (int k = 0; k < operand_count(v); ++k) fixed[i] = fixed[i] && fixed[operands[k]];
+    for (int k = 0; k < operand_count(v) && !fixed[i]; ++k) wanted[operands[k]] = 1;
+  }
+  for (const Result& r : results) wanted[r.value] = 1;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < list.size(); ++i)
+    if (fixed[i] && wanted[i] && list[i].code != Code::input && list[i].code != Code::constant) out.push_back(i);
+  return out;
+}
+
+}  // namespace
+
+Split assemble_split(const Values& values, const Layout& layout, std::span<const Result> results) {
+  std::vector<Result> held;
+  for (const std::uint32_t value : fixed_values(values, layout, results))
+    held.push_back({value, layout.temporaries + static_cast<std::uint32_t>(held.size())});
+  const std::uint32_t temporaries = layout.temporaries + static_cast<std::uint32_t>(held.size());
+  Assembler rest(values, layout, results, temporaries);
+  rest.hold(held);
+  return {Assembler(values, layout, held, temporaries).assemble(), rest.assemble()};
 }
 
 }  // namespace lunid

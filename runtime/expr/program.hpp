@@ -91,6 +91,7 @@ struct Instruction {
 /// functions, temporaries. Only the last three are written by instructions.
 struct Layout {
   std::uint32_t inputs = 0;
+  std::uint32_t fixed = 0;  // so many inputs, the last, stay as they are between runs in place
   std::uint32_t outputs = 0, switches = 0, temporaries = 0;  // the first register of each
   std::vector<double> constants;                             // from register `inputs` on
   /// Results that are constants: set before the run, not by an instruction.
@@ -109,12 +110,18 @@ struct Assembly {
   std::uint32_t registers = 0;
 };
 
+/// Code in two parts: what depends on fixed inputs alone, and the rest, which finds that in registers of its own.
+struct Split {
+  Assembly fixed, rest;
+};
+
 Layout lay_out(const Values& values, std::size_t inputs);
 /// The outputs, then the switching functions.
 std::vector<Result> output_results(const Values& values, const Layout& layout);
 std::vector<Result> switch_results(const Values& values, const Layout& layout);
 /// Code that computes `results`, fused and with temporaries reused.
 Assembly assemble(const Values& values, const Layout& layout, std::span<const Result> results);
+Split assemble_split(const Values& values, const Layout& layout, std::span<const Result> results);
 
 class Machine;
 
@@ -130,6 +137,7 @@ struct Program {
   Assembly computed;  // the outputs that are not inputs
   Assembly complete;  // the outputs, then every g
   Assembly switches;  // every g
+  Split frozen;       // complete, in place
 
   ~Program();
   /// Made once, when the tape is first run in place; what it lacks the interpreters run.

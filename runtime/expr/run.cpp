@@ -109,8 +109,13 @@ int Tape::last_written() const {
   return code.size() < 2 ? -1 : static_cast<int>(code[code.size() - 2].dst) - output_place();
 }
 
+void Tape::prepare_frozen(double* scratch) const noexcept {
+  prepare(scratch);
+  execute<false>(program_->frozen.fixed.instructions.data(), scratch, nullptr, program_->externals.data());
+}
+
 void Tape::run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept {
-  execute<true>(program_->complete.instructions.data(), scratch, mode, program_->externals.data());
+  execute<true>(program_->frozen.rest.instructions.data(), scratch, mode, program_->externals.data());
 }
 
 void Tape::run_point(const double* in, double* out, double* scratch) const noexcept {

@@ -7,13 +7,15 @@
 
 namespace lunid {
 
-Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs) : Tape(lower(outputs, inputs), inputs.size()) {}
+Tape::Tape(std::span<const Expr> outputs, std::span<const Expr> inputs, std::size_t fixed)
+    : Tape(lower(outputs, inputs), inputs.size(), fixed) {}
 
-Tape::Tape(Values lowered, std::size_t inputs) {
+Tape::Tape(Values lowered, std::size_t inputs, std::size_t fixed) {
   auto program = std::make_shared<Program>();
   program->lowered = std::move(lowered);
   const Values& values = program->lowered;
   program->layout = lay_out(values, inputs);
+  program->layout.fixed = static_cast<std::uint32_t>(fixed);
   program->outputs = static_cast<std::uint32_t>(values.outputs.size());
   program->switching_functions = values.switching_functions;
   program->externals = values.externals;
@@ -28,7 +30,9 @@ Tape::Tape(Values lowered, std::size_t inputs) {
                 [&](const Instruction& at) { return at.code == Code::copy && at.a < program->layout.inputs; });
   program->complete = assemble(values, program->layout, all);
   program->switches = assemble(values, program->layout, switches);
-  program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers});
+  program->frozen = assemble_split(values, program->layout, all);
+  program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers,
+                                 program->frozen.fixed.registers, program->frozen.rest.registers});
   program_ = std::move(program);
 }
 
@@ -47,6 +51,9 @@ int Tape::outputs() const { return program_ ? static_cast<int>(program_->outputs
 int Tape::switches() const { return program_ ? static_cast<int>(program_->switching_functions.size()) : 0; }
 int Tape::registers() const { return program_ ? static_cast<int>(program_->registers) : 0; }
 int Tape::instructions() const { return program_ ? static_cast<int>(program_->values.instructions.size()) - 1 : 0; }
+int Tape::frozen_instructions() const {
+  return program_ ? static_cast<int>(program_->frozen.rest.instructions.size()) - 1 : 0;
+}
 int Tape::output_place() const { return program_ ? static_cast<int>(program_->layout.outputs) : 0; }
 int Tape::switch_place() const { return program_ ? static_cast<int>(program_->layout.switches) : 0; }
 

@@ -28,13 +28,15 @@ class Tape {
   Tape() = default;
   /// `inputs` are symbols, in the order of the values given to run. Throws InputError when an output depends on a
   /// symbol that is not among them, naming the symbol.
-  Tape(std::span<const Expr> outputs, std::span<const Expr> inputs);
+  /// The last `fixed` inputs are those that stay as they are between runs in place (parameters).
+  Tape(std::span<const Expr> outputs, std::span<const Expr> inputs, std::size_t fixed = 0);
 
   int inputs() const;
   int outputs() const;
   int switches() const;
   int registers() const;  ///< size of the scratch space that run_point needs
   int instructions() const;
+  int frozen_instructions() const;  ///< of a frozen run in place, after prepare_frozen()
   /// Of the external functions that it calls: any thread may run the tape; and the error that one of them raised is
   /// rethrown (external.hpp).
   bool thread_safe() const;
@@ -55,6 +57,8 @@ class Tape {
   /// prepared scratch space belongs to one tape.
   void prepare(double* scratch) const noexcept;
   void run_prepared(double* scratch) const noexcept;
+  /// For frozen runs: prepare() and what depends on the fixed inputs alone, which are there already.
+  void prepare_frozen(double* scratch) const noexcept;
   void run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept;
   /// run_prepared without writing outputs that are inputs (copy_of), which the caller has already.
   void run_prepared_without_copies(double* scratch) const noexcept;
@@ -87,7 +91,7 @@ class Tape {
 
  private:
   friend class TapeChain;
-  Tape(Values values, std::size_t inputs);
+  Tape(Values values, std::size_t inputs, std::size_t fixed = 0);
 
   std::shared_ptr<const Program> program_;
 };

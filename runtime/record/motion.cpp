@@ -105,6 +105,12 @@ Record derive_motion(const Record& record) {
   return result;
 }
 
+std::string measured_channel(const Record& record, const std::string& suffix) {
+  for (const char* quantity : {"y", "v", "a"})
+    if (record.has(quantity + suffix) && !record.channel(quantity + suffix).derived) return quantity + suffix;
+  return "y" + suffix;
+}
+
 bool has_motion(const Record& record) { return !coordinates(record).empty(); }
 
 }  // namespace lunid

@@ -11,9 +11,9 @@ namespace lunid {
 /// What stands behind y, v or a in the names of the channels: "" of one coordinate, "1" "2" ... of several, "b" of a
 /// base; in order of appearance.
 std::vector<std::string> coordinates(const Record& record);
-/// The unit of the derivative of this rank (0: y, 1: v, 2: a) where a channel of the coordinate has the unit `from`.
 /// The derivative of a channel that is constant: zero, without the rounding errors that a filter would make of it.
 Channel at_rest(Channel channel, const std::string& from, Eigen::Index rows);
+/// The unit of the derivative of this rank (0: y, 1: v, 2: a) where a channel of the coordinate has the unit `from`.
 std::string motion_unit(const std::string& from, int rank);
 /// Integral from 0 by cubics through four samples (error of order dt^4), rid of its least-squares polynomial; degree
 /// -1: as it is.

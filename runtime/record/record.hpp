@@ -127,6 +127,9 @@ double noise_level(std::span<const double> x);
 /// This record with smoothed `v` and `a` added where absent (marked derived); the same for each numbered coordinate (y1
 /// v1 a1, y2 ...) and for a base (yb vb ab). Needs one of them: has_motion().
 Record derive_motion(const Record& record);
+/// What was measured of a coordinate ("", "1", "2" ...): its displacement y or, where that was derived, its velocity v
+/// or its acceleration a; y where none was measured. What an integral has lost or added no model can be held against.
+std::string measured_channel(const Record& record, const std::string& suffix = "");
 bool has_motion(const Record& record);
 /// The dominant angular frequency [rad/s] of a signal: the power-weighted centre of its spectrum's largest
 /// peak.

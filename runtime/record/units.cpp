@@ -1,6 +1,10 @@
-// The table of units. A unit that is missing here is one row.
+// Units: names with SI prefixes, and products and quotients of them. A name that is missing here is one row.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "record/columns.hpp"
 
@@ -11,75 +15,181 @@ struct Row {
   std::string_view name;
   double factor;
   std::string_view si;
+  std::string_view prefixes = "";  ///< those that it takes
 };
 
-constexpr double inch = 0.0254, foot = 0.3048, pound_force = 4.4482216152605, gravity = 9.80665;
+constexpr double inch = 0.0254, foot = 0.3048, pound_force = 4.4482216152605, gravity = 9.80665,
+                 turn = 2 * std::numbers::pi;
 constexpr double degree = std::numbers::pi / 180;
+constexpr std::string_view all = "pnumkMG";
 
 constexpr std::array rows{
-    Row{"m", 1, "m"},
-    Row{"mm", 1e-3, "m"},
-    Row{"um", 1e-6, "m"},
-    Row{"\u00b5m", 1e-6, "m"},
-    Row{"\u03bcm", 1e-6, "m"},
+    Row{"m", 1, "m", all},
     Row{"cm", 1e-2, "m"},
-    Row{"km", 1e3, "m"},
     Row{"in", inch, "m"},
+    Row{"mil", 1e-3 * inch, "m"},
     Row{"ft", foot, "m"},
-    Row{"N", 1, "N"},
-    Row{"kN", 1e3, "N"},
-    Row{"MN", 1e6, "N"},
-    Row{"mN", 1e-3, "N"},
+    Row{"N", 1, "N", all},
     Row{"lbf", pound_force, "N"},
+    Row{"kip", 1e3 * pound_force, "N"},
     Row{"kgf", gravity, "N"},
-    Row{"s", 1, "s"},
-    Row{"ms", 1e-3, "s"},
-    Row{"us", 1e-6, "s"},
-    Row{"\u00b5s", 1e-6, "s"},
-    Row{"\u03bcs", 1e-6, "s"},
+    Row{"tf", 1e3 * gravity, "N"},
+    Row{"Nm", 1, "N m", all},
+    Row{"s", 1, "s", all},
+    Row{"sec", 1, "s"},
     Row{"min", 60, "s"},
-    Row{"m/s", 1, "m/s"},
-    Row{"mm/s", 1e-3, "m/s"},
-    Row{"cm/s", 1e-2, "m/s"},
-    Row{"in/s", inch, "m/s"},
-    Row{"m/s^2", 1, "m/s^2"},
-    Row{"mm/s^2", 1e-3, "m/s^2"},
-    Row{"m/s2", 1, "m/s^2"},
-    Row{"mm/s2", 1e-3, "m/s^2"},
-    Row{"m/s\u00b2", 1, "m/s^2"},
-    Row{"mm/s\u00b2", 1e-3, "m/s^2"},
-    Row{"g", gravity, "m/s^2"},
-    Row{"rad", 1, "rad"},
+    Row{"h", 3600, "s"},
+    Row{"g", gravity, "m/s^2", "num"},
+    Row{"ms-1", 1, "m/s"},
+    Row{"ms^-1", 1, "m/s"},
+    Row{"ms-2", 1, "m/s^2"},
+    Row{"ms^-2", 1, "m/s^2"},
+    Row{"rad", 1, "rad", "num"},
     Row{"deg", degree, "rad"},
-    Row{"rad/s", 1, "rad/s"},
-    Row{"deg/s", degree, "rad/s"},
-    Row{"rpm", 2 * std::numbers::pi / 60, "rad/s"},
-    Row{"rad/s^2", 1, "rad/s^2"},
-    Row{"deg/s^2", degree, "rad/s^2"},
-    Row{"V", 1, "V"},
-    Row{"mV", 1e-3, "V"},
-    Row{"A", 1, "A"},
-    Row{"Nm", 1, "N m"},
-    Row{"N m", 1, "N m"},
-    Row{"N*m", 1, "N m"},
+    Row{"\u00b0", degree, "rad"},
+    Row{"rev", turn, "rad"},
+    Row{"rpm", turn / 60, "rad/s"},
+    Row{"V", 1, "V", all},
+    Row{"A", 1, "A", all},
+    Row{"Pa", 1, "Pa", all},
+    Row{"bar", 1e5, "Pa", "m"},
+    Row{"J", 1, "J", all},
+    Row{"W", 1, "W", all},
+    Row{"K", 1, "K"},
     Row{"kg", 1, "kg"},
-    Row{"Hz", 1, "Hz"},
+    Row{"t", 1e3, "kg"},
+    Row{"Hz", 1, "Hz", all},
     Row{"-", 1, ""},
     Row{"1", 1, ""},
+    Row{"%", 1e-2, ""},
 };
+
+constexpr std::array<std::pair<std::string_view, std::pair<char, double>>, 9> prefixes{{
+    {"p", {'p', 1e-12}},
+    {"n", {'n', 1e-9}},
+    {"u", {'u', 1e-6}},
+    {"\u00b5", {'u', 1e-6}},
+    {"\u03bc", {'u', 1e-6}},
+    {"m", {'m', 1e-3}},
+    {"k", {'k', 1e3}},
+    {"M", {'M', 1e6}},
+    {"G", {'G', 1e9}},
+}};
+
+/// A factor and powers of SI units, in the order in which they came.
+struct Product {
+  double factor = 1;
+  std::vector<std::pair<std::string, int>> powers;
+
+  void multiply(const Product& other, int power) {
+    factor *= std::pow(other.factor, power);
+    for (const auto& [name, exponent] : other.powers) {
+      const auto known = std::find_if(powers.begin(), powers.end(), [&](const auto& p) { return p.first == name; });
+      if (known == powers.end())
+        powers.emplace_back(name, exponent * power);
+      else
+        known->second += exponent * power;
+    }
+  }
+
+  std::string text() const {
+    std::string above, below;
+    for (const auto& [name, exponent] : powers) {
+      const int size = std::abs(exponent);
+      const std::string raised = size == 1 ? name : name + "^" + std::to_string(size);
+      if (exponent > 0) above += (above.empty() ? "" : " ") + raised;
+      if (exponent < 0) below += "/" + raised;
+    }
+    return below.empty() ? above : (above.empty() ? "1" : above) + below;
+  }
+};
+
+/// Removes `end` from the end of a text; false where it does not end so.
+bool take_end(std::string_view& text, std::string_view end) {
+  if (!text.ends_with(end) || text.size() == end.size()) return false;
+  text.remove_suffix(end.size());
+  return true;
+}
+
+/// The exponent at the end of a factor ("s^2", "s2", "s\u00b2", "s^-1"), which is removed; 1 where there is none.
+int take_exponent(std::string_view& factor) {
+  int sign = 1, power = 1;
+  if (take_end(factor, "\u00b2")) return 2;
+  if (take_end(factor, "\u00b3")) return 3;
+  if (factor.size() > 1 && factor.back() >= '1' && factor.back() <= '9') {
+    power = factor.back() - '0';
+    factor.remove_suffix(1);
+    if (take_end(factor, "-")) sign = -1;
+    take_end(factor, "^");
+  }
+  return sign * power;
+}
+
+std::optional<Product> product_of(std::string_view unit);
+
+/// The powers of a table's row; its SI unit is written in names of the table whose factor is 1.
+Product of_row(const Row& row, double prefix) {
+  Product out;
+  if (row.si == row.name)
+    out.powers.emplace_back(row.name, 1);
+  else if (!row.si.empty())
+    out = *product_of(row.si);
+  out.factor = prefix * row.factor;
+  return out;
+}
+
+std::optional<Product> named(std::string_view name) {
+  for (const Row& row : rows)
+    if (row.name == name) return of_row(row, 1);
+  for (const auto& [text, prefix] : prefixes) {
+    if (!name.starts_with(text)) continue;
+    for (const Row& row : rows)
+      if (row.name == name.substr(text.size()) && row.prefixes.find(prefix.first) != std::string_view::npos)
+        return of_row(row, prefix.second);
+  }
+  return std::nullopt;
+}
+
+/// Where the next factor ends, and how many bytes its separator has; '/' divides what follows.
+std::pair<std::size_t, std::size_t> next_separator(std::string_view unit) {
+  std::pair<std::size_t, std::size_t> first{unit.size(), 0};
+  for (const std::string_view separator : {"/", "*", " ", "\u00b7", "\u22c5"})
+    if (const std::size_t at = unit.find(separator); at < first.first) first = {at, separator.size()};
+  return first;
+}
+
+std::optional<Product> product_of(std::string_view unit) {
+  Product out;
+  int side = 1;
+  while (true) {
+    const auto [end, length] = next_separator(unit);
+    std::string_view factor = unit.substr(0, end);
+    std::optional<Product> one = named(factor);
+    int power = 1;
+    if (!one) {
+      power = take_exponent(factor);
+      one = named(factor);
+    }
+    if (!one) return std::nullopt;
+    out.multiply(*one, side * power);
+    if (end == unit.size()) return out;
+    side = unit[end] == '/' ? -1 : 1;
+    unit.remove_prefix(end + length);
+  }
+}
 
 }  // namespace
 
 std::optional<SiUnit> si_unit(std::string_view unit) {
-  for (const Row& row : rows)
-    if (row.name == unit) return SiUnit{row.factor, std::string(row.si)};
-  return std::nullopt;
+  const std::optional<Product> product = product_of(unit);
+  if (!product) return std::nullopt;
+  return SiUnit{product->factor, product->text()};
 }
 
 std::string known_units() {
   std::string text;
   for (const Row& row : rows) text += (text.empty() ? "" : " ") + std::string(row.name);
-  return text;
+  return text + ", many of them with p n u m k M G before, and products such as mm/s^2 or kN*m";
 }
 
 }  // namespace lunid

@@ -157,7 +157,7 @@ void compile_derivatives(Dynamics& d, const DynamicsSource& s, std::span<const E
     append_gradient(outputs, rate, s.states);
     append_gradient(outputs, rate, s.parameters);
   }
-  d.derivatives = Tape(outputs, inputs);
+  d.derivatives = Tape(outputs, inputs, s.parameters.size());
 }
 
 /// Gradients are dense: beyond this many entries a model has too many switches for its size.
@@ -184,7 +184,7 @@ Dynamics compile(const DynamicsSource& s) {
   std::vector<Expr> outputs = s.rates;
   outputs.insert(outputs.end(), gaps.begin(), gaps.end());
   outputs.insert(outputs.end(), gap_rates.begin(), gap_rates.end());
-  d.rate = Tape(outputs, inputs);
+  d.rate = Tape(outputs, inputs, s.parameters.size());
 
   compile_jacobian(d, s, inputs);
   if (d.dense()) compile_derivatives(d, s, gap_rates, inputs);

@@ -21,6 +21,16 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
   return segments;
 }
 
+/// Of another fit, where its free runs are the same rows; states that it lacks stay as they are.
+void take_first_states(const std::vector<FitSegment>& known, std::vector<FitSegment>& segments) {
+  if (known.size() != segments.size()) return;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (known[i].record != segments[i].record || known[i].first != segments[i].first) continue;
+    const Eigen::Index count = std::min(known[i].x0.size(), segments[i].x0.size());
+    segments[i].x0.head(count) = known[i].x0.head(count);
+  }
+}
+
 /// 1.4826 times the median of |residual|, as the fit weighs it: the standard deviation of the rows that are no
 /// outliers.
 double robust_scale(const FitResult& result, const std::vector<FitData>& data) {
@@ -81,6 +91,15 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
   return std::min(most, explicit_limit);
 }
 
+/// True where all that is fitted are states as they are: what the adjoint has slopes of.
+bool states_alone(const Model& model, const std::vector<FitData>& data, const FitOptions& options) {
+  if (!model.measures.empty()) return false;
+  for (const FitData& d : data)
+    for (const Output& o : outputs_of(model, d.record, options.channels))
+      if (state_of(model, o.channel) < 0) return false;
+  return true;
+}
+
 /// What the options leave open: the solver and the gradient. `substeps`: of the fixed path; its limit may be a stiff
 /// model.
 FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
@@ -100,7 +119,8 @@ FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   const bool possible = options.solver == Solver::fixed && !system.model().imposed_motion &&
                         options.whitening.average == 1 && options.whitening.ar.empty() && options.hold < 0 &&
-                        system.model().measures.empty() && (system.dynamics().smooth() || system.dynamics().dense());
+                        states_alone(system.model(), data, options) &&
+                        (system.dynamics().smooth() || system.dynamics().dense());
   const bool better = layout.size() >= adjoint_parameters || !system.dynamics().dense();
   options.gradient = possible && better ? Gradient::adjoint : Gradient::forward;
   return options;
@@ -118,9 +138,10 @@ void check(const System& system, const Eigen::VectorXd& theta, const std::vector
                        std::to_string(system.parameters() - 1) + ", got " + std::to_string(i));
   if (!theta.allFinite()) throw InputError("fit_trajectory: theta: every first guess must be a finite number");
   if (data.empty()) throw InputError("fit_trajectory: expected at least one record, got none");
-  if (options.gradient == Gradient::adjoint && !system.model().measures.empty())
+  if (options.gradient == Gradient::adjoint && !states_alone(system.model(), data, options))
     throw InputError(
-        "fit_trajectory: gradient: 'adjoint' is that of the states; take 'forward' where the model measures");
+        "fit_trajectory: gradient: 'adjoint' is that of the states; take 'forward' where the model measures, or where "
+        "accelerations are fitted");
   for (const auto& d : data)
     if (!d.use.empty() && static_cast<Eigen::Index>(d.use.size()) != d.record.rows())
       throw InputError("fit_trajectory: use: expected one entry per row of the record");
@@ -187,7 +208,9 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
   check(system, theta, data, options);
   const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
   const FitOptions chosen = decided(system, theta, data, options, substeps);
-  FitResult result = minimise_by(chosen, system, theta, data, cut(system, data, options.segment), substeps, 0);
+  std::vector<FitSegment> segments = cut(system, data, options.segment);
+  take_first_states(options.first_states, segments);
+  FitResult result = minimise_by(chosen, system, theta, data, std::move(segments), substeps, 0);
   return options.loss == Loss::huber ? refit_robustly(system, data, chosen, std::move(result)) : result;
 }
 

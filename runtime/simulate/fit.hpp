@@ -39,16 +39,25 @@ enum class Gradient { automatic, forward, adjoint };
 inline constexpr int adjoint_parameters = 40;
 std::string to_string(Gradient);
 
+/// One free run of the fit and its first state.
+struct FitSegment {
+  int record = 0;
+  Eigen::Index first = 0, count = 0;
+  Eigen::VectorXd x0;
+};
+
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
   int max_iterations = 40;   ///< >= 1
   double tolerance = 1e-7;   ///< relative drop of the cost at which the fit stops, > 0
   int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
   Whitening whitening;       ///< what is done to the residual before it is squared
-  /// Displacements and velocities that are fitted, each weighted by its noise; empty: the displacements of the record
+  /// Displacements, velocities and accelerations that are fitted, each weighted by its noise; empty: of each coordinate
+  /// what was measured of it (measured_channel)
   std::vector<std::string> channels;
   std::vector<int> separate;  ///< parameters (from 0) that each record has for itself
   Loss loss = Loss::squared;
+  std::vector<FitSegment> first_states;     ///< from which the fit starts: those of another fit; empty: the record's
   int hold = -1;                            ///< an entry of the fitted vector that stays where it starts
   Solver solver = Solver::automatic;        ///< fixed, bdf or adams; automatic: fixed, or bdf where the start is stiff
   Gradient gradient = Gradient::automatic;  ///< adjoint: by the fixed path, of residuals that are not whitened
@@ -73,13 +82,6 @@ class FitLayout {
  private:
   int parameters_;
   std::vector<int> separate_, parameter_;
-};
-
-/// One free run of the fit and its first state.
-struct FitSegment {
-  int record = 0;
-  Eigen::Index first = 0, count = 0;
-  Eigen::VectorXd x0;
 };
 
 struct FitResult {

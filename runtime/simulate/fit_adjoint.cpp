@@ -92,15 +92,16 @@ class AdjointCost {
     double cost = 0;
     for (const Output& o : outputs_[static_cast<std::size_t>(segment.record)]) {
       const std::span<const double> measured = data.record[o.channel];
+      const int state = state_of(system_.model(), o.channel);
       for (Index i = 0; i < segment.count; ++i) {
         const auto row = static_cast<std::size_t>(segment.first + i);
         if (!data.use.empty() && !data.use[row]) continue;
         ++rows;
-        const double error = o.weight * (measured[row] - run.x(i, o.state)), size = std::abs(error);
+        const double error = o.weight * (measured[row] - run.x(i, state)), size = std::abs(error);
         const bool outlier = clip_ > 0 && size > clip_;
         outliers += outlier;
         cost += outlier ? 2 * clip_ * size - clip_ * clip_ : error * error;
-        slope(i, o.state) -= 2 * o.weight * (outlier ? std::copysign(clip_, error) : error);
+        slope(i, state) -= 2 * o.weight * (outlier ? std::copysign(clip_, error) : error);
       }
     }
     return cost;
@@ -197,10 +198,10 @@ void fill_residuals(const System& system, const std::vector<FitData>& data, cons
     const FitData& d = data[record];
     const Output output = outputs_of(system.model(), d.record, options.channels)[0];
     const VectorXd own = layout.of_record(result.theta, s.record);
-    const Run run = simulate(system, {own.data(), static_cast<std::size_t>(own.size())},
-                             d.excitation.part(s.first, s.count), s.x0, run_options);
+    const std::span<const double> theta(own.data(), static_cast<std::size_t>(own.size()));
+    const Run run = simulate(system, theta, d.excitation.part(s.first, s.count), s.x0, run_options);
     const Eigen::Map<const VectorXd> measured(d.record[output.channel].data() + s.first, s.count);
-    result.residual[record].segment(s.first, s.count) = measured - run.x.col(output.state);
+    result.residual[record].segment(s.first, s.count) = measured - shown(system, theta, run, output.channel);
   }
 }
 

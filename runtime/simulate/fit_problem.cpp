@@ -31,17 +31,18 @@ std::vector<Output> outputs_of(const Model& model, const Record& record, const s
   for (int i = 0; channels.empty() && i < model.degrees(); ++i) {
     const std::string y = model.channel('y', i);
     wanted += (wanted.empty() ? "" : ", ") + y;
-    if (record.has(y)) outputs.push_back({2 * i, y, 1});
+    if (record.has(y)) outputs.push_back({measured_channel(record, y.substr(1)), 1});
   }
   for (const std::string& channel : channels) {
-    const int state = state_of(model, channel);
-    if (state < 0)
-      throw InputError("fit_trajectory: channels: expected displacements or velocities of the model, got '" + channel +
-                       "'");
+    if (!is_shown(model, channel))
+      throw InputError(
+          "fit_trajectory: channels: expected displacements, velocities or accelerations of the model, "
+          "got '" +
+          channel + "'");
     wanted += (wanted.empty() ? "" : ", ") + channel;
     if (!record.has(channel))
       throw InputError("fit_trajectory: the record " + record.name() + " has no channel '" + channel + "'");
-    outputs.push_back({state, channel, 1});
+    outputs.push_back({channel, 1});
   }
   if (outputs.empty())
     throw InputError("fit_trajectory: the record " + record.name() + " has none of the channels " + wanted);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "simulate/fit.hpp"
+#include "simulate/measures.hpp"
 
 namespace lunid {
 
@@ -30,11 +31,11 @@ struct Normal {
 
 /// A measured channel that the fit looks at.
 struct Output {
-  int state;  ///< the state that it measures
   std::string channel;
   double weight;  ///< of its residual: the noise of the first over its own
 };
-/// The channels asked for, or the displacements of the record. Throws InputError naming what is missing.
+/// The channels asked for, or of each coordinate what was measured of it (measured_channel). Throws InputError naming
+/// what is missing.
 std::vector<Output> outputs_of(const Model& model, const Record& record, const std::vector<std::string>& channels);
 
 /// Inverse of a symmetric positive semi-definite matrix on its numerical range, scaled by its diagonal.
@@ -185,13 +186,15 @@ class Problem {
           simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_, wanted);
       if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
       error = difference(data.record, segment, outputs, parameters, r.run);
-      if (outputs.size() == 1 && !system_.measure(outputs[0].channel)) {
-        jacobian = std::move(r.dx[static_cast<std::size_t>(outputs[0].state)]);
+      const int state = state_of(system_.model(), outputs[0].channel);
+      if (outputs.size() == 1 && state >= 0 && !system_.measure(outputs[0].channel)) {
+        jacobian = std::move(r.dx[static_cast<std::size_t>(state)]);
       } else {
         jacobian.resize(error.size(), theta.size() + system_.states());
         Eigen::Index row = 0;
         for (const Output& o : outputs) {
-          jacobian.middleRows(row, segment.count) = o.weight * shown_slopes(system_, parameters, r, o.channel);
+          jacobian.middleRows(row, segment.count) =
+              o.weight * shown_slopes(system_, parameters, excitations_[index], r, o.channel);
           row += segment.count;
         }
       }
@@ -211,10 +214,7 @@ class Problem {
     Eigen::Index row = 0;
     for (const Output& o : outputs) {
       const Eigen::Map<const Eigen::VectorXd> measured(record[o.channel].data() + segment.first, segment.count);
-      if (system_.measure(o.channel))
-        error.segment(row, segment.count) = o.weight * (measured - shown(system_, theta, run, o.channel));
-      else
-        error.segment(row, segment.count) = o.weight * (measured - run.x.col(o.state));
+      error.segment(row, segment.count) = o.weight * (measured - shown(system_, theta, run, o.channel));
       row += segment.count;
     }
     return error;

@@ -56,8 +56,8 @@ ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta
   plus_.resize(d_.n);
   std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
   std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
-  d_.rate.prepare(rate_r_.data());
-  if (d_.dense()) d_.derivatives.prepare(derivative_r_.data());
+  d_.rate.prepare_frozen(rate_r_.data());
+  if (d_.dense()) d_.derivatives.prepare_frozen(derivative_r_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
   for (std::size_t i = 0; i < bounds_.size(); ++i)
     for (std::size_t j = 0; j < bounds_.size(); ++j)

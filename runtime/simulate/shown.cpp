@@ -1,7 +1,9 @@
 // What channels show of a run: their states, or what the model makes of them.
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
+#include "simulate/acceleration.hpp"
 #include "simulate/measures.hpp"
 #include "simulate/simulate.hpp"
 
@@ -35,8 +37,16 @@ class MeasureRows {
 int own_state(const System& system, std::string_view channel) {
   const int state = state_of(system.model(), channel);
   if (state < 0)
-    throw InputError("shown: expected a displacement or velocity of the model, got '" + std::string(channel) + "'");
+    throw InputError("shown: expected a displacement, velocity or acceleration of the model, got '" +
+                     std::string(channel) + "'");
   return state;
+}
+
+/// The coordinate whose acceleration a channel is, from 0; -1 where it is none.
+int accelerated(const Model& model, std::string_view channel) {
+  for (int i = 0; i < model.degrees(); ++i)
+    if (channel == model.channel('a', i)) return i;
+  return -1;
 }
 
 }  // namespace
@@ -49,7 +59,16 @@ int state_of(const Model& model, std::string_view channel) {
   return -1;
 }
 
+bool is_shown(const Model& model, std::string_view channel) {
+  return state_of(model, channel) >= 0 || accelerated(model, channel) >= 0;
+}
+
 std::vector<int> shown_states(const System& system, std::string_view channel) {
+  if (accelerated(system.model(), channel) >= 0) {
+    std::vector<int> all(static_cast<std::size_t>(system.states()));
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
   const int own = own_state(system, channel);
   for (const auto& [name, map] : system.model().measures) {
     if (name != channel) continue;
@@ -62,6 +81,7 @@ std::vector<int> shown_states(const System& system, std::string_view channel) {
 }
 
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run, std::string_view channel) {
+  if (const int i = accelerated(system.model(), channel); i >= 0) return run.a.col(i);
   const Tape* tape = system.measure(channel);
   if (!tape) return run.x.col(own_state(system, channel));
   MeasureRows rows(system, *tape, theta);
@@ -73,8 +93,16 @@ Eigen::VectorXd shown(const System& system, std::span<const double> theta, const
   return out;
 }
 
-Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const SensitivityRun& run,
-                             std::string_view channel) {
+Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,
+                             const SensitivityRun& run, std::string_view channel) {
+  if (const int i = accelerated(system.model(), channel); i >= 0) {
+    Eigen::MatrixXd slopes =
+        std::move(acceleration_slopes(system, theta, excitation, run)[static_cast<std::size_t>(i)]);
+    // A row in sliding, whose acceleration the branches' own signs do not give, says nothing of the parameters.
+    for (Index row = 0; row < slopes.rows(); ++row)
+      if (run.run.x.row(row).allFinite() && !slopes.row(row).allFinite()) slopes.row(row).setZero();
+    return slopes;
+  }
   const Tape* tape = system.measure(channel);
   if (!tape) return run.dx[static_cast<std::size_t>(own_state(system, channel))];
   const std::vector<int> states = shown_states(system, channel);

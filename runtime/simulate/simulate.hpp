@@ -205,14 +205,19 @@ struct SensitivityRun {
   const Eigen::MatrixXd& dy() const { return dx[0]; }  ///< of the first displacement
   const Eigen::MatrixXd& dv() const { return dx[1]; }  ///< of the first velocity
 };
-/// What a channel shows of a run: the state that it is named after, or what the model makes of it (Model::measures).
+/// What a channel shows of a run: the state or acceleration that it is named after, or what the model makes of it
+/// (Model::measures).
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run,
                       std::string_view channel = "y");
-/// Its derivatives to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states().
-Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const SensitivityRun& run,
-                             std::string_view channel = "y");
-/// The states that a channel shows, from 0. Throws InputError for a channel that is no displacement or velocity.
+/// Its derivatives to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states(), under the
+/// same excitation. 0 in rows that slide, where a channel is an acceleration (acceleration_slopes).
+Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,
+                             const SensitivityRun& run, std::string_view channel = "y");
+/// The states that a channel shows, from 0: of an acceleration all. Throws InputError for a channel that is no
+/// displacement, velocity or acceleration of the model.
 std::vector<int> shown_states(const System& system, std::string_view channel);
+/// True for the displacements, velocities and accelerations of a model: what shown() knows.
+bool is_shown(const Model& model, std::string_view channel);
 
 /// By the fixed path, or by CVODES (solver bdf or adams, and automatic where that is stiff), which holds them to rtol
 /// of what a parameter of its own size makes. `wanted`: the states whose sensitivities are kept, from 0; empty: all.

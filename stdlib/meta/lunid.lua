@@ -1400,7 +1400,8 @@ function lunid.rank(fields) end
 ---@field limits? lunid.table # what the machine can do: { force = largest [N], displacement = largest [m], frequency = { lowest, highest } [Hz] }
 ---@field duration? number # else 16 periods of the lowest frequency
 ---@field rate? number # else 20 rows in a period of the highest frequency
----@field noise? number # standard deviation of the measured displacement's noise; of the force's where the motion is imposed
+---@field measured? "y"|"v"|"a" # of each coordinate: displacement, velocity or acceleration; else what the discovery's records had, or y
+---@field noise? number # standard deviation of the noise of what is measured, in SI; of the force's where the motion is imposed
 ---@param fields lunid.design_experiment.fields
 ---@return lunid.experiment_design
 function lunid.design_experiment(fields) end

@@ -82,18 +82,6 @@ TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
   EXPECT_TRUE(there.removable.empty());
 }
 
-TEST(DiscoveryRefuses, AnAccelerometerAlone) {
-  const Record whole = decay(2, 3, "m");
-  const Eigen::VectorXd a = savitzky_golay(whole["y"], whole.dt(), 2, {6, 3});
-  const std::vector<double> values(a.begin(), a.end()), force(values.size(), 0.0);
-  const Record record =
-      derive_motion(Record("shaker.csv", 0, whole.dt(), {channel("F", "N", force), channel("a", "m/s^2", values)}));
-  const Model model = baseline("k*y + c*v", 1);
-  EXPECT_EQ(message([&] { discover(model, small_catalogue(*model.pool), {record}, {}); }),
-            "shaker.csv: discover: the displacement is known from the acceleration alone, integrated twice: its slow "
-            "part is lost, and every free run would be held against that; record y or v too");
-}
-
 TEST(DiscoveryRefuses, SeveralCoordinates) {
   Model model = baseline("k*y1 + c*v1 + k*(y1 - y2)", 1);
   model.further.push_back({model.pool->constant(1), parse(*model.pool, "k*(y2 - y1)")});

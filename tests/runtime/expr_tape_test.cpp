@@ -112,6 +112,53 @@ TEST_F(TapeTest, columns_have_the_bits_of_points) {
   }
 }
 
+/// Registers of lanes, side by side or `rows`: 72 apart, for the machine code of temporaries that stand in rows.
+struct LanePlaces {
+  std::vector<double> memory;
+  std::vector<double*> place;
+  LanePlaces(const Tape& tape, int lanes, bool rows) {
+    const auto registers = static_cast<std::size_t>(tape.registers());
+    const std::size_t apart = rows ? 72 : static_cast<std::size_t>(lanes);
+    memory.resize(registers * apart);
+    for (std::size_t r = 0; r < registers; ++r) place.push_back(memory.data() + r * apart);
+  }
+};
+
+TEST_F(TapeTest, frozen_runs_in_place_have_the_bits_of_frozen_runs) {
+  testing::RandomExpressions random(pool, 11);
+  std::mt19937 noise(12);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (int i = 0; i < 400; ++i) {
+    const std::vector<Expr> outputs{random.next(4), random.next(5), inputs[3], inputs[3] * inputs[2]};
+    const std::size_t fixed = static_cast<std::size_t>(i) % (inputs.size() + 1);
+    const Tape tape(outputs, inputs, fixed);
+    std::vector<double> in(inputs.size()), out(outputs.size());
+    const auto registers = static_cast<std::size_t>(tape.registers()) + 1;
+    std::vector<double> own(registers), scratch(registers), g(static_cast<std::size_t>(tape.switches()));
+    std::vector<std::int8_t> mode(g.size());
+    for (double& x : in) x = uniform(noise);
+    std::copy(in.begin(), in.end(), own.begin());
+    tape.prepare_frozen(own.data());
+    for (int run = 0; run < 3; ++run) {
+      for (std::size_t k = 0; k + fixed < in.size(); ++k) own[k] = in[k] = uniform(noise);
+      for (auto& m : mode) m = static_cast<std::int8_t>(static_cast<int>(noise() % 3) - 1);
+      tape.run_prepared_frozen(mode.data(), own.data());
+      tape.run_frozen(in.data(), mode.data(), out.data(), g.data(), scratch.data());
+      for (std::size_t j = 0; j < out.size(); ++j)
+        ASSERT_TRUE(same_bits(own[static_cast<std::size_t>(tape.output_place()) + j], out[j])) << to_text(outputs[j]);
+      for (std::size_t j = 0; j < g.size(); ++j)
+        ASSERT_TRUE(same_bits(own[static_cast<std::size_t>(tape.switch_place()) + j], g[j]));
+    }
+  }
+}
+
+TEST_F(TapeTest, frozen_runs_in_place_leave_out_what_fixed_inputs_make) {
+  const Expr v = inputs[1], k = inputs[2], c = inputs[3];
+  const std::vector<Expr> outputs{pool.apply(Op::pow, {k, c}) * pool.apply(Op::abs, {v}) +
+                                  pool.apply(Op::exp, {k / c})};
+  EXPECT_EQ(Tape(outputs, inputs, 0).frozen_instructions() - Tape(outputs, inputs, 2).frozen_instructions(), 3);
+}
+
 TEST_F(TapeTest, lanes_have_the_bits_of_points) {
   testing::RandomExpressions random(pool, 7);
   std::mt19937 noise(8);
@@ -120,12 +167,8 @@ TEST_F(TapeTest, lanes_have_the_bits_of_points) {
     const std::vector<Expr> outputs{random.next(4), random.next(5), inputs[0], pool.constant(3)};
     const Tape tape(outputs, inputs);
     const int lanes = Tape::lane_group * (1 + i % 3);
-    const auto registers = static_cast<std::size_t>(tape.registers());
-    // 72 apart: the machine code for temporaries that stand in rows
-    const std::size_t apart = i % 2 ? 72 : static_cast<std::size_t>(lanes);
-    std::vector<double> memory(registers * apart);
-    std::vector<double*> place(registers);
-    for (std::size_t r = 0; r < registers; ++r) place[r] = memory.data() + r * apart;
+    LanePlaces memory(tape, lanes, i % 2);
+    std::vector<double*>& place = memory.place;
     for (std::size_t k = 0; k < inputs.size(); ++k)
       for (int l = 0; l < lanes; ++l) place[k][l] = uniform(noise);
     place[0][3] = std::nan("");
@@ -167,11 +210,8 @@ TEST_F(TapeTest, lanes_of_many_inputs_have_the_bits_of_points) {
     }
     const Tape tape(outputs, many);
     const int lanes = Tape::lane_group * (1 + i % 3);
-    const auto registers = static_cast<std::size_t>(tape.registers());
-    const std::size_t apart = i % 2 ? 72 : static_cast<std::size_t>(lanes);
-    std::vector<double> memory(registers * apart);
-    std::vector<double*> place(registers);
-    for (std::size_t r = 0; r < registers; ++r) place[r] = memory.data() + r * apart;
+    LanePlaces memory(tape, lanes, i % 2);
+    std::vector<double*>& place = memory.place;
     for (std::size_t k = 0; k < many.size(); ++k)
       for (int l = 0; l < lanes; ++l) place[k][l] = uniform(noise);
     tape.prepare_lanes(place.data(), lanes);

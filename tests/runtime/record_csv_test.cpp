@@ -174,5 +174,39 @@ TEST(Units, AreConvertedToSi) {
   EXPECT_FALSE(si_unit(""));
 }
 
+TEST(Units, PrefixesProductsAndQuotientsOfTheTablesNames) {
+  const struct {
+    const char* unit;
+    double factor;
+    const char* si;
+  } known[] = {{"um/s^2", 1e-6, "m/s^2"},
+               {"\u00b5m/s", 1e-6, "m/s"},
+               {"mm/s\u00b2", 1e-3, "m/s^2"},
+               {"mm/s/s", 1e-3, "m/s^2"},
+               {"mm s^-2", 1e-3, "m/s^2"},
+               {"ms^-2", 1, "m/s^2"},
+               {"ft/s2", 0.3048, "m/s^2"},
+               {"mg", 9.80665e-3, "m/s^2"},
+               {"nm", 1e-9, "m"},
+               {"kN/mm", 1e6, "N/m"},
+               {"kNm", 1e3, "N m"},
+               {"kN\u00b7m", 1e3, "N m"},
+               {"N*s/m", 1, "N s/m"},
+               {"mrad/s", 1e-3, "rad/s"},
+               {"mm^2", 1e-6, "m^2"},
+               {"kHz", 1e3, "Hz"},
+               {"1/s", 1, "1/s"},
+               {"uV", 1e-6, "V"},
+               {"lbf*ft", 1.3558179483314004, "N m"}};
+  for (const auto& k : known) {
+    const auto si = si_unit(k.unit);
+    ASSERT_TRUE(si) << k.unit;
+    EXPECT_NEAR(si->factor / k.factor, 1, 1e-15) << k.unit;
+    EXPECT_EQ(si->unit, k.si) << k.unit;
+  }
+  for (const char* unknown : {"mmm", "Mdeg", "m//s", "/s", "m/", "furlong/s", "kkg", "m^", "2", "s-"})
+    EXPECT_FALSE(si_unit(unknown)) << unknown;
+}
+
 }  // namespace
 }  // namespace lunid

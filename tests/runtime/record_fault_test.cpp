@@ -95,7 +95,7 @@ TEST(Fault, Columns) {
 TEST(Fault, Units) {
   const std::string text = complaint("t,F,y [furlong]\n" + rows(8));
   EXPECT_EQ(text.substr(0, 66), "run3.csv:1: column 'y [furlong]': unknown unit 'furlong'; known ar");
-  EXPECT_NE(text.find(" mm "), std::string::npos);
+  EXPECT_NE(text.find(" mil "), std::string::npos);
   EXPECT_EQ(complaint("t [mm],F,y\n" + rows(8)),
             "run3.csv:1: column 't [mm]': 'mm' is no unit of channel 't', expected s, ms, us or min");
 }
