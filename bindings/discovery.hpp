@@ -1,6 +1,7 @@
 #pragma once
 // What the bindings of discovery and of its stages share.
 #include "discover/discover.hpp"
+#include "fields.hpp"
 #include "progress.hpp"
 #include "types.hpp"
 
@@ -19,12 +20,8 @@ std::vector<Record> read_records(lua_State* L, int index);
 /// Options by name; seed, threads and Ctrl-C are those of the run, progress is shown on a terminal.
 DiscoverOptions read_discover_options(lua_State* L, int index);
 
-void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values);
 /// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.
 void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values);
-void set_text(lua_State* L, const char* field, const std::string& text);
-/// Left out when it is not finite.
-void set_number(lua_State* L, const char* field, double value);
 
 /// { rivals =, candidates = { { name =, excitation = ... } }, sentence =, text =, json =, decides = }
 void push_design(lua_State* L, const ExperimentDesign& design);

@@ -3,6 +3,7 @@
 
 #include "expr/number.hpp"
 #include "expr/tape.hpp"
+#include "fields.hpp"
 #include "runtime.hpp"
 #include "simulate/fit.hpp"
 #include "statistics/agreement.hpp"
@@ -105,12 +106,6 @@ std::span<const double> span_of(const std::optional<VectorXd>& x) {
   return x ? std::span<const double>(x->data(), static_cast<std::size_t>(x->size())) : std::span<const double>();
 }
 
-void set_number(lua_State* L, const char* field, std::optional<double> value) {
-  if (!value || !std::isfinite(*value)) return;
-  lua_pushnumber(L, *value);
-  lua_setfield(L, -2, field);
-}
-
 void set_lag_test(lua_State* L, const char* field, const std::optional<LagTest>& test) {
   if (!test) return;
   lua_newtable(L);
@@ -166,7 +161,7 @@ int compare_columns(lua_State* L) {
                                      {"qqcc", found.qqcc},
                                      {"dtw", found.dtw},
                                      {"mutual_information", found.mutual_information}})
-    set_number(L, field, value);
+    if (value) set_number(L, field, *value);
   if (found.spearman) set_number(L, "spearman", found.spearman->coefficient);
   if (found.kendall) set_number(L, "kendall", found.kendall->coefficient);
   if (found.runs) set_number(L, "runs_p_value", found.runs->p_value);

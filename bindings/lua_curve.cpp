@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields.hpp"
 #include "regress/curve.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
@@ -49,11 +50,6 @@ void read_parameters(const DeclarationsPtr& declared, CurveOptions& options) {
   }
 }
 
-void set(lua_State* L, const char* field, double value) {
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, field);
-}
-
 void push_parameters(lua_State* L, const CurveFit& fit) {
   lua_newtable(L);
   lua_Integer i = 0;
@@ -61,8 +57,8 @@ void push_parameters(lua_State* L, const CurveFit& fit) {
     lua_newtable(L);
     push_text(L, p.name);
     lua_setfield(L, -2, "name");
-    set(L, "value", p.value);
-    if (std::isfinite(p.std)) set(L, "std", p.std);
+    set_number(L, "value", p.value);
+    if (std::isfinite(p.std)) set_number(L, "std", p.std);
     lua_pushboolean(L, p.at_bound);
     lua_setfield(L, -2, "at_bound");
     lua_pushboolean(L, p.unexcited);
@@ -109,7 +105,7 @@ int run(lua_State* L) {
   for (const auto& [field, value] :
        {std::pair{"rss", fit.rss}, std::pair{"rmse", fit.rmse}, std::pair{"residual_std", fit.residual_std},
         std::pair{"r2", fit.r2}, std::pair{"condition", fit.condition}, std::pair{"seconds", fit.seconds}})
-    set(L, field, value);
+    set_number(L, field, value);
   for (const auto& [field, value] :
        {std::pair{"rows", static_cast<lua_Integer>(fit.rows)}, std::pair{"iterations", lua_Integer{fit.iterations}},
         std::pair{"evaluations", lua_Integer{fit.evaluations}}}) {

@@ -1,6 +1,7 @@
 // What is done to records: derivatives, filters, trends, rates, delays, integrals.
+#include "progress.hpp"
 #include "record/derive.hpp"
-#include "record/treat.hpp"
+#include "record/stream_treat.hpp"
 #include "stream.hpp"
 #include "types.hpp"
 
@@ -49,34 +50,45 @@ int derive_record(lua_State* L) {
   return 1;
 }
 
-/// filter_record(record, {from =, to =, stop =, order =, channels =}) -> record
+/// treat(a record or a stream) of the first argument, as what it was.
+template <class Treat>
+int treated(lua_State* L, Treat treat) {
+  if (const Stream* stream = test<Stream>(L, 1)) {
+    const ProgressLine line;
+    push<Stream>(L, treat(*stream));
+  } else {
+    push<Record>(L, treat(check<Record>(L, 1)));
+  }
+  return 1;
+}
+
+/// filter_record(record or stream, {from =, to =, stop =, order =, channels =}) -> the same
 int filter_record(lua_State* L) {
-  const Record& record = check<Record>(L, 1);
   check_table(L, 2);
   FilterOptions options;
   options.band = {number_field(L, 2, "from").value_or(0), number_field(L, 2, "to").value_or(0),
                   boolean_field(L, 2, "stop", false)};
   options.order = whole_field(L, 2, "order", options.order);
   options.channels = strings_field(L, 2, "channels");
-  push<Record>(L, filter(record, options));
-  return 1;
+  return treated(L, [&](const auto& record) { return filter(record, options); });
 }
 
-/// detrend_record(record, {degree =, channels =}) -> record
+/// detrend_record(record or stream, {degree =, channels =}) -> the same
 int detrend_record(lua_State* L) {
   check_table(L, 2);
-  push<Record>(L, detrend(check<Record>(L, 1), whole_field(L, 2, "degree", 1), strings_field(L, 2, "channels")));
-  return 1;
+  const int degree = whole_field(L, 2, "degree", 1);
+  const std::vector<std::string> channels = strings_field(L, 2, "channels");
+  return treated(L, [&](const auto& record) { return detrend(record, degree, channels); });
 }
 
 int decimate_record(lua_State* L) {
-  push<Record>(L, decimate(check<Record>(L, 1), static_cast<int>(check_integer(L, 2))));
-  return 1;
+  const int factor = static_cast<int>(check_integer(L, 2));
+  return treated(L, [&](const auto& record) { return decimate(record, factor); });
 }
 
 int resample_record(lua_State* L) {
-  push<Record>(L, resample(check<Record>(L, 1), check_number(L, 2)));
-  return 1;
+  const double rate = check_number(L, 2);
+  return treated(L, [&](const auto& record) { return resample(record, rate); });
 }
 
 /// align_record(record, other, {channel =, most =}) -> record, delay, correlation
@@ -92,15 +104,14 @@ int align_record(lua_State* L) {
   return 3;
 }
 
-/// integrate_record(record, {from =, degree =, below =}) -> record
+/// integrate_record(record or stream, {from =, degree =, below =}) -> the same
 int integrate_record(lua_State* L) {
   check_table(L, 2);
   IntegrateOptions options;
   options.from = string_field(L, 2, "from").value_or("");
   options.degree = whole_field(L, 2, "degree", options.degree);
   options.below = number_field(L, 2, "below").value_or(0);
-  push<Record>(L, integrate(check<Record>(L, 1), options));
-  return 1;
+  return treated(L, [&](const auto& record) { return integrate(record, options); });
 }
 
 }  // namespace

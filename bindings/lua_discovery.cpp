@@ -219,28 +219,12 @@ DiscoverOptions read_discover_options(lua_State* L, int index) {
   return options;
 }
 
-void set_column(lua_State* L, const char* field, const Eigen::VectorXd& values) {
-  push_column(L, values);
-  lua_setfield(L, -2, field);
-}
-
 void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
   lua_newtable(L);
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     push_column(L, values.col(j));
     lua_rawseti(L, -2, j + 1);
   }
-  lua_setfield(L, -2, field);
-}
-
-void set_text(lua_State* L, const char* field, const std::string& text) {
-  push_text(L, text);
-  lua_setfield(L, -2, field);
-}
-
-void set_number(lua_State* L, const char* field, double value) {
-  if (!std::isfinite(value)) return;
-  lua_pushnumber(L, value);
   lua_setfield(L, -2, field);
 }
 

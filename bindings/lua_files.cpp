@@ -90,12 +90,6 @@ int parent_of(lua_State* L) {
   return 1;
 }
 
-int absolute_path(lua_State* L) {
-  std::error_code code;
-  push_text(L, fs::weakly_canonical(fs::absolute(check_string(L, 1)), code).string());
-  return 1;
-}
-
 int hash_of(lua_State* L) {
   push_text(L, sha256_of_file(check_string(L, 1)));
   return 1;
@@ -144,12 +138,6 @@ int base64(lua_State* L) {
 
 int process_id(lua_State* L) {
   lua_pushinteger(L, getpid());
-  return 1;
-}
-
-/// Is stdout (1) or stderr (2) a terminal?
-int is_terminal(lua_State* L) {
-  lua_pushboolean(L, isatty(static_cast<int>(check_integer(L, 1))));
   return 1;
 }
 
@@ -232,7 +220,6 @@ void open_files(lua_State* L) {
       {"rename", guarded<rename_file>},
       {"remove_all", guarded<remove_all>},
       {"parent_of", guarded<parent_of>},
-      {"absolute_path", guarded<absolute_path>},
       {"hash_of", guarded<hash_of>},
       {"inputs", guarded<inputs>},
       {"note_input", guarded<note_input>},
@@ -240,7 +227,6 @@ void open_files(lua_State* L) {
       {"parse_json", guarded<parse_json>},
       {"base64", guarded<base64>},
       {"process_id", guarded<process_id>},
-      {"is_terminal", guarded<is_terminal>},
       {"raise", guarded<raise>},
       {"reraise", guarded<reraise>},
       {"place", guarded<place>},

@@ -1,6 +1,7 @@
 // History models: ARX, ARMAX, NARX, NARMAX.
 #include <cmath>
 
+#include "fields.hpp"
 #include "regress/history.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
@@ -14,17 +15,6 @@ struct Bound<HistoryModel> {
 };
 
 namespace {
-
-void set(lua_State* L, const char* field, double value) {
-  if (!std::isfinite(value)) return;
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, field);
-}
-
-void set(lua_State* L, const char* field, const std::string& text) {
-  push_text(L, text);
-  lua_setfield(L, -2, field);
-}
 
 HistoryOptions options_of(lua_State* L, int index) {
   HistoryOptions options;
@@ -70,9 +60,9 @@ int orders(lua_State* L) {
     lua_setfield(L, -2, "outputs");
     lua_pushinteger(L, order.input_lags);
     lua_setfield(L, -2, "inputs");
-    set(L, "residual_std", order.residual_std);
-    set(L, "aic", order.aic);
-    set(L, "bic", order.bic);
+    set_number(L, "residual_std", order.residual_std);
+    set_number(L, "aic", order.aic);
+    set_number(L, "bic", order.bic);
     lua_rawseti(L, -2, ++i);
   }
   return 1;
@@ -112,9 +102,9 @@ int predict_rows(lua_State* L) {
   lua_setfield(L, -2, "values");
   lua_pushinteger(L, p.first + 1);
   lua_setfield(L, -2, "first");
-  set(L, "rmse", p.rmse);
-  set(L, "fit", p.fit);
-  if (p.ended >= 0) set(L, "stopped_at", record.time(p.ended));
+  set_number(L, "rmse", p.rmse);
+  set_number(L, "fit", p.fit);
+  if (p.ended >= 0) set_number(L, "stopped_at", record.time(p.ended));
   return 1;
 }
 
@@ -126,12 +116,12 @@ int tests(lua_State* L) {
   lua_Integer i = 0;
   for (const ResidualTest& test : residual_tests(model, check<Record>(L, 2), lags)) {
     lua_newtable(L);
-    set(L, "name", test.name);
+    set_text(L, "name", test.name);
     lua_pushinteger(L, test.first_lag);
     lua_setfield(L, -2, "first_lag");
     push_column(L, test.correlation);
     lua_setfield(L, -2, "correlation");
-    set(L, "bound", test.bound);
+    set_number(L, "bound", test.bound);
     lua_pushinteger(L, test.outside);
     lua_setfield(L, -2, "outside");
     lua_pushboolean(L, test.passed);
@@ -145,13 +135,13 @@ int tests(lua_State* L) {
 int equation(lua_State* L) {
   const ContinuousModel found = to_continuous(check<HistoryModel>(L, 1));
   lua_newtable(L);
-  set(L, "mass", found.mass);
-  set(L, "damping", found.damping);
-  set(L, "stiffness", found.stiffness);
-  set(L, "mass_std", found.mass_std);
-  set(L, "damping_std", found.damping_std);
-  set(L, "stiffness_std", found.stiffness_std);
-  set(L, "mismatch", found.mismatch);
+  set_number(L, "mass", found.mass);
+  set_number(L, "damping", found.damping);
+  set_number(L, "stiffness", found.stiffness);
+  set_number(L, "mass_std", found.mass_std);
+  set_number(L, "damping_std", found.damping_std);
+  set_number(L, "stiffness_std", found.stiffness_std);
+  set_number(L, "mismatch", found.mismatch);
   return 1;
 }
 
@@ -161,8 +151,8 @@ int poles(lua_State* L) {
   lua_Integer i = 0;
   for (const auto& [real, imaginary] : history_poles(check<HistoryModel>(L, 1))) {
     lua_newtable(L);
-    set(L, "real", real);
-    set(L, "imaginary", imaginary);
+    set_number(L, "real", real);
+    set_number(L, "imaginary", imaginary);
     lua_rawseti(L, -2, ++i);
   }
   return 1;
@@ -174,9 +164,9 @@ void push_terms(lua_State* L, const HistoryModel& model) {
   for (const HistoryTerm& term : model.terms) {
     const std::string name = to_text(term.feature);
     lua_newtable(L);
-    set(L, "name", name);
-    set(L, "value", term.coefficient);
-    set(L, "std", term.std);
+    set_text(L, "name", name);
+    set_number(L, "value", term.coefficient);
+    set_number(L, "std", term.std);
     lua_pushvalue(L, -1);
     lua_setfield(L, -3, name.c_str());
     lua_rawseti(L, -2, ++i);

@@ -79,10 +79,16 @@ int column(lua_State* L) {
   return 1;
 }
 
+/// write_record(record, path, version of a MAT file): by the end of the path HDF5, MAT or else CSV.
 int write(lua_State* L) {
+  const Record& record = check<Record>(L, 1);
   const std::string path = check_string(L, 2);
-  const bool hdf5 = path.ends_with(".h5") || path.ends_with(".hdf5");
-  (hdf5 ? write_hdf5 : write_csv)(check<Record>(L, 1), path);
+  if (path.ends_with(".mat"))
+    write_mat(record, path, check_string(L, 3) == "7.3" ? MatVersion::v7_3 : MatVersion::v5);
+  else if (path.ends_with(".h5") || path.ends_with(".hdf5"))
+    write_hdf5(record, path);
+  else
+    write_csv(record, path);
   return 0;
 }
 
@@ -155,8 +161,6 @@ void push_channels(lua_State* L, const std::vector<Channel>& channels) {
   }
 }
 
-namespace {
-
 void push_texts(lua_State* L, const std::vector<std::string>& texts) {
   lua_newtable(L);
   lua_Integer i = 0;
@@ -165,6 +169,8 @@ void push_texts(lua_State* L, const std::vector<std::string>& texts) {
     lua_rawseti(L, -2, ++i);
   }
 }
+
+namespace {
 
 /// Fields name, rows, dt, start, duration, channels, warnings, history; or a method.
 int get(lua_State* L) {

@@ -2,17 +2,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "fields.hpp"
 #include "regression.hpp"
 
 namespace lunid::lua {
 
 namespace {
-
-void set_number(lua_State* L, const char* field, double value) {
-  if (!std::isfinite(value)) return;
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, field);
-}
 
 /// List of {feature=, name=, value=, unit=, std=, block_std=, lower=, upper=, vif=, inclusion=, contribution=, place=},
 /// each also under its feature's text.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields.hpp"
 #include "record/checks.hpp"
 #include "record/spectra.hpp"
 #include "types.hpp"
@@ -13,14 +14,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-void set_column(lua_State* L, const char* name, const VectorXd& values) {
-  push_column(L, values);
-  lua_setfield(L, -2, name);
-}
-void set_number(lua_State* L, const char* name, double value) {
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, name);
-}
 void set_whole(lua_State* L, const char* name, Index value) {
   lua_pushinteger(L, value);
   lua_setfield(L, -2, name);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields.hpp"
 #include "runtime.hpp"
 #include "statistics/checks.hpp"
 #include "types.hpp"
@@ -168,16 +169,6 @@ int runs_test_of(lua_State* L) {
   const VectorXd x = check_column(L, 1);
   check_columns("runs_test", {span_of(x)}, {.rows = 5});
   return push_test(L, runs_test(span_of(x)));
-}
-
-void set_number(lua_State* L, const char* field, double value) {
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, field);
-}
-
-void set_column(lua_State* L, const char* field, const VectorXd& values) {
-  push_column(L, values);
-  lua_setfield(L, -2, field);
 }
 
 void push_lag_test(lua_State* L, const LagTest& test) {

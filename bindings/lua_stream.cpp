@@ -91,7 +91,7 @@ int range(lua_State* L) {
   return 2;
 }
 
-/// Fields name, rows, dt, start, duration, channels, warnings; or a method.
+/// Fields name, rows, dt, start, duration, channels, warnings, history; or a method.
 int get(lua_State* L) {
   const Stream& stream = check<Stream>(L, 1);
   const std::string key = check_string(L, 2);
@@ -107,21 +107,18 @@ int get(lua_State* L) {
     lua_pushnumber(L, stream.duration());
   else if (key == "channels")
     push_channels(L, stream.channels());
-  else if (key == "warnings") {
-    lua_newtable(L);
-    lua_Integer i = 0;
-    for (const std::string& warning : stream.warnings()) {
-      push_text(L, warning);
-      lua_rawseti(L, -2, ++i);
-    }
-  } else {
+  else if (key == "warnings")
+    push_texts(L, stream.warnings());
+  else if (key == "history")
+    push_texts(L, stream.history());
+  else {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1))
       throw InputError(
           "a stream has no '" + key +
-          "' (fields: name rows dt start duration channels warnings; methods: window); what needs all rows "
-          "at once takes a record from lunid.read");
+          "' (fields: name rows dt start duration channels warnings history; methods: window filter detrend decimate "
+          "resample integrate); what needs all rows at once takes a record from lunid.read");
   }
   return 1;
 }

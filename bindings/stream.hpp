@@ -19,6 +19,8 @@ std::vector<Stream> check_streams(lua_State* L, int index);
 ReadOptions file_options(lua_State* L, int index);
 /// The list of channels, each also under its name (lua_record.cpp).
 void push_channels(lua_State* L, const std::vector<Channel>& channels);
+/// A list of texts (lua_record.cpp).
+void push_texts(lua_State* L, const std::vector<std::string>& texts);
 /// {kind =, ...} as lunid.derivative.<kind> gives it (lua_derivative.cpp).
 DerivativeMethod derivative_method(lua_State* L, int index);
 

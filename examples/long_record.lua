@@ -20,6 +20,11 @@ local smooth = lunid.stream("../tests/data/spring_multisine.csv", { derivative =
 print(smooth.channels.a.derivation)
 print(lunid.regress { record = smooth, mass = 49, features = { y, v, y^3 } })
 
--- what needs all rows at once (a trajectory fit, a filter) takes a window that fits into memory
+-- filters, trends, other rates and integrals go block by block too
+local slow = long:detrend { degree = 1, channels = { "y" } }:filter { to = 120 }:decimate(2)
+print(slow)
+for _, step in ipairs(slow.history) do print("  " .. step) end
+
+-- what needs all rows at once (a trajectory fit) takes a window that fits into memory
 local part = lunid.read("../tests/data/spring_multisine.csv", { window = lunid.window(1, 3) })
 print(lunid.fit_trajectory { model = fit.model, record = part, interpolation = "band_limited" })

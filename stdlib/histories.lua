@@ -103,7 +103,16 @@ histories.history_model = schema.define({
   return core.stored_history(given)
 end)
 
+--- The record that a method works on.
+local function record_of(method, value)
+  if getmetatable(value) ~= "lunid.record" then
+    schema.fail(method, "expected a record from lunid.read, got " .. core.describe(value))
+  end
+  return value
+end
+
 core.add_method("lunid.history_model", "predict", function(model, measured, steps)
+  record_of("predict", measured)
   steps = steps or 1
   if math.type(steps) ~= "integer" or steps < 1 then
     schema.fail("predict", "steps: expected a whole number >= 1, got " .. core.describe(steps))
@@ -111,7 +120,9 @@ core.add_method("lunid.history_model", "predict", function(model, measured, step
   return model:predict_rows(measured, steps)
 end)
 
-core.add_method("lunid.history_model", "free_run", function(model, measured) return model:predict_rows(measured, 0) end)
+core.add_method("lunid.history_model", "free_run", function(model, measured)
+  return model:predict_rows(record_of("free_run", measured), 0)
+end)
 
 core.add_method("lunid.history_model", "save", function(model, path)
   if type(path) ~= "string" then schema.fail("save", "expected a path, got " .. core.describe(path)) end

@@ -124,7 +124,7 @@ records.stream = schema.define({
     window_field,
   },
   returns = "stream",
-  example = [[local big = lunid.stream("year.csv", { displacement = "y [mm]" })]],
+  example = [[local big = lunid.stream("year.csv", { displacement = "y [mm]" }):filter { to = 120 }:decimate(4)]],
 }, function(given)
   local stream = core.stream(records.find(given.path), { columns = columns_of(given, "stream"), rate = given.rate,
     interval = given.interval, derivative = given.derivative, smooth = given.smooth })
@@ -151,14 +151,22 @@ records.window = schema.define({
   end)
 end)
 
-core.add_method("lunid.record", "save", function(record, path)
-  core.write_record(record, output.place(path))
-  return output.shown(path)
-end)
-
-core.add_method("lunid.run", "save", function(run, path)
-  core.write_record(run:record(), output.place(path))
-  return output.shown(path)
+schema.method({
+  name = "record:save",
+  also = "run",
+  help = "Writes the time and the channels in SI with their units, below the out directory: as HDF5 (.h5, .hdf5), for "
+    .. "MATLAB (.mat) or else as CSV. Whole or not at all. Also run:save.",
+  positional = { "path" },
+  fields = {
+    { "path", types.string, required = true, help = "below the out directory" },
+    { "version", types.choice { "5", "7.3" }, default = "5",
+      help = "of a MAT file: 5 is read by all programs and holds 2 GB a channel, 7.3 can be a stream" },
+  },
+  returns = "string",
+  example = [[record:save("run3.mat", { version = "7.3" })]],
+}, function(record, given)
+  core.write_record(getmetatable(record) == "lunid.run" and record:record() or record, output.place(given.path), given.version)
+  return output.shown(given.path)
 end)
 
 return records

@@ -242,17 +242,19 @@ function schema.define(definition, body)
 end
 
 --- Declares a method of a bound type: definition.name is "record:filter", and the body gets the record and the checked
---- values. Without arguments all fields are at their defaults.
+--- values. Without arguments all fields are at their defaults. `also`: another type that has it.
 function schema.method(definition, body)
   local type, name = definition.name:match "^(%l+):([%l_]+)$"
   schema.define(definition)
-  core.add_method("lunid." .. type, name, function(self, ...)
-    if getmetatable(self) ~= "lunid." .. type then
-      schema.fail(name, ("expected %s:%s { ... }, with a colon"):format(type, name))
-    end
-    if select("#", ...) == 0 then return body(self, schema.validate(definition, {})) end
-    return body(self, schema.validate(definition, ...))
-  end)
+  for _, owner in ipairs { type, definition.also } do
+    core.add_method("lunid." .. owner, name, function(self, ...)
+      if getmetatable(self) ~= "lunid." .. owner then
+        schema.fail(name, ("expected %s:%s { ... }, with a colon"):format(owner, name))
+      end
+      if select("#", ...) == 0 then return body(self, schema.validate(definition, {})) end
+      return body(self, schema.validate(definition, ...))
+    end)
+  end
 end
 
 --- " (required, default 3, [N])": what else is to be said of a field; "" for nothing.

@@ -1,5 +1,5 @@
 -- What is done to a whole record: filters, trends, rates, delays, integrals. Each method gives a new record, whose
--- history tells what was done.
+-- history tells what was done. Streams have all but align, and give a new stream.
 local core = require "lunid.core"
 local schema = require "lunid.schema"
 local types = schema.types
@@ -8,7 +8,9 @@ local channels = { "channels", types.list(types.string, 1), help = "such as { \"
 
 schema.method({
   name = "record:filter",
-  help = "A Butterworth filter forwards and backwards, so that nothing is delayed. The amplitude at a cut-off is halved.",
+  also = "stream",
+  help = "A Butterworth filter forwards and backwards, so that nothing is delayed. The amplitude at a cut-off is halved. "
+    .. "Also stream:filter, which gives a stream.",
   fields = {
     { "from", types.number { above = 0 }, unit = "Hz", help = "passes what lies above" },
     { "to", types.number { above = 0 }, unit = "Hz", help = "passes what lies below; with from: a band" },
@@ -22,7 +24,8 @@ schema.method({
 
 schema.method({
   name = "record:detrend",
-  help = "Takes off the least-squares polynomial of each channel.",
+  also = "stream",
+  help = "Takes off the least-squares polynomial of each channel. Also stream:detrend.",
   positional = { "degree" },
   fields = {
     { "degree", types.integer { min = 0, max = 12 }, default = 1, help = "0 the mean, 1 a line, 2 a parabola ..." },
@@ -34,7 +37,8 @@ schema.method({
 
 schema.method({
   name = "record:decimate",
-  help = "Every row of so many, after a filter that keeps the rest from folding in.",
+  also = "stream",
+  help = "Every row of so many, after a filter that keeps the rest from folding in. Also stream:decimate.",
   positional = { "factor" },
   fields = { { "factor", types.integer { min = 1 }, required = true, help = "rows that become one" } },
   returns = "record",
@@ -43,7 +47,8 @@ schema.method({
 
 schema.method({
   name = "record:resample",
-  help = "The same time at another rate, by band-limited interpolation.",
+  also = "stream",
+  help = "The same time at another rate, by band-limited interpolation. Also stream:resample.",
   positional = { "rate" },
   fields = { { "rate", types.number { above = 0 }, required = true, unit = "Hz", help = "rows per second" } },
   returns = "record",
@@ -66,7 +71,9 @@ schema.method({
 
 schema.method({
   name = "record:integrate",
-  help = "Velocity and displacement from an acceleration, or displacement from a velocity, rid of drift.",
+  also = "stream",
+  help = "Velocity and displacement from an acceleration, or displacement from a velocity, rid of drift. Also "
+    .. "stream:integrate.",
   fields = {
     { "from", types.string, help = "channel to integrate; else the measured v or a" },
     { "below", types.number { above = 0 }, unit = "Hz",

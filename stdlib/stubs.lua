@@ -3,7 +3,7 @@ local schema = require "lunid.schema"
 
 local stubs = {}
 
-local plain = { any = true, number = true }  -- what a function returns that is no type of lunid
+local plain = { any = true, number = true, string = true }  -- what a function returns that is no type of lunid
 local names = { string = "a string", number = "a number", boolean = "true or false" }
 
 --- The annotation's type for a schema type.

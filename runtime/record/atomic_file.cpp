@@ -74,19 +74,29 @@ std::pair<int, std::string> open_beside(const std::string& path) {
   fail(path, errno);
 }
 
-}  // namespace
-
-void write_file_atomically(const std::string& path, std::string_view content) {
-  if (is_special(path)) return write_directly(path, content);
+/// A file beside `path` with the mode of what is there, filled by `fill(descriptor, name)`, becomes that.
+template <class Fill>
+void replace(const std::string& path, Fill fill) {
   auto [descriptor, temporary] = open_beside(path);
   Output output(descriptor, temporary);
   struct stat earlier {};
   if (::stat(path.c_str(), &earlier) == 0 && ::fchmod(descriptor, earlier.st_mode & 07777) != 0) fail(path, errno);
-  write_all(descriptor, content, path);
+  fill(descriptor, temporary);
   if (::fsync(descriptor) != 0) fail(path, errno);
   if (output.close() != 0) fail(path, errno);
   if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path, errno);
   output.keep();
+}
+
+}  // namespace
+
+void write_file_atomically(const std::string& path, std::string_view content) {
+  if (is_special(path)) return write_directly(path, content);
+  replace(path, [&](int descriptor, const std::string&) { write_all(descriptor, content, path); });
+}
+
+void make_file_atomically(const std::string& path, const std::function<void(const std::string& name)>& make) {
+  replace(path, [&](int, const std::string& name) { make(name); });
 }
 
 }  // namespace lunid

@@ -1,5 +1,6 @@
 #pragma once
 // Files that are either whole or not there.
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -10,5 +11,8 @@ namespace lunid {
 /// written directly. Throws InputError (Fault::data) that names the path and the reason (disk full, no such
 /// directory, no permission); an earlier file is left as it was and the temporary file is removed.
 void write_file_atomically(const std::string& path, std::string_view content);
+
+/// The same of a file that a library makes: `make(name)` writes it under that name.
+void make_file_atomically(const std::string& path, const std::function<void(const std::string& name)>& make);
 
 }  // namespace lunid

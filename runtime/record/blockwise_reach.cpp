@@ -13,8 +13,7 @@ namespace {
 using Eigen::Index;
 
 constexpr const char* where = "stream";
-constexpr double digits = 32;                 // exp(-32) = 1e-14
-constexpr Index furthest = 16 * stream_rows;  // rows
+constexpr double digits = 32;  // exp(-32) = 1e-14
 
 /// Slowest decay per row of the filter 1/(c[0] + c[1] w^2 + ... + w^(2n)), c >= 0 and c[0] > 0: the poles of w lie off
 /// the real axis by so much.
@@ -34,9 +33,9 @@ double slowest_decay(const Eigen::VectorXd& c) {
 /// one is faster than the samples.
 Index rows_of_decay(const char* method, double decay, double most) {
   const double rows = std::ceil(1.5 * digits / std::min(decay, most));
-  if (!(rows <= static_cast<double>(furthest)))
+  if (!(rows <= static_cast<double>(furthest_reach)))
     refuse(where, std::string("derivative: ") + method + ": smooths over " + short_number(rows) +
-                      " rows on either side, expected at most " + std::to_string(furthest) +
+                      " rows on either side, expected at most " + std::to_string(furthest_reach) +
                       ": take a smaller weight or a larger density, or the whole record by lunid.read");
   return static_cast<Index>(rows);
 }

@@ -6,7 +6,7 @@
 #include "record/checks.hpp"
 #include "record/extension.hpp"
 #include "record/method_parts.hpp"
-#include "record/treat.hpp"
+#include "record/treat_parts.hpp"
 
 namespace lunid {
 namespace {
@@ -81,16 +81,6 @@ void run(const std::vector<Section>& sections, VectorXd& x) {
   }
 }
 
-/// Rows after which the slowest pole has fallen to 1e-10.
-Index memory(const std::vector<Section>& sections) {
-  double slowest = 0;
-  for (const Section& s : sections) {
-    const Complex root = std::sqrt(Complex(s.a1 * s.a1 - 4 * s.a2));
-    slowest = std::max({slowest, std::abs(-s.a1 + root) / 2, std::abs(-s.a1 - root) / 2});
-  }
-  return static_cast<Index>(std::min(1e7, std::ceil(std::log(1e-10) / std::log(std::min(slowest, 1 - 1e-9))))) + 8;
-}
-
 std::string words(const Band& band) {
   const std::string range = band.from > 0 && band.to > 0
                                 ? short_number(band.from) + " to " + short_number(band.to) + " Hz"
@@ -139,38 +129,73 @@ double amplitude_at(const std::vector<Section>& sections, double frequency, doub
   return size;
 }
 
+Index filter_reach(const std::vector<Section>& sections, Index most) {
+  VectorXd response = VectorXd::Zero(most + 1);
+  response[0] = 1;
+  run(sections, response);
+  const double all = response.cwiseAbs().sum();
+  double rest = 0;
+  Index reach = most + 1;
+  while (reach > 0 && (rest += std::abs(response[reach - 1])) < 1e-13 * all) --reach;
+  return reach;
+}
+
+Index filter_extension(const std::vector<Section>& sections, Index rows) {
+  double slowest = 0;
+  for (const Section& s : sections) {
+    const Complex root = std::sqrt(Complex(s.a1 * s.a1 - 4 * s.a2));
+    slowest = std::max({slowest, std::abs(-s.a1 + root) / 2, std::abs(-s.a1 - root) / 2});
+  }
+  const double memory = std::ceil(std::log(1e-10) / std::log(std::min(slowest, 1 - 1e-9)));
+  return std::min(static_cast<Index>(std::min(1e7, memory)) + 8, std::max<Index>(4 * rows, 1024));
+}
+
+void run_zero_phase(const std::vector<Section>& sections, VectorXd& x) {
+  for (int direction = 0; direction < 2; ++direction) {
+    run(sections, x);
+    x.reverseInPlace();
+  }
+}
+
+bool passes_line(const Band& band) {
+  const Kind kind = kind_of(band);
+  return kind == Kind::low || kind == Kind::stop;
+}
+
+double noise_passed(const std::vector<Section>& sections, double dt) {
+  constexpr int points = 2048;
+  double power = 0;
+  for (int i = 0; i < points; ++i)
+    power += std::pow(amplitude_at(sections, 0.5 / dt * (i + 0.5) / points, dt), 4) / points;
+  return std::sqrt(power);
+}
+
+std::string filter_note(const std::vector<std::string>& channels, const FilterOptions& options) {
+  return "filter: " + joined(channels) + " " + words(options.band) + ", Butterworth of order " +
+         std::to_string(options.order) + " forwards and backwards";
+}
+
 VectorXd filter_zero_phase(std::span<const double> x, const Band& band, int order, double dt) {
   const std::vector<Section> sections = butterworth(band, order, dt);
   const auto n = static_cast<Index>(x.size());
-  const Extended extended = extend(x, std::min(memory(sections), std::max<Index>(4 * n, 1024)));
-  VectorXd values = extended.values;
-  run(sections, values);
-  values.reverseInPlace();
-  run(sections, values);
-  values.reverseInPlace();
-  VectorXd result = values.segment(extended.reach, n);
-  const Kind kind = kind_of(band);
-  if (kind == Kind::low || kind == Kind::stop) result += extended.line;
+  Extended extended = extend(x, filter_extension(sections, n));
+  run_zero_phase(sections, extended.values);
+  VectorXd result = extended.values.segment(extended.reach, n);
+  if (passes_line(band)) result += extended.line;
   return result;
 }
 
 Record filter(const Record& record, const FilterOptions& options) {
-  const std::vector<Section> sections = butterworth(options.band, options.order, record.dt());
-  constexpr int points = 2048;
-  double passed = 0;  // of the power of white noise
-  for (int i = 0; i < points; ++i)
-    passed += std::pow(amplitude_at(sections, 0.5 / record.dt() * (i + 0.5) / points, record.dt()), 4) / points;
+  const double passed = noise_passed(butterworth(options.band, options.order, record.dt()), record.dt());
+  const std::vector<std::string> names = names_or_all(record.channels(), options.channels, "filter");
   Record result = record;
-  std::string names;
-  for (const std::string& name : names_or_all(record, options.channels, "filter")) {
+  for (const std::string& name : names) {
     const auto x = numbers(record, name, "filter");
     Channel channel = with_values(record, name, filter_zero_phase(x, options.band, options.order, record.dt()));
-    channel.noise *= std::sqrt(passed);
+    channel.noise *= passed;
     result = result.with(std::move(channel));
-    names += (names.empty() ? "" : ", ") + name;
   }
-  result.note("filter: " + names + " " + words(options.band) + ", Butterworth of order " +
-              std::to_string(options.order) + " forwards and backwards");
+  result.note(filter_note(names, options));
   return result;
 }
 

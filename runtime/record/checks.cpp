@@ -7,20 +7,24 @@
 
 namespace lunid {
 
+namespace {
+
+/// Throws InputError where no channel has that name.
+void need(const std::vector<Channel>& channels, std::string_view channel, std::string_view where) {
+  std::vector<std::string> names;
+  for (const Channel& each : channels) names.push_back(each.name);
+  if (std::find(names.begin(), names.end(), channel) != names.end()) return;
+  const std::string near = nearest_word(std::string(channel), names);
+  refuse(std::string(where), "the record has no channel '" + std::string(channel) + "'" +
+                                 (near.empty() ? " (it has " + joined(names) + ")" : ", did you mean '" + near + "'?"));
+}
+
+}  // namespace
+
 std::span<const double> numbers(const Record& record, std::string_view channel, std::string_view where,
                                 Eigen::Index rows) {
   const std::string at(where);
-  if (!record.has(channel)) {
-    std::string known;
-    std::vector<std::string> names;
-    for (const Channel& each : record.channels()) {
-      known += (known.empty() ? "" : ", ") + each.name;
-      names.push_back(each.name);
-    }
-    const std::string near = nearest_word(std::string(channel), names);
-    refuse(at, "the record has no channel '" + std::string(channel) + "'" +
-                   (near.empty() ? " (it has " + known + ")" : ", did you mean '" + near + "'?"));
-  }
+  need(record.channels(), channel, where);
   const std::span<const double> x = record[channel];
   if (record.rows() < rows)
     refuse(at, "expected at least " + std::to_string(rows) + " rows, got " + std::to_string(record.rows()));
@@ -43,12 +47,11 @@ std::span<const double> varying(const Record& record, std::string_view channel, 
   return x;
 }
 
-std::vector<std::string> names_or_all(const Record& record, const std::vector<std::string>& names,
+std::vector<std::string> names_or_all(const std::vector<Channel>& channels, const std::vector<std::string>& names,
                                       std::string_view where) {
   std::vector<std::string> all;
-  for (const Channel& channel : record.channels()) all.push_back(channel.name);
-  for (const std::string& name : names)
-    if (!record.has(name)) numbers(record, name, where);  // which says what there is
+  for (const Channel& channel : channels) all.push_back(channel.name);
+  for (const std::string& name : names) need(channels, name, where);
   return names.empty() ? all : names;
 }
 

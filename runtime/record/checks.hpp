@@ -17,8 +17,8 @@ std::span<const double> numbers(const Record& record, std::string_view channel, 
 /// The same, and not all of one value.
 std::span<const double> varying(const Record& record, std::string_view channel, std::string_view where,
                                 Eigen::Index rows = 6);
-/// The names as given, or all of the record's. Throws InputError for a name that it lacks.
-std::vector<std::string> names_or_all(const Record& record, const std::vector<std::string>& names,
+/// The names as given, or those of all channels. Throws InputError for a name that is none of them.
+std::vector<std::string> names_or_all(const std::vector<Channel>& channels, const std::vector<std::string>& names,
                                       std::string_view where);
 /// This record's channels (within its window) over another time base: warnings and history go along.
 Record remade(const Record& record, double t0, double dt, std::vector<Channel> channels);

@@ -48,6 +48,14 @@ bool fits(const Meaning& meaning, std::string_view si) {
   return si.empty() || std::find(meaning.units.begin(), meaning.units.end(), si) != meaning.units.end();
 }
 
+/// "m, rad, V"
+std::string units_of(const Meaning& meaning) {
+  std::string text;
+  for (const std::string_view unit : meaning.units)
+    if (!unit.empty()) text += (text.empty() ? "" : ", ") + std::string(unit);
+  return text;
+}
+
 const Meaning* meaning_of(std::string_view channel) {
   for (const Meaning& meaning : meanings)
     if (meaning.channel == channel) return &meaning;
@@ -104,7 +112,9 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
   return std::nullopt;
 }
 
-void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where, std::vector<std::string>& warnings) {
+/// `asked_for`: by the study, not by the file, so that a unit of another kind is a mistake.
+void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const SourceSpan& where,
+              std::vector<std::string>& warnings) {
   if (unit.empty()) {
     if (const Meaning* meaning = meaning_of(plan.channel)) plan.unit = meaning->units[0];
     return;
@@ -125,6 +135,7 @@ void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where
   const std::string text =
       "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
   if (plan.channel == "t") throw InputError(text + ", expected s, ms, us or min", where, Fault::data);
+  if (asked_for) throw InputError(text + ", expected one of the kind of " + units_of(*meaning), where, Fault::data);
   warnings.push_back(text);
 }
 
@@ -144,7 +155,7 @@ void plan_extra(ColumnPlan& plan, const std::vector<ColumnPlan>& plans, const So
   for (const ColumnPlan& other : plans)
     if (other.required && other.channel == name) name = "column " + plan.header.name;
   plan.channel = name;
-  set_unit(plan, plan.header.unit, where, warnings);
+  set_unit(plan, plan.header.unit, false, where, warnings);
 }
 
 }  // namespace
@@ -185,7 +196,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   const auto assign = [&](std::size_t i, std::string channel, const std::string& unit) {
     plans[i].channel = std::move(channel);
     plans[i].required = true;
-    set_unit(plans[i], unit.empty() ? header[i].unit : unit, where, warnings);
+    set_unit(plans[i], unit.empty() ? header[i].unit : unit, !unit.empty(), where, warnings);
   };
   for (std::size_t i = 0; i < header.size(); ++i) plans[i].header = header[i];
   for (const ColumnMap& map : options.columns) {

@@ -15,11 +15,11 @@ namespace lunid {
 /// A variable of a file: "y", "run1/y" (HDF5), "run1.y" (a field of a structure in a MAT file).
 struct Variable {
   std::string name;
-  std::string unit;                ///< attribute `unit` or `units` of HDF5; "" where there is none
-  std::string kind;                ///< "" for real numbers, else what it is: "text", "complex numbers", "a cell array"
-  std::vector<std::size_t> shape;  ///< as the file's own world writes it: rows first; {} for a single number
-  bool single = false;             ///< stored with 24 bits of mantissa
-  bool whole = false;              ///< the file gives it all at once or not at all
+  std::string unit;  ///< attribute `unit` or `units` of HDF5, text units.<name> of a MAT file; "" where there is none
+  std::string kind;  ///< "" for real numbers, else what it is: "text", "complex numbers", "a cell array"
+  std::vector<std::size_t> shape;     ///< as the file's own world writes it: rows first; {} for a single number
+  bool single = false;                ///< stored with 24 bits of mantissa
+  bool whole = false;                 ///< the file gives it all at once or not at all
   std::optional<double> start, step;  ///< attributes of a time that Lunid wrote: t = start + i*step to the last bit
 
   bool is_number() const { return kind.empty(); }
@@ -51,6 +51,9 @@ struct StoredColumn {
   std::optional<double> start, step;
 };
 
+/// Of MATLAB's own format, which all its programs read and which holds 2 GB a variable, and of HDF5 within it.
+enum class MatVersion { v5, v7_3 };
+
 /// What the module does. Failures are told in `error`.
 class ContainerModule {
  public:
@@ -59,9 +62,12 @@ class ContainerModule {
   virtual std::unique_ptr<Container> open_hdf5(const std::string& path, std::string& error) = 0;
   /// The bytes of an HDF5 file; the same bytes for the same columns.
   virtual std::string encode_hdf5(const std::vector<StoredColumn>& columns, std::string& error) = 0;
+  /// Writes a MAT file; their units as the text fields of a structure `units`.
+  virtual void write_mat(const std::string& path, const std::vector<StoredColumn>& columns, MatVersion version,
+                         std::string& error) = 0;
 };
 
-constexpr int container_version = 2;
+constexpr int container_version = 3;
 constexpr const char* container_factory_name = "lunid_container_module";
 using ContainerFactory = ContainerModule*(int version);
 
@@ -91,5 +97,8 @@ Eigen::VectorXd read_choice(Container& file, const std::string& path, const Choi
 Record read_container(const std::string& path, const ReadOptions& options);
 /// Writes t and the channels in SI with their units as attributes; reads back to the same doubles.
 void write_hdf5(const Record& record, const std::string& path);
+/// The same as a MAT file; the time as stamps. What no name of MATLAB holds becomes "_" in the names of channels.
+/// Throws InputError (Fault::data): two channels of one name after that, a channel beyond 2 GB in version 5.
+void write_mat(const Record& record, const std::string& path, MatVersion version);
 
 }  // namespace lunid

@@ -1,4 +1,4 @@
-// Records from MAT and HDF5 files, and to HDF5.
+// Records from MAT and HDF5 files, and to them.
 #include <algorithm>
 #include <cmath>
 
@@ -100,14 +100,34 @@ Record read_record(const std::string& path, const ReadOptions& options) {
   return read_csv(path, options);
 }
 
-void write_hdf5(const Record& record, const std::string& path) {
-  const VectorXd t = VectorXd::NullaryExpr(record.rows(), [&](Index i) { return record.time(i); });
+namespace {
+
+/// The time `t`, made here, and the channels.
+std::vector<StoredColumn> stored_columns(const Record& record, VectorXd& t) {
+  t = VectorXd::NullaryExpr(record.rows(), [&](Index i) { return record.time(i); });
   const auto rows = static_cast<std::size_t>(record.rows());
   std::vector<StoredColumn> columns{{"t", "s", t.data(), rows, record.start(), record.dt()}};
   for (const Channel& channel : record.channels())
     columns.push_back({channel.name, channel.unit, record[channel.name].data(), rows, {}, {}});
+  return columns;
+}
+
+}  // namespace
+
+void write_mat(const Record& record, const std::string& path, MatVersion version) {
+  VectorXd t;
+  const std::vector<StoredColumn> columns = stored_columns(record, t);
+  make_file_atomically(path, [&](const std::string& name) {
+    std::string error;
+    container_module().write_mat(name, columns, version, error);
+    if (!error.empty()) fail(path, error);
+  });
+}
+
+void write_hdf5(const Record& record, const std::string& path) {
+  VectorXd t;
   std::string error;
-  const std::string bytes = container_module().encode_hdf5(columns, error);
+  const std::string bytes = container_module().encode_hdf5(stored_columns(record, t), error);
   if (!error.empty()) fail(path, error);
   write_file_atomically(path, bytes);
 }

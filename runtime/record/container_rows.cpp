@@ -15,8 +15,9 @@ using Eigen::VectorXd;
 
 class ContainerRows : public RowSource {
  public:
-  ContainerRows(const std::string& path, const ReadOptions& options, const Progress& progress, Layout& layout)
+  ContainerRows(const std::string& path, const ReadOptions& options, const Progress& progress)
       : path_(path), file_(open_container(path)) {
+    Layout& layout = layout_;
     plan_ = plan_container(*file_, path, options);
     layout.name = path;
     layout.rows = static_cast<Index>(plan_.rows);
@@ -128,8 +129,8 @@ class ContainerRows : public RowSource {
 }  // namespace
 
 std::unique_ptr<RowSource> open_container_rows(const std::string& path, const ReadOptions& options,
-                                               const Progress& progress, RowSource::Layout& layout) {
-  return std::make_unique<ContainerRows>(path, options, progress, layout);
+                                               const Progress& progress) {
+  return std::make_unique<ContainerRows>(path, options, progress);
 }
 
 }  // namespace lunid

@@ -56,8 +56,9 @@ class File {
 
 class CsvRows : public RowSource {
  public:
-  CsvRows(const std::string& path, const ReadOptions& options, const Progress& progress, Layout& layout)
+  CsvRows(const std::string& path, const ReadOptions& options, const Progress& progress)
       : file_(path), parser_(path, options) {
+    Layout& layout = layout_;
     layout.name = path;
     CsvParser all = look_through(path, options, progress, layout);
     all.judge(layout.warnings);
@@ -155,9 +156,9 @@ class CsvRows : public RowSource {
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_csv_rows(const std::string& path, const ReadOptions& options, const Progress& progress,
-                                         RowSource::Layout& layout) {
-  return std::make_unique<CsvRows>(path, options, progress, layout);
+std::unique_ptr<RowSource> open_csv_rows(const std::string& path, const ReadOptions& options,
+                                         const Progress& progress) {
+  return std::make_unique<CsvRows>(path, options, progress);
 }
 
 }  // namespace lunid

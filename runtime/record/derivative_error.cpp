@@ -70,14 +70,4 @@ double DerivativeError::of(const Eigen::VectorXd& weights) const {
   return weights.squaredNorm() * noise_density_ + bias / static_cast<double>(length_);
 }
 
-double DerivativeError::of_gain(const Eigen::VectorXd& gain) const {
-  double sum = 0;
-  for (Eigen::Index k = 1; k < gain.size(); ++k) {
-    const double lost = 1 - gain[k];
-    sum += both(k, gain.size()) * std::norm(ideal_[k]) *
-           (gain[k] * gain[k] * noise_density_ + lost * lost * std::max(density_[k], 0.0));
-  }
-  return sum / static_cast<double>(length_);
-}
-
 }  // namespace lunid

@@ -18,17 +18,14 @@ class DerivativeError {
   static Eigen::Index segment_length(Eigen::Index rows);
   /// Of the weights of a symmetric or antisymmetric window, an odd number of them.
   double of(const Eigen::VectorXd& weights) const;
-  /// Of a filter whose response at the bins is ideal() times the real `gain`.
-  double of_gain(const Eigen::VectorXd& gain) const;
   Eigen::Index length() const { return length_; }  ///< of the transform; bin k is at 2 pi k / length per sample
   const Eigen::VectorXd& density() const { return density_; }  ///< of the signal without the noise; 0 where below it
   double noise_density() const { return noise_density_; }
-  const Eigen::VectorXcd& ideal() const { return ideal_; }  ///< (i w)^derivative
 
  private:
   Eigen::VectorXd density_;
   double noise_density_ = 0;
-  Eigen::VectorXcd ideal_;
+  Eigen::VectorXcd ideal_;  // (i w)^derivative
   Eigen::Index length_ = 0;
 };
 

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "record/autoregression.hpp"
-#include "record/spectrum.hpp"
 
 namespace lunid {
 namespace {
@@ -36,13 +35,36 @@ VectorXd continuation(const VectorXd& x, Index reach) {
 
 }  // namespace
 
-Extended extend(std::span<const double> x, Index reach) {
-  const auto n = static_cast<Index>(x.size());
-  const VectorXd flat = detrend(x, 1);
-  Extended result{VectorXd(n + 2 * reach), reach, Eigen::Map<const VectorXd>(x.data(), n) - flat, 0};
-  if (n > 1) result.slope = (result.line[n - 1] - result.line[0]) / static_cast<double>(n - 1);
-  result.values << continuation(flat.reverse(), reach).reverse(), flat, continuation(flat, reach);
+Index ends_rows(Index rows) { return std::min(rows, most_rows); }
+
+Ends ends_of(VectorXd head, VectorXd tail, const PolynomialSum& line, Index rows, Index reach) {
+  const double first = line.values(0, 1)[0], last = line.values(rows - 1, 1)[0];
+  Ends ends{{}, {}, first, rows > 1 ? (last - first) / static_cast<double>(rows - 1) : 0, rows};
+  for (Index i = 0; i < head.size(); ++i) head[i] -= ends.line(static_cast<double>(i));
+  for (Index i = 0; i < tail.size(); ++i) tail[i] -= ends.line(static_cast<double>(rows - tail.size() + i));
+  ends.before = continuation(head.reverse(), reach).reverse();
+  ends.after = continuation(tail, reach);
+  return ends;
+}
+
+VectorXd Ends::around(Index low, Index count, const VectorXd& inside) const {
+  VectorXd result(count);
+  const Index first = std::max<Index>(low, 0), ahead = first - low;
+  result.head(ahead) = before.segment(low + reach(), ahead);
+  for (Index i = 0; i < inside.size(); ++i) result[ahead + i] = inside[i] - line(static_cast<double>(first + i));
+  const Index behind = count - ahead - inside.size();
+  result.tail(behind) = after.segment(std::max<Index>(low - rows, 0), behind);
   return result;
+}
+
+Extended extend(std::span<const double> x, Index reach) {
+  const Eigen::Map<const VectorXd> values(x.data(), static_cast<Index>(x.size()));
+  const Index n = values.size(), near = ends_rows(n);
+  PolynomialSum sum(n, 1);
+  sum.add_in_pieces(x);
+  const Ends ends = ends_of(values.head(near), values.tail(near), sum, n, reach);
+  return {ends.around(-reach, n + 2 * reach, values), reach,
+          VectorXd::NullaryExpr(n, [&](Index i) { return ends.line(static_cast<double>(i)); }), ends.slope};
 }
 
 }  // namespace lunid

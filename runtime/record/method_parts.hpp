@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "record/derivative_error.hpp"
 #include "record/derive.hpp"
@@ -69,6 +70,12 @@ double minimise_over_scale(double low, double high, double ratio, const std::fun
 inline std::string short_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+/// "y, v, a"
+inline std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 /// Throws InputError `where: message`.

@@ -27,16 +27,23 @@ std::vector<std::string> coordinates(const Record& record) {
   return found;
 }
 
-Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
-  const std::size_t n = x.size();
-  Eigen::VectorXd sum(static_cast<Eigen::Index>(n));
-  sum[0] = 0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const bool inside = i > 0 && i + 2 < n;
+Eigen::VectorXd continued_integral(double start, const Eigen::VectorXd& x, Eigen::Index low, Eigen::Index first,
+                                   Eigen::Index count, Eigen::Index rows, double dt) {
+  Eigen::VectorXd sum(count);
+  sum[0] = start;
+  for (Eigen::Index k = 0; k + 1 < count; ++k) {
+    const Eigen::Index row = first + k, i = row - low;
+    const bool inside = row > 0 && row + 2 < rows;
     const double mean = inside ? (-x[i - 1] + 13 * x[i] + 13 * x[i + 1] - x[i + 2]) / 24 : (x[i] + x[i + 1]) / 2;
-    sum[static_cast<Eigen::Index>(i) + 1] = sum[static_cast<Eigen::Index>(i)] + dt * mean;
+    sum[k + 1] = sum[k] + dt * mean;
   }
-  return degree < 0 ? sum : detrend({sum.data(), n}, degree);
+  return sum;
+}
+
+Eigen::VectorXd integrate(std::span<const double> x, double dt, int degree) {
+  const auto n = static_cast<Eigen::Index>(x.size());
+  const Eigen::VectorXd sum = continued_integral(0, Eigen::Map<const Eigen::VectorXd>(x.data(), n), 0, 0, n, n, dt);
+  return degree < 0 ? sum : detrend({sum.data(), x.size()}, degree);
 }
 
 Channel at_rest(Channel channel, const std::string& from, Eigen::Index rows) {

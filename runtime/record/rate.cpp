@@ -7,7 +7,7 @@
 #include "record/extension.hpp"
 #include "record/method_parts.hpp"
 #include "record/spectrum.hpp"
-#include "record/treat.hpp"
+#include "record/treat_parts.hpp"
 
 namespace lunid {
 namespace {
@@ -25,83 +25,98 @@ double kaiser(double u) {
   return std::abs(u) >= 1 ? 0 : std::cyl_bessel_i(0.0, shape * std::sqrt(1 - u * u)) / whole;
 }
 
-/// The kernel at whole parts of a row, straight between them: 1e-7 off at most.
-class Kernel {
- public:
-  explicit Kernel(double cutoff) : reach_(half_lobes / cutoff), table_(static_cast<Index>(reach_ * parts) + 3) {
-    for (Index i = 0; i < table_.size(); ++i) {
-      const double at = static_cast<double>(i) / parts, u = std::numbers::pi * cutoff * at;
-      table_[i] = (i == 0 ? 1 : std::sin(u) / u) * cutoff * kaiser(at / reach_);
-    }
-  }
-  double reach() const { return reach_; }
-  double operator()(double at) const {
-    const double place = std::abs(at) * parts;
-    const auto below = static_cast<Index>(place);
-    if (below + 1 >= table_.size()) return 0;
-    return table_[below] + (place - static_cast<double>(below)) * (table_[below + 1] - table_[below]);
-  }
+constexpr double parts = 4096;  // of a row, between which the kernel is straight: 1e-7 off at most
 
- private:
-  static constexpr double parts = 4096;
-  double reach_;
-  VectorXd table_;
-};
-
-/// All channels at other positions: rows first + i*step.
-Record at_positions(const Record& record, const char* where, double first, double step, Index count, double t0,
-                    double dt) {
-  std::vector<Channel> channels;
-  for (const Channel& old : record.channels()) {
-    const auto x = numbers(record, old.name, where);
-    channels.push_back(with_values(record, old.name, band_limited(x, first, step, count)));
-    channels.back().noise *= std::sqrt(cut_off(step));
-  }
-  return remade(record, t0, dt, std::move(channels));
-}
-
-}  // namespace
-
-VectorXd band_limited(std::span<const double> x, double first, double step, Index count) {
-  const Kernel kernel(cut_off(step));
-  const auto margin = static_cast<Index>(std::ceil(kernel.reach())) + 2;
-  const Extended extended = extend(x, margin);
+VectorXd values_between(const BandLimited& between, std::span<const double> x, double first, double step, Index count) {
+  const Extended extended = extend(x, between.margin());
   const double origin = extended.line[0];
   VectorXd result(count);
   for (Index i = 0; i < count; ++i) {
     const double at = first + step * static_cast<double>(i);
-    const auto low = static_cast<Index>(std::ceil(at - kernel.reach())),
-               high = static_cast<Index>(std::floor(at + kernel.reach()));
-    double sum = 0;
-    for (Index k = std::max(low, -margin); k <= std::min(high, static_cast<Index>(x.size()) - 1 + margin); ++k)
-      sum += kernel(static_cast<double>(k) - at) * extended.values[k + margin];
-    result[i] = sum + origin + extended.slope * at;
+    result[i] = between(extended.values, -extended.reach, at) + origin + extended.slope * at;
   }
   return result;
 }
 
-Record decimate(const Record& record, int factor) {
-  const Index most = (record.rows() - 1) / 5;
-  if (factor < 1 || factor > most)
-    refuse("decimate", "factor: expected 1 to " + std::to_string(most) + " for " + std::to_string(record.rows()) +
-                           " rows, got " + std::to_string(factor));
-  Record result = at_positions(record, "decimate", 0, factor, (record.rows() - 1) / factor + 1, record.start(),
-                               factor * record.dt());
-  result.note("decimate: every row of " + std::to_string(factor) + ", without what lies above " +
-              short_number(0.5 / result.dt()) + " Hz");
+/// All channels at other positions: rows first + i*step.
+Record at_positions(const Record& record, const char* where, double first, double step, Index count, double t0,
+                    double dt) {
+  const BandLimited between(step);
+  std::vector<Channel> channels;
+  for (const Channel& old : record.channels()) {
+    const auto x = numbers(record, old.name, where);
+    channels.push_back(with_values(record, old.name, values_between(between, x, first, step, count)));
+    channels.back().noise *= between.noise_passed();
+  }
+  return remade(record, t0, dt, std::move(channels));
+}
+
+Record at_rate(const Record& record, const char* where, const NewRate& rate) {
+  Record result = at_positions(record, where, 0, rate.step, rate.rows, record.start(), rate.dt);
+  result.note(rate.note);
   return result;
 }
 
-Record resample(const Record& record, double rate) {
-  const double least = 5 / record.duration(), step = 1 / (rate * record.dt());
+}  // namespace
+
+BandLimited::BandLimited(double step)
+    : cutoff_(cut_off(step)), reach_(half_lobes / cutoff_), table_(static_cast<Index>(reach_ * parts) + 3) {
+  for (Index i = 0; i < table_.size(); ++i) {
+    const double at = static_cast<double>(i) / parts, u = std::numbers::pi * cutoff_ * at;
+    table_[i] = (i == 0 ? 1 : std::sin(u) / u) * cutoff_ * kaiser(at / reach_);
+  }
+}
+
+double BandLimited::kernel(double at) const {
+  const double place = std::abs(at) * parts;
+  const auto below = static_cast<Index>(place);
+  if (below + 1 >= table_.size()) return 0;
+  return table_[below] + (place - static_cast<double>(below)) * (table_[below + 1] - table_[below]);
+}
+
+double BandLimited::operator()(const VectorXd& x, Index low, double at) const {
+  const Index first = std::max(static_cast<Index>(std::ceil(at - reach_)), low),
+              last = std::min(static_cast<Index>(std::floor(at + reach_)), low + x.size() - 1);
+  double sum = 0;
+  for (Index k = first; k <= last; ++k) sum += kernel(static_cast<double>(k) - at) * x[k - low];
+  return sum;
+}
+
+VectorXd band_limited(std::span<const double> x, double first, double step, Index count) {
+  return values_between(BandLimited(step), x, first, step, count);
+}
+
+NewRate decimated(Index rows, double dt, int factor) {
+  const Index most = (rows - 1) / 5;
+  if (factor < 1 || factor > most)
+    refuse("decimate", "factor: expected 1 to " + std::to_string(most) + " for " + std::to_string(rows) +
+                           " rows, got " + std::to_string(factor));
+  const double slow = factor * dt;
+  return {static_cast<double>(factor), slow, (rows - 1) / factor + 1,
+          "decimate: every row of " + std::to_string(factor) + ", without what lies above " + short_number(0.5 / slow) +
+              " Hz"};
+}
+
+NewRate resampled(Index rows, double dt, double rate) {
+  const double least = 5 / (dt * static_cast<double>(rows - 1)), step = 1 / (rate * dt);
   if (!(rate >= least))
     refuse("resample",
            "rate: expected >= " + short_number(least) + " Hz, which leaves 6 rows, got " + short_number(rate));
-  const double rows = std::floor(static_cast<double>(record.rows() - 1) / step + 1e-9) + 1;
-  if (rows > 1e8) refuse("resample", "rate: " + short_number(rate) + " Hz would make " + short_number(rows) + " rows");
-  Record result = at_positions(record, "resample", 0, step, static_cast<Index>(rows), record.start(), 1 / rate);
-  result.note("resample: from " + short_number(1 / record.dt()) + " to " + short_number(rate) + " Hz");
-  return result;
+  const double count = std::floor(static_cast<double>(rows - 1) / step + 1e-9) + 1;
+  return {step, 1 / rate, static_cast<Index>(std::min(count, 1e18)),
+          "resample: from " + short_number(1 / dt) + " to " + short_number(rate) + " Hz"};
+}
+
+Record decimate(const Record& record, int factor) {
+  return at_rate(record, "decimate", decimated(record.rows(), record.dt(), factor));
+}
+
+Record resample(const Record& record, double rate) {
+  const NewRate made = resampled(record.rows(), record.dt(), rate);
+  if (made.rows > 100000000)
+    refuse("resample",
+           "rate: " + short_number(rate) + " Hz would make " + short_number(static_cast<double>(made.rows)) + " rows");
+  return at_rate(record, "resample", made);
 }
 
 namespace {

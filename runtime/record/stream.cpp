@@ -8,6 +8,7 @@
 #include "record/container.hpp"
 #include "record/method_parts.hpp"
 #include "record/row_source.hpp"
+#include "record/treated_rows.hpp"
 
 namespace lunid {
 
@@ -23,27 +24,73 @@ const Channel* find(const std::vector<Channel>& channels, std::string_view name)
   return found == channels.end() ? nullptr : &*found;
 }
 
+/// A file's rows with what is derived of its channels.
+class DerivedRows : public RowSource {
+ public:
+  DerivedRows(std::unique_ptr<const RowSource> file, const StreamOptions& options, const Progress& progress)
+      : file_(std::move(file)), reading_(options.reading) {
+    layout_ = file_->layout();
+    derived_ = derive_blockwise(*file_, layout_, options, progress);
+    constexpr Index least = 3;  // a derivative needs 6 rows or more
+    if (!derived_.empty()) reach_ = least;
+    for (const BlockwiseChannels& derived : derived_) reach_ = std::max(reach_, derived.reach);
+  }
+
+  std::vector<VectorXd> read(Index first, Index count) const override {
+    // A filter at the end of the record is one-sided over the rows that it has inside.
+    const Index from = std::max<Index>(std::min(first - reach_, layout_.rows - 2 * reach_ - 1), 0);
+    const Index to = std::min(std::max(first + count + reach_, 2 * reach_ + 1), layout_.rows);
+    const std::vector<VectorXd> columns = file_->read(from, to - from);
+    std::vector<VectorXd> out(layout_.channels.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) out[i] = columns[i].segment(first - from, count);
+    for (const BlockwiseChannels& derived : derived_) {
+      const Eigen::MatrixXd values = derived.values(columns, layout_.dt);
+      for (std::size_t k = 0; k < derived.places.size(); ++k)
+        out[derived.places[k]] = values.col(static_cast<Index>(k)).segment(first - from, count);
+    }
+    return out;
+  }
+
+  void count_read(Index rows) const override {
+    if (reading_) reading_(rows);
+  }
+
+ private:
+  std::unique_ptr<const RowSource> file_;
+  std::function<void(Index rows)> reading_;
+  std::vector<BlockwiseChannels> derived_;
+  Index reach_ = 0;
+};
+
 }  // namespace
 
-struct Stream::File {
-  RowSource::Layout layout;  // with the derived channels
-  std::unique_ptr<const RowSource> source;
-  std::vector<BlockwiseChannels> derived;
-  std::function<void(Index rows)> reading;
-};
+void for_each_piece(const RowSource& rows,
+                    const std::function<void(Index first, const std::vector<VectorXd>& columns)>& visit) {
+  const Index all = rows.layout().rows;
+  for (Index at = 0; at < all; at += stream_rows) {
+    const Index count = std::min(stream_rows, all - at);
+    visit(at, rows.read(at, count));
+    rows.count_read(count);
+  }
+}
 
 Stream::Stream(Record record) : record_(std::move(record)), count_(record_->rows()) {}
 
-Stream::Stream(std::shared_ptr<const File> file) : file_(std::move(file)), count_(file_->layout.rows) {}
+Stream::Stream(std::shared_ptr<const RowSource> rows) : rows_(std::move(rows)), count_(rows_->layout().rows) {}
 
-const std::string& Stream::name() const { return record_ ? record_->name() : file_->layout.name; }
-double Stream::dt() const { return record_ ? record_->dt() : file_->layout.dt; }
+const std::string& Stream::name() const { return record_ ? record_->name() : rows_->layout().name; }
+double Stream::dt() const { return record_ ? record_->dt() : rows_->layout().dt; }
 double Stream::start() const {
-  return record_ ? record_->start() : file_->layout.t0 + file_->layout.dt * static_cast<double>(first_);
+  return record_ ? record_->start() : rows_->layout().t0 + rows_->layout().dt * static_cast<double>(first_);
 }
-const std::vector<Channel>& Stream::channels() const { return record_ ? record_->channels() : file_->layout.channels; }
+const std::vector<Channel>& Stream::channels() const {
+  return record_ ? record_->channels() : rows_->layout().channels;
+}
 const std::vector<std::string>& Stream::warnings() const {
-  return record_ ? record_->warnings() : file_->layout.warnings;
+  return record_ ? record_->warnings() : rows_->layout().warnings;
+}
+const std::vector<std::string>& Stream::history() const {
+  return record_ ? record_->history() : rows_->layout().history;
 }
 bool Stream::has(std::string_view channel) const { return find(channels(), channel) != nullptr; }
 
@@ -54,7 +101,7 @@ const Channel& Stream::channel(std::string_view channel) const {
   std::string text =
       "no channel '" + std::string(channel) + "': the " + (record_ ? "record" : "stream") + " has " + names;
   const bool integral = channel == "y" ? has("v") || has("a") : channel == "v" && has("a");
-  if (!record_ && integral) text += "; it would be an integral, which needs the whole record: see lunid.read";
+  if (!record_ && integral) text += "; it would be an integral: see stream:integrate";
   throw InputError(text, {name()}, Fault::data);
 }
 
@@ -69,24 +116,17 @@ Stream Stream::window(double from, double to) const {
 
 Record Stream::read(Index first, Index count) const {
   if (record_) return record_->slice(first, count);
-  const RowSource::Layout& layout = file_->layout;
-  constexpr Index least = 3;  // a derivative needs 6 rows or more
-  Index reach = file_->derived.empty() ? 0 : least;
-  for (const BlockwiseChannels& derived : file_->derived) reach = std::max(reach, derived.reach);
-  // A filter at the end of the record is one-sided over the rows that it has inside.
-  const Index from = std::max<Index>(std::min(first_ + first - reach, layout.rows - 2 * reach - 1), 0);
-  const Index to = std::min(std::max(first_ + first + count + reach, 2 * reach + 1), layout.rows);
-  const std::vector<VectorXd> columns = file_->source->read(from, to - from);
-  if (file_->reading) file_->reading(count);
-  const Index skip = first_ + first - from;
+  const RowSource::Layout& layout = rows_->layout();
+  std::vector<VectorXd> columns = rows_->read(first_ + first, count);
+  rows_->count_read(count);
   std::vector<Channel> channels = layout.channels;
-  for (std::size_t i = 0; i < columns.size(); ++i) channels[i].values = columns[i].segment(skip, count);
-  for (const BlockwiseChannels& derived : file_->derived) {
-    const Eigen::MatrixXd values = derived.values(columns, layout.dt);
-    for (std::size_t k = 0; k < derived.places.size(); ++k)
-      channels[derived.places[k]].values = values.col(static_cast<Index>(k)).segment(skip, count);
-  }
+  for (std::size_t i = 0; i < columns.size(); ++i) channels[i].values = std::move(columns[i]);
   return {layout.name, layout.t0 + layout.dt * static_cast<double>(first_ + first), layout.dt, std::move(channels)};
+}
+
+std::shared_ptr<const RowSource> Stream::source() const {
+  if (first_ == 0 && count_ == rows_->layout().rows) return rows_;
+  return part_of(rows_, first_, count_);
 }
 
 void Stream::for_each_block(const std::function<void(Index first, const Record& rows)>& visit) const {
@@ -95,7 +135,6 @@ void Stream::for_each_block(const std::function<void(Index first, const Record& 
 
 Stream open_stream(const std::string& path, const StreamOptions& options) {
   if (options.read.resample) refuse(where, "resample: a stream is not resampled: see lunid.read");
-  auto file = std::make_shared<Stream::File>();
   const bool container = is_container(path);
   if (!container && (!options.read.interval_name.empty() || !options.read.rate_name.empty()))
     refuse(where, "rate and interval: expected a number for a CSV file, got a name");
@@ -104,10 +143,8 @@ Stream open_stream(const std::string& path, const StreamOptions& options) {
     if (!options.progress) return {};
     return [&options, from](double fraction) { options.progress(from + fraction / 2); };
   };
-  file->source = (container ? open_container_rows : open_csv_rows)(path, options.read, part(0), file->layout);
-  file->derived = derive_blockwise(*file->source, file->layout, options, part(0.5));
-  file->reading = options.reading;
-  return Stream(file);
+  auto file = (container ? open_container_rows : open_csv_rows)(path, options.read, part(0));
+  return Stream(std::make_shared<DerivedRows>(std::move(file), options, part(0.5)));
 }
 
 }  // namespace lunid

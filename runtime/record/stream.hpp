@@ -11,31 +11,15 @@
 
 namespace lunid {
 
-/// Where the rows of a stream are. Files are looked through once when they are opened (open_stream).
-class RowSource {
- public:
-  virtual ~RowSource() = default;
-  /// Rows [first, first + count) of all channels, in SI, in the order of `Layout::channels`. Several threads may call
-  /// it.
-  virtual std::vector<Eigen::VectorXd> read(Eigen::Index first, Eigen::Index count) const = 0;
-
-  /// What is known of the file without its rows.
-  struct Layout {
-    std::string name;
-    double t0 = 0, dt = 1;
-    Eigen::Index rows = 0;
-    std::vector<Channel> channels;  ///< without values
-    std::vector<std::string> warnings;
-  };
-};
-
-struct StreamOptions;
+class RowSource;  // row_source.hpp
 
 /// Value type; copies and windows share the file.
 class Stream {
  public:
   /// A record in memory.
   Stream(Record record);  // NOLINT: a record is a stream
+  /// Rows that lie elsewhere.
+  explicit Stream(std::shared_ptr<const RowSource> rows);
   bool in_memory() const { return record_.has_value(); }
 
   const std::string& name() const;
@@ -50,6 +34,7 @@ class Stream {
   const Channel& channel(std::string_view channel) const;
   const std::vector<Channel>& channels() const;
   const std::vector<std::string>& warnings() const;
+  const std::vector<std::string>& history() const;  ///< what was done to it since it was read
 
   /// Rows with from <= t <= to [s], as Record::window.
   Stream window(double from, double to) const;
@@ -59,14 +44,14 @@ class Stream {
   /// Calls visit(first, rows) for all rows, in order, some ten thousand at a time.
   void for_each_block(const std::function<void(Eigen::Index first, const Record& rows)>& visit) const;
 
+  /// The record, of a stream in memory.
+  const Record& record() const { return *record_; }
+  /// Where the rows of this window are, of any other.
+  std::shared_ptr<const RowSource> source() const;
+
  private:
-  friend Stream open_stream(const std::string& path, const StreamOptions& options);
-
-  struct File;
-  explicit Stream(std::shared_ptr<const File> file);
-
   std::optional<Record> record_;
-  std::shared_ptr<const File> file_;
+  std::shared_ptr<const RowSource> rows_;
   Eigen::Index first_ = 0, count_ = 0;
 };
 
@@ -83,8 +68,8 @@ struct StreamOptions {
 };
 /// Looks through a CSV, HDF5 or MAT (version 7.3) file, twice: time base and faults, then noise. Memory does not grow
 /// with the rows. Time base, units, noise and derived v and a are those of read_record() and derive_motion(), to the
-/// last bit; y is not integrated. Throws InputError as read_record() does, with file and line; and for uneven time, for
-/// a MAT file of version 5, and for a method that needs the whole record.
+/// last bit; y is not integrated: see integrate() [stream_treat.hpp]. Throws InputError as read_record() does, with
+/// file and line; and for uneven time, for a MAT file of version 5, and for a method that needs the whole record.
 Stream open_stream(const std::string& path, const StreamOptions& options = {});
 
 }  // namespace lunid

@@ -85,7 +85,9 @@ VectorXd block_deviations(const Solved& solved, int threads) {
                [&](int k) { left.col(k) = solved.again(before[static_cast<std::size_t>(k)]); });
   const VectorXd mean = left.rowwise().mean();
   const double blocks = static_cast<double>(count);
-  return ((left.colwise() - mean).rowwise().squaredNorm() * ((blocks - 1) / blocks)).cwiseSqrt();
+  const VectorXd std = ((left.colwise() - mean).rowwise().squaredNorm() * ((blocks - 1) / blocks)).cwiseSqrt();
+  constexpr double rounding = 1e-12;  // a coefficient that a bound holds in all of them does not vary
+  return (std.array() > rounding * mean.array().abs()).select(std, 0);
 }
 
 namespace {

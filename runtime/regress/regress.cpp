@@ -220,6 +220,36 @@ void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
   for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
 }
 
+/// What passivity is checked on, and what it asks of the coefficients where it is imposed.
+std::optional<detail::Dissipation> dissipation_of(const RegressOptions& options,
+                                                  const std::map<std::string, double>& known,
+                                                  std::span<const Stream> records,
+                                                  std::vector<Constraint>& constraints) {
+  if (!options.passive) return std::nullopt;
+  detail::Dissipation dissipation(options.features, options.known, known, options.passive->where);
+  if (options.passive->impose)
+    for (Constraint& c : detail::passive_constraints(dissipation, detail::motion_range(records), *options.passive))
+      constraints.push_back(std::move(c));
+  return dissipation;
+}
+
+/// Errors, windows and the words on how the fit was found. `whole`: the data without weights.
+void add_account(Regression& result, const RegressOptions& options, const Statistic& whole,
+                 std::span<const Stream> records) {
+  if (options.objective.mean_force > 0)
+    result.fit.rmse = std::sqrt(whole.residual_sum(result.fit.coefficients) / static_cast<double>(whole.rows()));
+  const double spread = whole.deviation()[whole.features()];
+  result.rmse = result.fit.rmse;
+  result.r2 = spread > 0 ? 1 - result.rmse * result.rmse / (spread * spread) : std::nan("");
+  for (const Stream& record : records) result.windows.push_back(detail::describe(record));
+  result.warnings = detail::warnings(result, records, options, whole.constant_feature());
+  result.restoring = restoring_of(result, options);
+  if (result.passes > 0)
+    result.fit.summary.solver += ", around " + to_text(options.search.method) + " on " +
+                                 std::to_string(options.implicit.size()) + " implicit parameters (" +
+                                 std::to_string(result.passes) + " passes)";
+}
+
 }  // namespace
 
 Regression regress(std::span<const Record> records, const RegressOptions& options) {
@@ -247,13 +277,7 @@ Regression regress(std::span<const Stream> records, const RegressOptions& option
   const auto blocks = blocks_of(records, options, target, weak ? weak->half_width : 0);
   std::map<std::string, double> known = options.values;
   result.passes = find_implicit(result, options, target, constraints, records, blocks, known);
-  std::optional<detail::Dissipation> dissipation;
-  if (options.passive) {
-    dissipation.emplace(options.features, options.known, known, options.passive->where);
-    if (options.passive->impose)
-      for (Constraint& c : detail::passive_constraints(*dissipation, detail::motion_range(records), *options.passive))
-        constraints.push_back(std::move(c));
-  }
+  const auto dissipation = dissipation_of(options, known, records, constraints);
 
   const detail::Columns columns(options.features, target);
   std::vector<double> values;
@@ -270,14 +294,7 @@ Regression regress(std::span<const Stream> records, const RegressOptions& option
   result.path = std::move(solved.path);
   result.outliers = std::move(solved.outliers);
   detail::add_terms(result, options, solved, records);
-
-  if (options.objective.mean_force > 0)
-    result.fit.rmse = std::sqrt(whole.residual_sum(result.fit.coefficients) / static_cast<double>(whole.rows()));
-  const double spread = whole.deviation()[whole.features()];
-  result.rmse = result.fit.rmse;
-  result.r2 = spread > 0 ? 1 - result.rmse * result.rmse / (spread * spread) : std::nan("");
-  for (const Stream& record : records) result.windows.push_back(detail::describe(record));
-  result.warnings = detail::warnings(result, records, options, whole.constant_feature());
+  add_account(result, options, whole, records);
   if (weak) {
     result.form = weak->text;
     result.warnings.insert(result.warnings.end(), weak->warnings.begin(), weak->warnings.end());
@@ -285,11 +302,6 @@ Regression regress(std::span<const Stream> records, const RegressOptions& option
   if (dissipation)
     result.passivity = detail::look_at(*dissipation, detail::motion_range(records), *options.passive,
                                        {result.fit.coefficients.data(), options.features.size()});
-  result.restoring = restoring_of(result, options);
-  if (result.passes > 0)
-    result.fit.summary.solver += ", around " + to_text(options.search.method) + " on " +
-                                 std::to_string(options.implicit.size()) + " implicit parameters (" +
-                                 std::to_string(result.passes) + " passes)";
   result.fit.summary.seconds = watch.seconds();
   for (std::string& note : externals.notes()) result.warnings.push_back(std::move(note));
   return result;

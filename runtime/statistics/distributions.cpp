@@ -79,11 +79,6 @@ double beta_regularised(double x, double y, double a, double b) {
 
 }  // namespace
 
-double gamma_lower(double a, double x) {
-  if (x <= 0) return 0;
-  return x < a + 1 ? gamma_series(a, x) : 1 - gamma_fraction(a, x);
-}
-
 double gamma_upper(double a, double x) {
   if (x <= 0) return 1;
   return x < a + 1 ? 1 - gamma_series(a, x) : gamma_fraction(a, x);

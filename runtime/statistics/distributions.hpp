@@ -9,8 +9,7 @@ double chi_square_tail(double x, double freedom);           ///< P(X > x), freed
 double f_tail(double f, double freedom1, double freedom2);  ///< P(F > f), both > 0
 double t_tail(double t, double freedom);                    ///< P(T > t), one-sided, freedom > 0
 
-/// Regularised incomplete gamma functions: P(a, x) = gamma(a, x)/Gamma(a) and Q = 1 - P; a > 0, x >= 0.
-double gamma_lower(double a, double x);
+/// Regularised incomplete gamma function Q(a, x) = 1 - gamma(a, x)/Gamma(a); a > 0, x >= 0.
 double gamma_upper(double a, double x);
 /// Regularised incomplete beta function I_x(a, b); a, b > 0, 0 <= x <= 1.
 double beta_lower(double x, double a, double b);

@@ -20,12 +20,12 @@ namespace {
 
 /// Lengths along both axes (normalised) and the noise's variance at a cell of one point over the process' variance.
 struct Shape {
-  Vector2d length{0.5, 0.5};
-  double noise = 0.1;
-  explicit Shape(const double* log) : length(std::exp(log[0]), std::exp(log[1])), noise(std::exp(log[2])) {}
+  Vector2d rate;  ///< one over the lengths
+  double noise;
+  explicit Shape(const double* log) : rate(std::exp(-log[0]), std::exp(-log[1])), noise(std::exp(log[2])) {}
 
   double covariance(const Vector2d& a, const Vector2d& b) const {
-    return std::exp(-0.5 * (a - b).cwiseQuotient(length).squaredNorm());
+    return std::exp(-0.5 * (a - b).cwiseProduct(rate).squaredNorm());
   }
   VectorXd covariances(const Vector2d& at, const Eigen::Matrix2Xd& centres) const {
     VectorXd k(centres.cols());
@@ -44,10 +44,10 @@ struct Solved {
   Solved(const Centres& data, const VectorXd& target, const Shape& shape) {
     const Index n = data.size();
     MatrixXd k(n, n);
-    for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j < i; ++j) k(i, j) = shape.covariance(data.at.col(i), data.at.col(j));
+    for (Index j = 0; j < n; ++j) {
       // The last term keeps the factor real where two centres are one to rounding.
-      k(i, i) = 1 + shape.noise / data.weight[i] + 1e-10;
+      k(j, j) = 1 + shape.noise / data.weight[j] + 1e-10;
+      for (Index i = j + 1; i < n; ++i) k(i, j) = shape.covariance(data.at.col(i), data.at.col(j));
     }
     factor.compute(k);
     if (factor.info() != Eigen::Success) return;
@@ -99,7 +99,7 @@ class ProcessSurface : public ForceSurface {
     Vector2d slope = Vector2d::Zero();
     for (Index i = 0; i < data_.size(); ++i)
       slope += solved_.weights[i] * shape_.covariance(x, data_.at.col(i)) * (data_.at.col(i) - x);
-    slope = plane_.tail<2>() + spread_ * slope.cwiseQuotient(shape_.length.cwiseAbs2());
+    slope = plane_.tail<2>() + spread_ * slope.cwiseProduct(shape_.rate.cwiseAbs2());
     return {slope[0] / frame_.y_half, slope[1] / frame_.v_half};
   }
 

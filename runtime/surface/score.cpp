@@ -78,10 +78,6 @@ SurfaceScore score(const SurfacePoints& points, const VectorXd& predicted) {
   return score;
 }
 
-SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const SurfaceFit& fit) {
-  return score(points, leave_out(points, blocks, Cells(points, 1, 1), fit).predicted);
-}
-
 SurfaceTable tabulate(const ForceSurface& surface) {
   const Cells& cells = surface.cells();
   const int ny = cells.cells_y(), nv = cells.cells_v();

@@ -191,8 +191,6 @@ struct SurfaceScore {
 };
 /// Of predictions that are not NaN.
 SurfaceScore score(const SurfacePoints& points, const Eigen::VectorXd& predicted);
-/// The same of leave_out().
-SurfaceScore score_left_out(const SurfacePoints& points, int blocks, const SurfaceFit& fit);
 
 /// For figures and tables: the surface at the centres of its cells.
 struct SurfaceTable {

@@ -17,15 +17,16 @@ namespace {
 
 class TriangleSurface : public ForceSurface {
  public:
-  TriangleSurface(Cells cells, Centres data, std::vector<std::array<int, 3>> triangles)
-      : ForceSurface(std::move(cells), 1),
-        frame_(this->cells()),
-        data_(std::move(data)),
-        triangles_(std::move(triangles)) {
+  TriangleSurface(Cells cells, const Centres& data, const std::vector<std::array<int, 3>>& triangles)
+      : ForceSurface(std::move(cells), 1), frame_(this->cells()) {
     around_.resize(static_cast<std::size_t>(kSide) * kSide);
-    for (std::size_t k = 0; k < triangles_.size(); ++k) {
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      const auto& [a, b, c] = triangles[k];
+      Eigen::Matrix2d sides;
+      sides << data.at.col(b) - data.at.col(a), data.at.col(c) - data.at.col(a);
+      triangles_.push_back({data.at.col(a), sides.inverse(), {data.f[a], data.f[b], data.f[c]}});
       Eigen::AlignedBox2d box;
-      for (const int corner : triangles_[k]) box.extend(data_.at.col(corner));
+      for (const int corner : triangles[k]) box.extend(data.at.col(corner));
       for (int i = side(box.min()[0]); i <= side(box.max()[0]); ++i)
         for (int j = side(box.min()[1]); j <= side(box.max()[1]); ++j)
           around_[static_cast<std::size_t>(i) * kSide + j].push_back(static_cast<int>(k));
@@ -35,10 +36,15 @@ class TriangleSurface : public ForceSurface {
   std::string name() const override { return "triangulation"; }
 
   double value(double y, double v) const override {
-    Eigen::Vector3d share;
-    const std::array<int, 3>* corners = find(frame_(y, v), share);
-    if (!corners) return std::nan("");
-    return share[0] * data_.f[(*corners)[0]] + share[1] * data_.f[(*corners)[1]] + share[2] * data_.f[(*corners)[2]];
+    const Vector2d x = frame_(y, v);
+    constexpr double edge = -1e-12;  // a place on an edge belongs to both triangles to rounding
+    for (const int k : around_[static_cast<std::size_t>(side(x[0])) * kSide + side(x[1])]) {
+      const Triangle& triangle = triangles_[static_cast<std::size_t>(k)];
+      const Vector2d part = triangle.inverse * (x - triangle.corner);
+      const Eigen::Vector3d share(1 - part.sum(), part[0], part[1]);
+      if (share.minCoeff() >= edge) return share.dot(triangle.f);
+    }
+    return std::nan("");  // outside the hull
   }
 
  private:
@@ -46,24 +52,15 @@ class TriangleSurface : public ForceSurface {
 
   static int side(double x) { return std::clamp(static_cast<int>((x + 1) / 2 * kSide), 0, kSide - 1); }
 
-  /// The triangle that holds x and the barycentric coordinates in it; nullptr outside the hull.
-  const std::array<int, 3>* find(const Vector2d& x, Eigen::Vector3d& share) const {
-    constexpr double edge = -1e-12;  // a place on an edge belongs to both triangles to rounding
-    for (const int k : around_[static_cast<std::size_t>(side(x[0])) * kSide + side(x[1])]) {
-      const auto& corners = triangles_[static_cast<std::size_t>(k)];
-      const Vector2d a = data_.at.col(corners[0]), b = data_.at.col(corners[1]), c = data_.at.col(corners[2]);
-      Eigen::Matrix2d sides;
-      sides << b - a, c - a;
-      const Vector2d part = sides.inverse() * (x - a);
-      share << 1 - part.sum(), part;
-      if (share.minCoeff() >= edge) return &corners;
-    }
-    return nullptr;
-  }
+  /// Its first corner, the map from there to shares of the other two, and the forces at all three.
+  struct Triangle {
+    Vector2d corner;
+    Eigen::Matrix2d inverse;
+    Eigen::Vector3d f;
+  };
 
   Frame frame_;
-  Centres data_;
-  std::vector<std::array<int, 3>> triangles_;
+  std::vector<Triangle> triangles_;
   std::vector<std::vector<int>> around_;
 };
 
@@ -76,8 +73,7 @@ Learnt triangulation(const SurfacePoints& points, const TriangulationOptions& op
     throw InputError(
         "surface: triangulation: " + std::to_string(data.size()) + " cells hold points, expected 3 or more", {},
         Fault::data);
-  std::vector<std::array<int, 3>> triangles = open_learners()->triangulate(data.at);
-  return {std::make_shared<TriangleSurface>(cells, data, std::move(triangles))};
+  return {std::make_shared<TriangleSurface>(cells, data, open_learners()->triangulate(data.at))};
 }
 
 }  // namespace lunid::detail

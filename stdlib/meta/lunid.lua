@@ -66,6 +66,14 @@ function lunid.stream(fields) end
 ---@return lunid.window
 function lunid.window(fields) end
 
+---Writes the time and the channels in SI with their units, below the out directory: as HDF5 (.h5, .hdf5), for MATLAB (.mat) or else as CSV. Whole or not at all. Also run:save.
+---@class lunid.record.save.fields
+---@field path string # below the out directory
+---@field version? "5"|"7.3" # of a MAT file: 5 is read by all programs and holds 2 GB a channel, 7.3 can be a stream
+---@param fields lunid.record.save.fields
+---@return string
+function record:save(fields) end
+
 ---The displacements of the coordinates of a model of several degrees of freedom, as so many values.
 ---@param count integer # number of coordinates
 ---@return lunid.expressions
@@ -376,7 +384,7 @@ function lunid.derivative.kalman(fields) end
 ---@return lunid.record
 function record:derive(fields) end
 
----A Butterworth filter forwards and backwards, so that nothing is delayed. The amplitude at a cut-off is halved.
+---A Butterworth filter forwards and backwards, so that nothing is delayed. The amplitude at a cut-off is halved. Also stream:filter, which gives a stream.
 ---@class lunid.record.filter.fields
 ---@field from? number # passes what lies above
 ---@field to? number # passes what lies below; with from: a band
@@ -387,7 +395,7 @@ function record:derive(fields) end
 ---@return lunid.record
 function record:filter(fields) end
 
----Takes off the least-squares polynomial of each channel.
+---Takes off the least-squares polynomial of each channel. Also stream:detrend.
 ---@class lunid.record.detrend.fields
 ---@field degree? integer # 0 the mean, 1 a line, 2 a parabola ...
 ---@field channels? table # such as { "y", "F" }; else all
@@ -395,14 +403,14 @@ function record:filter(fields) end
 ---@return lunid.record
 function record:detrend(fields) end
 
----Every row of so many, after a filter that keeps the rest from folding in.
+---Every row of so many, after a filter that keeps the rest from folding in. Also stream:decimate.
 ---@class lunid.record.decimate.fields
 ---@field factor integer # rows that become one
 ---@param fields lunid.record.decimate.fields
 ---@return lunid.record
 function record:decimate(fields) end
 
----The same time at another rate, by band-limited interpolation.
+---The same time at another rate, by band-limited interpolation. Also stream:resample.
 ---@class lunid.record.resample.fields
 ---@field rate number # rows per second
 ---@param fields lunid.record.resample.fields
@@ -418,7 +426,7 @@ function record:resample(fields) end
 ---@return lunid.record
 function record:align(fields) end
 
----Velocity and displacement from an acceleration, or displacement from a velocity, rid of drift.
+---Velocity and displacement from an acceleration, or displacement from a velocity, rid of drift. Also stream:integrate.
 ---@class lunid.record.integrate.fields
 ---@field from? string # channel to integrate; else the measured v or a
 ---@field below? number # drift is what lies below: taken off by a high pass after each integration

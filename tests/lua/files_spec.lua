@@ -24,6 +24,25 @@ spec.case("a record is saved as HDF5 and read back to the same bits", function()
   spec.equal(rated.warnings[1], "left out: the time 't', because a rate or interval is given")
 end)
 
+spec.case("a record is saved for MATLAB and read back to the same bits", function()
+  for _, version in ipairs { "5", "7.3" } do
+    local file = spec.folder .. "/run_" .. version .. ".mat"
+    record:save(file, { version = version })
+    local back = lunid.read(file)
+    spec.equal(back.rows, record.rows)
+    spec.near(back.dt, record.dt, 1e-15)
+    for _, name in ipairs { "F", "y", "v", "a" } do
+      local a, b = record:column(name), back:column(name)
+      for i = 1, record.rows do spec.equal(b[i], a[i]) end
+      spec.equal(back.channels[name].unit, ({ F = "N", y = "m", v = "m/s", a = "m/s^2" })[name])
+    end
+  end
+  spec.equal(lunid.stream(spec.folder .. "/run_7.3.mat").rows, record.rows)
+  spec.equal(spec.message_of(function() record:save("run.mat", { version = "7" }) end),
+    "save: version: expected '5' or '7.3', got the string '7'")
+  spec.equal(spec.message_of(function() record:save() end), "save: missing field 'path': a string")
+end)
+
 spec.case("a sweep is saved as HDF5 and read back as a table", function()
   local sweep = lunid.ensemble { model = model, vary = { v = { 0, 0.1, 0.2 } }, excitation = record }
   sweep:save(spec.folder .. "/sweep.h5")

@@ -53,6 +53,8 @@ spec.case("faults", function()
   fault(function() lunid.narx { record = record, features = { v } } end,
     "history model: feature of 'v': expected y_1 ... (past outputs), F_0 ... (inputs) or e_1 ... (past errors)")
   fault(function() lunid.arx { record = record }:predict(record, 0) end, "predict: steps: expected a whole number >= 1, got 0")
+  fault(function() lunid.arx { record = record }:predict { steps = 3 } end, "predict: expected a record from lunid.read, got a table")
+  fault(function() lunid.arx { record = record }:free_run() end, "free_run: expected a record from lunid.read, got nothing")
   fault(function() lunid.search { "annealling" } end,
     "search: method: expected 'slsqp', 'lbfgs', 'mlsl', 'direct', 'esch', 'crs', 'isres', 'stogo', 'annealing', "
     .. "'particle_swarm', 'puddle_jumping', 'monte_carlo' or 'stochastic_gradient', got the string 'annealling', did you "

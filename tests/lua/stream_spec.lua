@@ -58,6 +58,24 @@ spec.case("a spline and a Kalman smoother reach over the ends of blocks", functi
   end
 end)
 
+spec.case("filters, trends, rates and integrals are those of the record", function()
+  local function treated(what)
+    return what:filter { to = 120 }:detrend { degree = 1, channels = { "y" } }:decimate(2)
+  end
+  local whole, part = treated(record), treated(stream)
+  spec.equal(table.concat(part.history, "; "), table.concat(whole.history, "; "))
+  spec.equal(part.rows, whole.rows)
+  local window = lunid.window(1, 7)  -- away from the ends, where the record is continued
+  local a, b = fit { record = whole, window = window }, fit { record = part, window = window }
+  for i, term in ipairs(a.terms) do spec.near(b.terms[i].value, term.value, 1e-6*term.std) end
+  spec.equal(stream:resample(500).rows, record:resample(500).rows)
+  spec.equal(stream:integrate { from = "a", below = 2 }.channels.v.derivation,
+    record:integrate { from = "a", below = 2 }.channels.v.derivation)
+  spec.equal(spec.message_of(function() stream:filter { to = 500 } end),
+    spec.message_of(function() record:filter { to = 500 } end))
+  spec.equal(spec.message_of(function() stream.filter { to = 5 } end), "filter: expected stream:filter { ... }, with a colon")
+end)
+
 spec.case("what needs the whole record refuses a stream by name", function()
   spec.equal(spec.message_of(function() lunid.stream(path, { derivative = lunid.derivative.fourier {} }) end),
     "stream: derivative: fourier: its weights have no end: take savitzky_golay, spline or kalman, which a stream makes "
@@ -70,9 +88,9 @@ spec.case("what needs the whole record refuses a stream by name", function()
   spec.contains(spec.message_of(function() lunid.simulate { model = model, excitation = stream } end), "got a stream")
   spec.contains(spec.message_of(function() lunid.fit_trajectory { model = model, record = stream } end), "got a stream")
   spec.contains(spec.message_of(function() lunid.discover { model = model, train = stream } end), "got a stream")
-  spec.equal(spec.message_of(function() return stream.filter end),
-    "a stream has no 'filter' (fields: name rows dt start duration channels warnings; methods: window); what needs all "
-      .. "rows at once takes a record from lunid.read")
+  spec.equal(spec.message_of(function() return stream.align end),
+    "a stream has no 'align' (fields: name rows dt start duration channels warnings history; methods: window filter "
+      .. "detrend decimate resample integrate); what needs all rows at once takes a record from lunid.read")
   spec.contains(spec.message_of(function() fit { record = stream, form = lunid.weak_form {} } end),
     "weak_form: half_width: 0 takes it from the whole of a record, and ")
 end)

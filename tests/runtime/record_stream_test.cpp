@@ -302,10 +302,9 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
             "stream: resample: a stream is not resampled: see lunid.read");
   const TextFile accelerations(ringing(2000, "t [ms],F,a,temperature"));
-  EXPECT_EQ(
-      test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
-      "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral, which needs the whole "
-      "record: see lunid.read");
+  EXPECT_EQ(test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
+            "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral: see "
+            "stream:integrate");
 }
 
 TEST(Stream, OfAChannelAtRestIsAtRest) {

@@ -10,6 +10,7 @@
 
 #include "message.hpp"
 #include "record/parallel.hpp"
+#include "record/stream_treat.hpp"
 #include "record_file.hpp"
 #include "regress/lag.hpp"
 #include "regress/regress.hpp"
@@ -210,6 +211,16 @@ TEST(StreamedMemory, AFileTwentyTimesTheLimitIsRegressed) {
                       const Stream stream = open_stream(file.path());
                       const Regression result = regress(std::span(&stream, 1), study.options);
                       return std::abs(result.terms[0].coefficient - 2e4) < 400 && result.fit.rows == 2400000 ? 7 : 8;
+                    }),
+            7);
+  // A quarter of it filtered, rid of its trend and at half the rate: the kernel and the overlaps of the blocks beside
+  // it.
+  EXPECT_EQ(limited(2 * limit,
+                    [&] {
+                      study.options.features = {study.y};
+                      const Stream stream = decimate(
+                          detrend(filter(open_stream(file.path()).window(0, 750), {{0, 40}, 4, {}}), 1, {"y"}), 2);
+                      return regress(std::span(&stream, 1), study.options).fit.rows == 300001 ? 7 : 8;
                     }),
             7);
   EXPECT_EQ(limited(limit, [&] { return read_csv(file.path()).rows() > 0 ? 7 : 8; }), 99);

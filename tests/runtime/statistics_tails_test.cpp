@@ -81,7 +81,12 @@ TEST(Tails, Beta) {
   }
   EXPECT_EQ(beta_lower(0, 2, 3), 0);
   EXPECT_EQ(beta_lower(1, 2, 3), 1);
-  expect_relative(gamma_lower(3, 2) + gamma_upper(3, 2), 1, 1e-14);
+}
+
+TEST(Tails, GammaOfWholeNumbers) {  // a sum of Poisson's, by the series and by the fraction
+  expect_relative(gamma_upper(3, 2), std::exp(-2) * (1 + 2 + 2), 1e-13);
+  expect_relative(gamma_upper(3, 9), std::exp(-9) * (1 + 9 + 40.5), 1e-13);
+  EXPECT_EQ(gamma_upper(3, 0), 1);
 }
 
 }  // namespace

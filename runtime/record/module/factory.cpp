@@ -39,6 +39,10 @@ class Module : public ContainerModule {
   std::string encode_hdf5(const std::vector<StoredColumn>& columns, std::string& error) override {
     return guarded(error, [&] { return container::encode_hdf5(columns); });
   }
+  void write_mat(const std::string& path, const std::vector<StoredColumn>& columns, MatVersion version,
+                 std::string& error) override {
+    guarded(error, [&] { return container::write_mat(path, columns, version), true; });
+  }
 };
 
 }  // namespace

@@ -11,5 +11,6 @@ namespace lunid::container {
 std::unique_ptr<Container> open_mat(const std::string& path);
 std::unique_ptr<Container> open_hdf5(const std::string& path);
 std::string encode_hdf5(const std::vector<StoredColumn>& columns);
+void write_mat(const std::string& path, const std::vector<StoredColumn>& columns, MatVersion version);
 
 }  // namespace lunid::container

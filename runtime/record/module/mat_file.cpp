@@ -1,6 +1,4 @@
 // MAT files: version 4 and 5 (MATLAB's own format) and 7.3 (HDF5), by matio.
-#include <matio.h>
-
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -9,17 +7,10 @@
 #include <vector>
 
 #include "record/module/files.hpp"
+#include "record/module/mat.hpp"
 
 namespace lunid::container {
 namespace {
-
-struct Close {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-struct Free {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-using Owned = std::unique_ptr<matvar_t, Free>;
 
 /// A file of version 5 is a chain of elements that say how long they are: one that is cut short ends before its last
 /// element does. matio would read what is there and fill up with zeros.
@@ -97,7 +88,15 @@ class MatFile : public Container {
     check_whole(path);
     file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     if (!file_) throw std::runtime_error("this is no MAT file that can be read");
-    while (Owned each{Mat_VarReadNextInfo(file_.get())}) list(*each, {each->name ? each->name : ""});
+    bool units = false;
+    while (Owned each{Mat_VarReadNextInfo(file_.get())}) {
+      const std::string name = each->name ? each->name : "";
+      if (name == "units" && is_texts(*each))
+        units = true;
+      else
+        list(*each, {name});
+    }
+    if (units) read_units();
   }
 
   std::string read(std::size_t variable, int column, std::size_t first, std::size_t count, double* out) override {
@@ -122,6 +121,27 @@ class MatFile : public Container {
   }
 
  private:
+  static bool is_texts(matvar_t& variable) {
+    if (variable.class_type != MAT_C_STRUCT) return false;
+    for (unsigned i = 0; i < Mat_VarGetNumberOfFields(&variable); ++i) {
+      const matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0);
+      if (!field || field->class_type != MAT_C_CHAR) return false;
+    }
+    return true;
+  }
+
+  /// units.y = 'mm' is the unit of the variable y, as write_mat() leaves it.
+  void read_units() {
+    const Owned units(Mat_VarRead(file_.get(), "units"));
+    for (Variable& variable : variables_) {
+      const matvar_t* text = units ? Mat_VarGetStructFieldByName(units.get(), variable.name.c_str(), 0) : nullptr;
+      if (!text || !text->data) continue;
+      const std::size_t width = Mat_SizeOf(text->data_type);  // characters have 1 or 2 bytes, the first is what counts
+      for (std::size_t i = 0; width > 0 && i < text->nbytes / width; ++i)
+        variable.unit += static_cast<const char*>(text->data)[i * width];
+    }
+  }
+
   /// The same of a matrix of version 7.3, without the rest of it.
   std::string read_part(std::size_t variable, int column, std::size_t first, std::size_t count, double* out) {
     const Owned info(Mat_VarReadInfo(file_.get(), paths_[variable][0].c_str()));
@@ -163,7 +183,7 @@ class MatFile : public Container {
     paths_.push_back(path);
   }
 
-  std::unique_ptr<mat_t, Close> file_;
+  OpenMat file_;
   std::vector<std::vector<std::string>> paths_;
   Owned whole_;  // the variable read last, with all its fields
   std::string whole_name_;

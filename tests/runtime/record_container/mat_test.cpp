@@ -209,6 +209,81 @@ INSTANTIATE_TEST_SUITE_P(Mat, EveryVersion, ::testing::Values(0, 1, 2), [](const
   return std::string(info.param == 0 ? "v5" : info.param == 1 ? "v5_compressed" : "v7_3");
 });
 
+class Written : public MatFile, public ::testing::WithParamInterface<MatVersion> {};
+INSTANTIATE_TEST_SUITE_P(Mat, Written, ::testing::Values(MatVersion::v5, MatVersion::v7_3),
+                         [](const auto& info) { return info.param == MatVersion::v5 ? "v5" : "v7_3"; });
+
+TEST_P(Written, reads_back_to_the_same_doubles_and_units) {
+  const auto channel = [](const char* name, const char* unit, const std::vector<double>& values) {
+    Channel made;
+    made.name = name;
+    made.unit = unit;
+    made.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    return made;
+  };
+  const Record record("run", 2, 0.001,
+                      {channel("F", "N", wave(5)), channel("y", "m", wave(1e-3)), channel("strain 1", "", wave(7))});
+  write_mat(record, path("run.mat"), GetParam());
+  const Record back = read_record(path("run.mat"));
+  expect_channel(back, "F", wave(5));
+  expect_channel(back, "y", wave(1e-3));
+  expect_channel(back, "strain_1", wave(7));
+  EXPECT_EQ(back.channel("F").unit, "N");
+  EXPECT_EQ(back.channel("y").unit, "m");
+  EXPECT_EQ(back.channel("strain_1").unit, "");
+  EXPECT_NEAR(back.dt(), 0.001, 1e-16);
+  EXPECT_EQ(back.start(), 2);
+  EXPECT_TRUE(back.warnings().empty());
+  // What MATLAB itself would see.
+  mat_t* file = Mat_Open(path("run.mat").c_str(), MAT_ACC_RDONLY);
+  ASSERT_NE(file, nullptr);
+  EXPECT_EQ(Mat_GetVersion(file), GetParam() == MatVersion::v5 ? MAT_FT_MAT5 : MAT_FT_MAT73);
+  matvar_t* y = Mat_VarRead(file, "y");
+  EXPECT_EQ(y->rank, 2);
+  EXPECT_EQ(y->dims[0], rows);
+  EXPECT_EQ(y->dims[1], 1u);
+  Mat_VarFree(y);
+  Mat_Close(file);
+  if (GetParam() == MatVersion::v7_3) {
+    const Stream stream = open_stream(path("run.mat"));
+    EXPECT_EQ(stream.read(7, 1)["y"][0], wave(1e-3)[7]);
+  }
+}
+
+TEST_P(Written, is_whole_or_not_there) {
+  Channel first, second;
+  first.name = "a 1", second.name = "a_1";
+  first.values = second.values = Eigen::VectorXd::LinSpaced(10, 0, 1);
+  std::ofstream(path("kept.mat")) << "what was there";
+  const Record record("run", 0, 1, {first, second});
+  EXPECT_EQ(message([&] { write_mat(record, path("kept.mat"), GetParam()); }),
+            path("kept.mat") + ": the channels 'a 1' and 'a_1' would both be called 'a_1' in a MAT file");
+  std::string text;
+  std::getline(std::ifstream(path("kept.mat")), text);
+  EXPECT_EQ(text, "what was there");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("")), {}), 1);
+  EXPECT_EQ(message([&] { write_mat(record, path("none/run.mat"), GetParam()); }),
+            path("none/run.mat") + ": cannot write: No such file or directory");
+}
+
+TEST_F(MatFile, units_beside_the_variables) {
+  {
+    MatWriter file(path("units.mat"), MAT_FT_MAT5);
+    file.add(MatWriter::column("t", times()));
+    file.add(MatWriter::column("y", wave(1)));
+    const char* names[] = {"y"};
+    std::size_t one[] = {1, 1};
+    matvar_t* units = Mat_VarCreateStruct("units", 2, one, names, 1);
+    Mat_VarSetStructFieldByName(
+        units, "y", 0, MatWriter::make("y", MAT_C_CHAR, MAT_T_UINT8, std::vector<std::uint8_t>{'m', 'm'}, 1, 2));
+    file.add(units);
+  }
+  const Record record = read_record(path("units.mat"));
+  EXPECT_EQ(record["y"][3], wave(1)[3] * 1e-3);
+  EXPECT_EQ(record.channel("y").source_unit, "mm");
+  EXPECT_EQ(read_record(path("units.mat"), columns("t=t,y=y [cm]"))["y"][3], wave(1)[3] * 1e-2);  // said by the user
+}
+
 TEST_F(MatFile, version_4) {
   {
     MatWriter file(path("old.mat"), MAT_FT_MAT4);
