@@ -284,7 +284,7 @@ function lunid.simulate(fields) end
 ---@field model lunid.model # with first guesses and bounds
 ---@field record any # one record or several
 ---@field window? lunid.window # part of the records
----@field channels? table # the displacements and velocities to fit, each weighted by its noise; else the displacements
+---@field channels? table # the displacements, velocities and accelerations to fit, each weighted by its noise; else of each coordinate what was measured: y, or v or a where that alone was
 ---@field separate? table # names of parameters that each record has for itself
 ---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
 ---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record

@@ -55,7 +55,7 @@ TEST(Measures, SlopesAreThoseOfWhatIsShown) {
       return shown(system, values, simulate(system, values, drive(), x0, options));
     };
     const SensitivityRun run = simulate_sensitivities(system, theta, drive(), x0, options);
-    const Eigen::MatrixXd slopes = shown_slopes(system, theta, run);
+    const Eigen::MatrixXd slopes = shown_slopes(system, theta, drive(), run);
     for (std::size_t i = 0; i < theta.size(); ++i) {
       std::vector<double> up = theta, down = theta;
       up[i] += 1e-6;
