@@ -75,6 +75,8 @@ class Grower {
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
+    if (many_states(after.choices) && closed_share(rms(before), rms(after), study_.sensor_noise()) > explained)
+      return false;
     return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
            (1 - required_gain(study_, 0)) * rms(after) > study_.sensor_noise();  // else nothing could be named
   }

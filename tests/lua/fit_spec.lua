@@ -57,7 +57,7 @@ spec.case("faults", function()
   fault(function() lunid.fit_trajectory { model = model, record = record, separate = { "kk" } } end,
     "fit_trajectory: separate: the model has no parameter 'kk', did you mean 'k'?")
   fault(function() lunid.fit_trajectory { model = model, record = record, channels = { "x" } } end,
-    "fit_trajectory: channels: expected displacements or velocities of the model, got 'x'")
+    "fit_trajectory: channels: expected displacements, velocities or accelerations of the model, got 'x'")
   fault(function() lunid.fit_trajectory { model = model, record = record, los = "huber" } end,
     "fit_trajectory: unknown field 'los', did you mean 'loss'?")
 end)

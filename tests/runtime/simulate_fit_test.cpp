@@ -227,11 +227,11 @@ TEST(FitTrajectory, FaultsNameTheChannel) {
   const Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 1);
   const std::vector<FitData> data{data_of(system, record)};
   FitOptions options;
-  options.channels = {"a"};
+  options.channels = {"F"};
   EXPECT_EQ(fault_of([&] {
               fit_trajectory(system, vector({2e4, 10}), data, options);
             }),
-            "fit_trajectory: channels: expected displacements or velocities of the model, got 'a'");
+            "fit_trajectory: channels: expected displacements, velocities or accelerations of the model, got 'F'");
   options.channels = {};
   options.separate = {2};
   EXPECT_EQ(fault_of([&] {
