@@ -273,7 +273,7 @@ class Spine {
     const Gap with = with_closure(false);
     left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
     // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
-    const bool above = !(now.value <= now.floor + 2 * now.floor_std);
+    const bool above = !(now.value <= now.floor + 3 * now.floor_std);
     left.material = left.seen && above && left.closure.gain > options_.minimum_gain;
     left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
     return left;
@@ -358,7 +358,7 @@ class Spine {
     before_test_ = round.names() ? runs(found.baseline, study_.test, false) : after_test_;
     if (round.names()) {
       out_.test_p_value = test_p_value(before_test_, after_test_);
-      const std::string fault = refuted(round.left, before_test_, after_test_);
+      const std::string fault = refuted(round, before_test_, after_test_);
       if (!fault.empty()) take_back(round, fault);
     } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test_, 0))) {
       round.verdict = "unknown-effect";
@@ -386,7 +386,8 @@ class Spine {
   }
 
   /// Why the test record takes the names back; empty when it does not.
-  std::string refuted(const Left& left, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+  std::string refuted(const Round& round, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) const {
+    const Left& left = round.left;
     const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
     if (!std::isfinite(last.value)) return "cannot be run on the test record";
     if (!std::isfinite(first.value)) return "";
@@ -396,7 +397,10 @@ class Spine {
     const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);
     if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
       return "left much of the gap on the test record open";
-    if (!left.seen || !(last.value > 3 * last.floor)) return "";
+    const bool patchwork = round.found.chosen.choices.size() > 2 && last.value > 2 * last.floor;
+    if (patchwork && left.gap.value < 1.3 * left.gap.floor)
+      return "fitted the training records down to their noise by many forces, but not the test record";
+    if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
     if (left.whole) return "left a force that is repeatable";
     const Gap generic = pool_gap(runs(*left.closure.system, left.closure.fit, study_.test), 0);
     return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
