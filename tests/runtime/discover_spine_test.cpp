@@ -224,5 +224,27 @@ TEST(DiscoveryRefuses, ToGoOnWhenCancelled) {
   EXPECT_EQ(refusal(baseline("k*y", 1), Record(), options), "interrupted while: check the data");
 }
 
+/// v^2 y is in no catalogue. A cubic spring follows it at 20 dB so far that less than 5 % of the training records'
+/// excess is left, but not on the test record: one and a half floors with a repeatable force left are enough to take it
+/// back.
+TEST(Discovery, TakesBackANameThatLeavesARepeatableForceOnTheTest) {
+  truth::RecordOptions options;
+  options.rows = 3200;
+  options.noise_db = 20;
+  options.excited = truth::Excited::noise;
+  options.seed = 121;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = truth::make_records(truth::case_named("outside_v2y"), scale, options);
+  const Model model = testing::baseline("k*y + c*v", scale.mass);
+  const Discovery d =
+      discover(model, testing::small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
+               {testing::record_of(records.test, "test")});
+  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_TRUE(d.effects.empty());
+  EXPECT_TRUE(std::any_of(d.warnings.begin(), d.warnings.end(), [](const std::string& w) {
+    return w.find("left a force that is repeatable: the name is withdrawn") != std::string::npos;
+  }));
+}
+
 }  // namespace
 }  // namespace lunid
