@@ -125,13 +125,18 @@ local function with_one_more(base, best, given, train, known, how)
   return best
 end
 
---- The candidate with the one more feature that lowers the criterion most; nil where none does.
-local function grown(candidate, fitted, given, train, known)
-  local best = with_one_more(candidate, candidate, given, train, known, ", grown on the trajectory")
+--- What a step has found, fitted to the end and listed; nil where it found nothing better than where it came from.
+local function settled(best, candidate, fitted, given, train)
   if best == candidate then return nil end
   best = refined(best, given, train)
   fitted[#fitted + 1] = best
   return best
+end
+
+--- The candidate with the one more feature that lowers the criterion most; nil where none does.
+local function grown(candidate, fitted, given, train, known)
+  local best = with_one_more(candidate, candidate, given, train, known, ", grown on the trajectory")
+  return settled(best, candidate, fitted, given, train)
 end
 
 --- Places of a candidate's terms, those first that its trajectory needs least.
@@ -156,10 +161,7 @@ local function exchanged(candidate, fitted, given, train, known)
       model = model_of(given, features, without(values, i)) }
     best = with_one_more(base, best, given, train, known, ", exchanged on the trajectory")
   end
-  if best == candidate then return nil end
-  best = refined(best, given, train)
-  fitted[#fitted + 1] = best
-  return best
+  return settled(best, candidate, fitted, given, train)
 end
 
 local function least_criterion(list)

@@ -232,6 +232,12 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
   return candidate;
 }
 
+double guessed(const Parameter& parameter, const Guess& guess) {
+  const auto found = guess.find(parameter.name);
+  const double value = found != guess.end() ? found->second : std::isfinite(parameter.value) ? parameter.value : 1;
+  return std::clamp(value, parameter.min, parameter.max);
+}
+
 void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
                  const std::vector<std::vector<Guess>>& guesses) {
   const auto& table = candidate.system->model().parameters;

@@ -53,6 +53,9 @@ struct Candidate {
 /// thread only.
 Candidate compile(const Study& study, const Model& baseline, const Choices& choices);
 
+/// What a guess says of a parameter; its own value, or 1, where it says nothing; within its bounds.
+double guessed(const Parameter& parameter, const Guess& guess);
+
 /// Reads first guesses off the smoothed data: linear parameters by regression of the force, shape parameters from the
 /// entries' guesses, refined on the force. `theta` holds the values of the parameters that come before (baseline).
 void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,

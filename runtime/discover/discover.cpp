@@ -55,8 +55,7 @@ class Spine {
  private:
   /// What generic forces of the motion would explain beside a model, and whether that counts.
   struct Left {
-    std::vector<FreeRun> train;  ///< of the model itself over the training records
-    Gap gap;
+    Gap gap;  ///< of the model itself over the training records
     Closure closure;
     bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
     bool material = false;  ///< and it is more than what is asked of an effect
@@ -258,10 +257,10 @@ class Spine {
   }
 
   // ---- verdict ----
-  Left look_for_structure(const Candidate& c, const Whitening& whitening) const {
+  /// `train`: the model's runs over the training records.
+  Left look_for_structure(const Candidate& c, const std::vector<FreeRun>& train, const Whitening& whitening) const {
     Left left;
-    left.train = runs(c, study_.full);
-    left.gap = pool_gap(left.train, 0);
+    left.gap = pool_gap(train, 0);
     left.closure = test_closure(study_, c, whitening);
     if (!(left.closure.p_value < options_.alpha / 10)) return left;
     fit_closure(study_, c, left.closure);
@@ -284,8 +283,8 @@ class Spine {
 
   void decide(Round& round) const {
     SearchResult& found = round.found;
-    round.left = look_for_structure(found.chosen, found.whitening);
-    round.train = round.left.train;
+    round.train = runs(found.chosen, study_.full);
+    round.left = look_for_structure(found.chosen, round.train, found.whitening);
     if (!round.names()) {
       round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
     } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
@@ -379,8 +378,8 @@ class Spine {
     const bool patched = round.left.seen;
     withdraw(round, "not confirmed by the test record");
     before_test_ = after_test_ = runs(found.baseline, study_.test);
-    round.left = look_for_structure(found.baseline, found.whitening);
-    round.train = round.left.train;
+    round.train = runs(found.baseline, study_.full);
+    round.left = look_for_structure(found.baseline, round.train, found.whitening);
     const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test_, 0));
     round.verdict = open ? "unknown-effect" : "nothing-missing";
   }

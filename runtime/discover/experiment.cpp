@@ -116,14 +116,13 @@ class Designer {
     if (!out.completed) return out;
     std::vector<Channel> channels = driven.channels();
     for (int i = 0; i < model.degrees(); ++i) {
-      const char measured = options_.measured[0];
-      channels.push_back(channel(model.channel('y', i),
-                                 shown(*rival.system, view(rival.theta), run, model.channel('y', i)),
-                                 measured == 'y' ? options_.noise : 0, Interpolation::cubic));
-      channels.push_back(channel(model.channel('v', i), run.x.col(2 * i + 1), measured == 'v' ? options_.noise : 0,
-                                 Interpolation::cubic));
-      channels.push_back(
-          channel(model.channel('a', i), run.a.col(i), measured == 'a' ? options_.noise : 0, Interpolation::cubic));
+      const auto add = [&](char quantity, VectorXd values) {
+        const double noise = options_.measured[0] == quantity ? options_.noise : 0;
+        channels.push_back(channel(model.channel(quantity, i), std::move(values), noise, Interpolation::cubic));
+      };
+      add('y', shown(*rival.system, view(rival.theta), run, model.channel('y', i)));
+      add('v', run.x.col(2 * i + 1));
+      add('a', run.a.col(i));
     }
     out.record = Record(driven.name(), 0, base_.dt, std::move(channels));
     return out;

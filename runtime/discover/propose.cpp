@@ -73,11 +73,7 @@ Eigen::VectorXd bounded_step(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
 Eigen::VectorXd start_of(const Shape& shape, const Guess& guess) {
   const auto& table = shape.system->model().parameters;
   Eigen::VectorXd theta(static_cast<Eigen::Index>(table.size()));
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const auto found = guess.find(table[i].name);
-    const double value = found != guess.end() ? found->second : std::isfinite(table[i].value) ? table[i].value : 1;
-    theta[static_cast<Eigen::Index>(i)] = std::clamp(value, table[i].min, table[i].max);
-  }
+  for (std::size_t i = 0; i < table.size(); ++i) theta[static_cast<Eigen::Index>(i)] = guessed(table[i], guess);
   return theta;
 }
 

@@ -175,11 +175,8 @@ void start_beside(const Study& study, Candidate& candidate, const Candidate& par
   for (const Guess& guess : guesses.empty() ? std::vector<Guess>{{}} : guesses) {
     Eigen::VectorXd theta(static_cast<Eigen::Index>(table.size()));
     theta.head(known.size()) = known;
-    for (auto i = static_cast<std::size_t>(known.size()); i < table.size(); ++i) {
-      const auto found = guess.find(table[i].name);
-      const double value = found != guess.end() ? found->second : std::isfinite(table[i].value) ? table[i].value : 1;
-      theta[static_cast<Eigen::Index>(i)] = std::clamp(value, table[i].min, table[i].max);
-    }
+    for (Eigen::Index i = known.size(); i < theta.size(); ++i)
+      theta[i] = guessed(table[static_cast<std::size_t>(i)], guess);
     const double squares = squares_of_runs(study, candidate, theta, parent.fit);
     if (std::isfinite(squares)) starts.emplace_back(squares, std::move(theta));
   }

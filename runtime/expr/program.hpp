@@ -135,9 +135,8 @@ struct Program {
   std::uint32_t registers = 0;
   Assembly values;    // the outputs
   Assembly computed;  // the outputs that are not inputs
-  Assembly complete;  // the outputs, then every g
+  Split complete;     // the outputs, then every g
   Assembly switches;  // every g
-  Split frozen;       // complete, in place
 
   ~Program();
   /// Made once, when the tape is first run in place; what it lacks the interpreters run.

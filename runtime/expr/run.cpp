@@ -111,11 +111,11 @@ int Tape::last_written() const {
 
 void Tape::prepare_frozen(double* scratch) const noexcept {
   prepare(scratch);
-  execute<false>(program_->frozen.fixed.instructions.data(), scratch, nullptr, program_->externals.data());
+  execute<false>(program_->complete.fixed.instructions.data(), scratch, nullptr, program_->externals.data());
 }
 
 void Tape::run_prepared_frozen(const std::int8_t* mode, double* scratch) const noexcept {
-  execute<true>(program_->frozen.rest.instructions.data(), scratch, mode, program_->externals.data());
+  execute<true>(program_->complete.rest.instructions.data(), scratch, mode, program_->externals.data());
 }
 
 void Tape::run_point(const double* in, double* out, double* scratch) const noexcept {
@@ -131,8 +131,13 @@ void Tape::run_frozen(const double* in, const std::int8_t* mode, double* out, do
                       double* scratch) const noexcept {
   const Program& program = *program_;
   load_inputs(program.layout, in, scratch);
-  prepare(scratch);
-  execute<true>((g ? program.complete : program.values).instructions.data(), scratch, mode, program.externals.data());
+  if (g) {
+    prepare_frozen(scratch);
+    run_prepared_frozen(mode, scratch);
+  } else {
+    prepare(scratch);
+    execute<true>(program.values.instructions.data(), scratch, mode, program.externals.data());
+  }
   std::copy_n(scratch + program.layout.outputs, program.outputs, out);
   if (g) std::copy_n(scratch + program.layout.switches, program.switching_functions.size(), g);
 }

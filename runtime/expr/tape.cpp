@@ -28,11 +28,10 @@ Tape::Tape(Values lowered, std::size_t inputs, std::size_t fixed) {
   program->computed = program->values;
   std::erase_if(program->computed.instructions,
                 [&](const Instruction& at) { return at.code == Code::copy && at.a < program->layout.inputs; });
-  program->complete = assemble(values, program->layout, all);
+  program->complete = assemble_split(values, program->layout, all);
   program->switches = assemble(values, program->layout, switches);
-  program->frozen = assemble_split(values, program->layout, all);
-  program->registers = std::max({program->values.registers, program->complete.registers, program->switches.registers,
-                                 program->frozen.fixed.registers, program->frozen.rest.registers});
+  program->registers = std::max({program->values.registers, program->complete.fixed.registers,
+                                 program->complete.rest.registers, program->switches.registers});
   program_ = std::move(program);
 }
 
@@ -52,7 +51,7 @@ int Tape::switches() const { return program_ ? static_cast<int>(program_->switch
 int Tape::registers() const { return program_ ? static_cast<int>(program_->registers) : 0; }
 int Tape::instructions() const { return program_ ? static_cast<int>(program_->values.instructions.size()) - 1 : 0; }
 int Tape::frozen_instructions() const {
-  return program_ ? static_cast<int>(program_->frozen.rest.instructions.size()) - 1 : 0;
+  return program_ ? static_cast<int>(program_->complete.rest.instructions.size()) - 1 : 0;
 }
 int Tape::output_place() const { return program_ ? static_cast<int>(program_->layout.outputs) : 0; }
 int Tape::switch_place() const { return program_ ? static_cast<int>(program_->layout.switches) : 0; }
