@@ -1,6 +1,7 @@
 #include "regress/account.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "record/parallel.hpp"
@@ -66,23 +67,26 @@ VectorXd block_deviations(const Solved& solved, int threads) {
   if (count < 3) return none;
   // All but part k is what comes before and what comes after it: three merges for each part.
   std::vector<Statistic> after(count + 1, Statistic(fit.features)), before = after;
-  for (std::size_t k = count; k-- > 0;) {
-    after[k] = after[k + 1];
-    after[k].merge(solved.parts[k]);
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    before[k + 1] = before[k];
-    before[k + 1].merge(solved.parts[k]);
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    before[k].merge(after[k + 1]);
-    const VectorXd rms = before[k].rms();
-    for (Index j = 0; j < n; ++j)
-      if (rms[j] == 0 && fit.coefficients[j] != 0) return none;
-  }
+  parallel_for(2, threads, [&](int direction) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = direction == 0 ? i : count - 1 - i;
+      const std::size_t from = direction == 0 ? k : k + 1, to = direction == 0 ? k + 1 : k;
+      std::vector<Statistic>& sums = direction == 0 ? before : after;
+      sums[to] = sums[from];
+      sums[to].merge(solved.parts[k]);
+    }
+  });
   Eigen::MatrixXd left(n, static_cast<Index>(count));
-  parallel_for(static_cast<int>(count), threads,
-               [&](int k) { left.col(k) = solved.again(before[static_cast<std::size_t>(k)]); });
+  std::atomic<bool> excited = true;  // what the fit uses is not 0 without any one part
+  parallel_for(static_cast<int>(count), threads, [&](int part) {
+    const auto k = static_cast<std::size_t>(part);
+    before[k].merge(after[k + 1]);
+    if (((before[k].rms().head(n).array() == 0) && (fit.coefficients.array() != 0)).any())
+      excited = false;
+    else
+      left.col(part) = solved.again(before[k]);
+  });
+  if (!excited) return none;
   const VectorXd mean = left.rowwise().mean();
   const double blocks = static_cast<double>(count);
   const VectorXd std = ((left.colwise() - mean).rowwise().squaredNorm() * ((blocks - 1) / blocks)).cwiseSqrt();
