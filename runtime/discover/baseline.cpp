@@ -1,0 +1,106 @@
+#include "discover/baseline.hpp"
+
+#include <cmath>
+
+namespace lunid {
+
+FitOptions full_fit(const Study& study, int iterations) {
+  FitOptions o;
+  o.max_iterations = iterations;
+  o.tolerance = 1e-6;
+  o.cancelled = study.options->cancelled;
+  return o;
+}
+
+namespace {
+
+/// A baseline that cannot be run, or whose parameters sit at bounds, is said before anything else.
+void say_first(const Candidate& c, std::vector<std::string>& warnings) {
+  std::vector<std::string> said;
+  if (!c.ran()) said.push_back("the baseline cannot be simulated over the training records (" + c.fit.stopped + ")");
+  const auto& table = c.system->model().parameters;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed) {
+      char value[32];
+      std::snprintf(value, sizeof value, "%.4g", c.fit.theta[static_cast<Eigen::Index>(i)]);
+      said.push_back("the baseline's " + table[i].name + " sits at its bound " + value +
+                     ": widen it, or see what the baseline's other terms leave to it");
+    }
+  warnings.insert(warnings.begin(), said.begin(), said.end());
+}
+
+void from_given_guess(const Study& study, const Model& model, Candidate& baseline) {
+  const std::vector<double> values = model.values();
+  if (values.empty() || !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return;
+  const Eigen::VectorXd guess =
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  FitResult again = fit_trajectory(*baseline.system, guess, study.train, full_fit(study, 40));
+  if (again.cost < baseline.fit.cost) baseline.fit = std::move(again);
+}
+
+void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::vector<Parameter>& table,
+                       std::vector<std::string>& warnings) {
+  for (Eigen::Index i = 0; i < j; ++i) {
+    const double cosine = gram(i, j) / std::sqrt(gram(i, i) * gram(j, j));
+    const double left = 1 - cosine * cosine;
+    const auto &a = table[static_cast<std::size_t>(i)].name, &b = table[static_cast<std::size_t>(j)].name;
+    if (left < 1e-12)
+      throw InputError(
+          "discover: the data do not excite parameters '" + a + "' and '" + b +
+              "' separately: their terms are one column on this record; fix one of them, or use a record "
+              "with another frequency or amplitude",
+          {}, Fault::data);
+    if (left < 2e-3)
+      warnings.push_back(
+          "the terms of " + a + " and " + b +
+          " are nearly one column on this record (a single frequency?): only their combination is well seen");
+  }
+}
+
+/// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
+void check_excitation(const Study& study, const Model& model, const Candidate& baseline,
+                      std::vector<std::string>& warnings) {
+  const auto& table = baseline.system->model().parameters;
+  const Eigen::Index p = baseline.parameters();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+  double force = 0;
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    const Eigen::VectorXd& theta = baseline.starts.front();
+    imposed_force(*baseline.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian);
+    gram += jacobian.transpose() * jacobian;
+    for (const double f : data.record["F"]) force += f * f;
+  }
+  bool mass_free = false;
+  for (Eigen::Index j = 0; j < p; ++j) {
+    const auto& name = table[static_cast<std::size_t>(j)].name;
+    mass_free = mass_free || depends_on(model.mass, model.pool->parameter(name));
+    if (table[static_cast<std::size_t>(j)].fixed) continue;
+    if (!(gram(j, j) > 0))
+      throw InputError("discover: the data do not excite parameter '" + name +
+                           "': its term is zero on every row of the training records; fix it, leave it out, or use a "
+                           "record that reaches it",
+                       {}, Fault::data);
+  }
+  if (mass_free && !(force > 0))
+    throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number",
+                     {}, Fault::data);
+  for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table, warnings);
+}
+
+}  // namespace
+
+Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings) {
+  Candidate baseline = compile(study, model, {});
+  find_starts(study, baseline, Eigen::VectorXd(), {});
+  if (baseline.starts.empty())
+    throw InputError(
+        "discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
+  check_excitation(study, model, baseline, warnings);
+  fit(study, baseline, full_fit(study, 40));
+  from_given_guess(study, model, baseline);
+  say_first(baseline, warnings);
+  return baseline;
+}
+
+}  // namespace lunid

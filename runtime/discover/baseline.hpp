@@ -1,0 +1,18 @@
+#pragma once
+// The model that a discovery begins with: fitted, and what must be said of it first.
+#include <string>
+#include <vector>
+
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// To the end: relative drop of the cost below 1e-6.
+FitOptions full_fit(const Study& study, int iterations);
+
+/// The baseline fitted on the trajectory. Adds to `warnings`, before all others, that it cannot be run or that
+/// parameters sit at bounds, and which terms are nearly one column. Throws InputError naming parameters that the data
+/// do not excite, and for a force that is not finite.
+Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings);
+
+}  // namespace lunid

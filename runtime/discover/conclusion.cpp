@@ -1,0 +1,131 @@
+#include "discover/conclusion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover/sensor.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// Which of the named effects are faults of a sensor or of the input: "" where all are physics.
+std::string not_physics(const Choices& named) {
+  std::string sensors, inputs;
+  for (const auto& choice : named) {
+    if (is_physics(*choice.effect)) continue;
+    std::string& list = choice.effect->family == "sensor" ? sensors : inputs;
+    list += (list.empty() ? "" : ", ") + choice.effect->name;
+  }
+  if (sensors.empty() && inputs.empty()) return "";
+  const std::string what = inputs.empty() ? "the sensor" : sensors.empty() ? "the input" : "the sensor and the input";
+  const bool all = physics_in(named) == 0;
+  return " (" + what + ", not the physics" +
+         (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
+}
+
+}  // namespace
+
+void design_next(const Study& study, const SearchResult& found, Discovery& out) {
+  const ExperimentOptions options = same_experiment(study);
+  out.same_experiment = options;
+  out.same_experiment.cancelled = nullptr;  // it outlives the run
+  const bool driven = study.imposed || options.limits.force > 0;
+  if (out.verdict != "ambiguous" || !driven) return;
+  std::vector<Model> models{out.final};
+  std::vector<std::string> names{found.chosen.name()};
+  for (const Rival& rival : out.rivals) {
+    if (std::find(found.ties.begin(), found.ties.end(), rival.name) == found.ties.end()) continue;
+    models.push_back(rival.model);
+    names.push_back(rival.name);
+  }
+  if (models.size() < 2) return;
+  out.experiment = design_experiment(models, names, options);
+  if (!out.experiment.best().decides()) {
+    ExperimentOptions more = options;
+    more.limits.force *= 2;
+    more.limits.displacement *= 2;
+    ExperimentDesign beyond = design_experiment(models, names, more);
+    beyond.beyond = 2;
+    if (beyond.best().decides() || beyond.best().expected_z > 2 * out.experiment.best().expected_z)
+      out.experiment = std::move(beyond);
+  }
+  out.experiment.options.cancelled = nullptr;
+}
+
+void warn_of_bounds(const Candidate& c, Discovery& out) {
+  const auto& table = c.system->model().parameters;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
+      out.warnings.push_back("parameter " + table[i].name + " sits at its bound " +
+                              std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
+}
+
+void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
+  if (study.imposed || !c.ran()) return;
+  const auto& record = study.train.front().record;
+  const auto& segment = c.fit.segments.front();
+  const Eigen::Index rows = std::min<Eigen::Index>(record.rows(), 2000);
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = c.fit.substeps;
+  const std::span<const double> theta(c.fit.theta.data(), static_cast<std::size_t>(c.fit.theta.size()));
+  const Excitations part = study.train.front().excitation.part(0, rows);
+  const Run fast = simulate(*c.system, theta, part, segment.x0, options);
+  options.solver = Solver::bdf;
+  options.rtol = 1e-7;
+  const Run reference = simulate(*c.system, theta, part, segment.x0, options);
+  out.check_solver = reference.summary.solver;
+  if (fast.summary.completed && reference.summary.completed)
+    out.check_error =
+        (shown(*c.system, theta, fast, study.output()) - shown(*c.system, theta, reference, study.output()))
+            .cwiseAbs()
+            .maxCoeff() /
+        study.measured_std();
+  else
+    out.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
+}
+
+std::string sentence(const Round& round, const Discovery& out) {
+  const SearchResult& found = round.found;
+  const Left& left = round.left;
+  char text[160];
+  if (out.verdict == "explained" || out.verdict == "ambiguous") {
+    std::string names;
+    for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.name;
+    names += not_physics(found.order);
+    const double excess = out.baseline_test.value - out.final_test.floor;
+    const double share = excess > 0 ? (out.baseline_test.value - out.final_test.value) / excess : 0;
+    std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
+                  100 * std::clamp(share, 0.0, 1.0));
+    std::string said = names;
+    for (const std::string& tie : found.ties) said += " or " + tie;
+    if (!found.ties.empty()) said += " (of equal simplicity: this record cannot tell them apart)";
+    if (!std::isfinite(out.baseline_test.value))
+      return said + ": the baseline cannot be run on the test record, the final model can";
+    if (left.material)
+      said += std::string(text) + "; a small repeatable force is left (" + left.closure.shape + ")";
+    else
+      said += text;
+    return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
+  }
+  if (out.verdict == "nothing-missing") {
+    std::snprintf(text, sizeof text,
+                  "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
+                  out.final_test.value, out.final_test.floor);
+    const bool rough = out.final_test.value > 3 * out.final_test.floor;
+    return std::string(
+               "no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond "
+               "chance") +
+           (rough ? text : "");
+  }
+  if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
+  const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn;
+  if (!left.seen)
+    return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
+           nearest;
+  return "something repeatable is missing (" + left.closure.shape + ") that no entry of the catalogue explains" +
+         nearest;
+}
+
+}  // namespace lunid

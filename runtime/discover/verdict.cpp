@@ -1,0 +1,106 @@
+#include "discover/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover/judge.hpp"
+#include "statistics/statistics.hpp"
+
+namespace lunid {
+
+std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit, const std::vector<Record>& records,
+                          bool floor) {
+  std::vector<FreeRun> out;
+  for (const auto& r : records)
+    out.push_back(free_run(study, system, fit.theta, r, std::max(1, fit.substeps), floor));
+  return out;
+}
+
+std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records, bool floor) {
+  return runs(study, *c.system, c.fit, records, floor);
+}
+
+Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train, const Whitening& whitening) {
+  Left left;
+  left.gap = pool_gap(train, 0);
+  left.closure = test_closure(study, c, whitening);
+  if (!(left.closure.p_value < study.options->alpha / 10)) return left;
+  fit_closure(study, c, left.closure);
+  if (!std::isfinite(left.closure.fit.cost)) return left;
+  const Gap& now = left.gap;
+  const auto with_closure = [&](bool floor) {
+    return pool_gap(runs(study, *left.closure.system, left.closure.fit, study.full, floor), 0);
+  };
+  const Gap with = with_closure(false);
+  left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
+  // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
+  const bool above = !(now.value <= now.floor + 3 * now.floor_std);
+  left.material = left.seen && above && left.closure.gain > study.options->minimum_gain;
+  left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
+  return left;
+}
+
+bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.15)); }
+
+void decide(const Study& study, Round& round) {
+  SearchResult& found = round.found;
+  round.train = runs(study, found.chosen, study.full);
+  round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
+  if (!round.names()) {
+    round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
+  } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
+             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < 0.95) {
+    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.shape);
+    round.train = runs(study, found.chosen, study.full);
+    round.verdict = "unknown-effect";
+  } else {
+    round.verdict = found.ties.empty() ? "explained" : "ambiguous";
+  }
+}
+
+void withdraw(Round& round, const std::string& remark) {
+  SearchResult& found = round.found;
+  round.withdrawn = found.chosen.name();
+  found.rivals.insert(found.rivals.begin(), found.chosen);
+  found.remarks.insert(found.remarks.begin(), remark);
+  found.chosen = found.baseline;
+  found.steps.clear();
+  found.ties.clear();
+  found.aliases.clear();
+}
+
+double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+  std::vector<double> a, b;
+  for (std::size_t r = 0; r < before.size(); ++r) {
+    const auto channel = study.test[r][study.output()];
+    if (!after[r].cause.empty()) return 1;
+    if (!before[r].cause.empty()) return 0;
+    for (Eigen::Index i = before[r].lead; i < before[r].model.size(); ++i) {
+      a.push_back(channel[static_cast<std::size_t>(i)] - before[r].model[i]);
+      b.push_back(channel[static_cast<std::size_t>(i)] - after[r].model[i]);
+    }
+  }
+  return p_value_of_lower_error(a, b, bootstrap_block(study), study.options->seed);
+}
+
+std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+  const Left& left = round.left;
+  const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
+  if (!std::isfinite(last.value)) return "cannot be run on the test record";
+  if (!std::isfinite(first.value)) return "";
+  if (!(last.value < (1 - 0.5 * study.options->minimum_gain) * first.value && test_p_value < 0.2))
+    return "did not lower the gap on the test record";
+  // Far above the floor with a good part of the motion still open: the names patch something else.
+  const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);
+  if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
+    return "left much of the gap on the test record open";
+  const bool patchwork = round.found.chosen.choices.size() > 2 && last.value > 2 * last.floor;
+  if (patchwork && left.gap.value < 1.3 * left.gap.floor)
+    return "fitted the training records down to their noise by many forces, but not the test record";
+  if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
+  if (left.whole) return "left a force that is repeatable";
+  const Gap generic = pool_gap(runs(study, *left.closure.system, left.closure.fit, study.test), 0);
+  return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
+}
+
+}  // namespace lunid

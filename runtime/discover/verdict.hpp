@@ -1,0 +1,56 @@
+#pragma once
+// What is decided on a search: from generic forces that still see something, and from the test record.
+#include <string>
+#include <vector>
+
+#include "discover/closure.hpp"
+#include "discover/gap.hpp"
+#include "discover/search.hpp"
+
+namespace lunid {
+
+/// What generic forces of the motion would explain beside a model, and whether that counts.
+struct Left {
+  Gap gap;  ///< of the model itself over the training records
+  Closure closure;
+  bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
+  bool material = false;  ///< and it is more than what is asked of an effect
+  bool whole = false;     ///< and these forces explain it down to the noise
+};
+
+/// A search and what was decided on it, the test records closed.
+struct Round {
+  SearchResult found;
+  Left left;
+  std::vector<FreeRun> train;  ///< of the chosen model over the training records
+  std::string verdict, withdrawn;
+  bool names() const { return !found.chosen.choices.empty(); }
+};
+
+/// Free runs over whole records. `floor`: with what noise alone would leave of each.
+std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit,
+                          const std::vector<Record>& records, bool floor = true);
+std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,
+                          bool floor = true);
+
+/// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
+bool far_from_the_floor(const Gap& gap);
+
+/// `train`: the model's runs over the training records.
+Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
+                        const Whitening& whitening);
+
+/// Fills in what follows from `found`; the test records stay closed.
+void decide(const Study& study, Round& round);
+
+/// Takes the names back; the model is the baseline again.
+void withdraw(Round& round, const std::string& remark);
+
+/// That the named model is better than the baseline on the test records, by their runs over these.
+double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
+
+/// Why the test records take the names back; empty when they do not.
+std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before,
+                    const std::vector<FreeRun>& after);
+
+}  // namespace lunid
