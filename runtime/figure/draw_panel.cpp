@@ -197,8 +197,14 @@ class PanelPainter {
     const double middle = centred(plot.bottom, plot.top, half, plan_.cell.bottom, plan_.cell.top);
     TextStyle style = text(y_size, -1, 0);
     style.vertical = true;
-    if (!plan_.y.bare) canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);
+    if (!plan_.y.bare) canvas_.text({y_title_left(), middle}, plan_.y.title, style);
     above();
+  }
+
+  /// In line with the titles of the column, but not far from its own labels where another panel's are long.
+  double y_title_left() const {
+    const double beside = plan_.plot.left - needed_margins(meter_, look_, plan_).left;
+    return beside - plan_.cell.left < 2.0 * line_height(look_.axis_text) ? plan_.cell.left : beside;
   }
 
   /// Title, note and legend strip, from the plot's top upwards.

@@ -292,6 +292,18 @@ TEST(FigureLayout, plots_of_a_column_and_of_a_row_are_in_line) {
   EXPECT_NEAR(plan.panels[0].plot.right, plan.panels[2].plot.right, 1e-9);
 }
 
+TEST(FigureLayout, a_title_stays_by_its_labels_where_another_panel_of_the_column_has_long_names) {
+  Figure figure = rivals();
+  figure.panels.push_back(histories().panels[1]);
+  Typewriter meter;
+  const Look look = look_for(figure);
+  const FigurePlan plan = plan_figure(meter, look, figure);
+  for (const Written& w : drawn(figure).texts) {
+    if (w.text.starts_with("displacement")) EXPECT_LT(plan.panels[1].plot.left - w.box.left, 6.0 * look.axis_text);
+  }
+  EXPECT_GT(plan.panels[1].plot.left - plan.panels[1].cell.left, 10.0 * look.axis_text);
+}
+
 TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   const Recorder recorder = drawn(histories());
   const auto count = [&](const std::string& text) {
