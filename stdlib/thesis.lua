@@ -19,7 +19,8 @@ thesis.cases = {
   { "features", "can statistics name the terms? (appendices F and G)" },
   { "optimisers", "constraints between coefficients and parameters inside features (appendix I)" },
   { "derivatives", "acceleration from noisy data (appendices K and L)" },
-  { "sketches", "figures that belong to no case: 1.2, 4.1, C.1 and E.1" },
+  { "lorenz", "SINDy on the Lorenz equations (appendix C)" },
+  { "sketches", "figures that belong to no case: 1.2, 4.1 and E.1" },
   { "pile", "a pile driven by vibration (chapter 3), on a virtual rig" },
   { "questions", "the research questions (section 0.5), answered by tables" },
 }

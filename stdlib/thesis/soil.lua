@@ -68,7 +68,7 @@ end
 --- second half.
 function soil.run_freely(model, delay, test, from, to)
   local drive = ground.part_of(test, "head", from, to, delay)
-  local run = lunid.simulate { model = model.whole, excitation = drive, from = "record" }
+  local run = lunid.simulate { model = model.whole, excitation = drive, from = "record", solver = "rk45" }
   local out = { name = test.name, completed = run.summary.completed, stopped_at = run.summary.stopped_at }
   if not out.completed then return out end
   local record = run:record()
