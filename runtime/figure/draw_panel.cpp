@@ -25,8 +25,8 @@ class PanelPainter {
     for (const Series& s : panel_.series) points(s);
     for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
     if (plan_.colour_bar && !panel_.map) draw_panel_colour_bar(canvas_, meter_, look_, plan_);
-    if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const ReferenceLine& line : panel_.lines) rule(line);
+    if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const Series& s : panel_.series) curve(s);
     frame();
     ticks();

@@ -1,4 +1,5 @@
-// Figures: the time that a picture may take, and what is drawn of many points beside the same picture of points that were thinned by hand.
+// Figures: the time that a picture may take, and what is drawn of many points beside the same picture of points that
+// were thinned by hand.
 #include <unistd.h>
 
 #include <algorithm>
@@ -98,10 +99,11 @@ Figure ripple(int lines) {
 
 std::vector<Work> figure_works(const std::string& lunid) {
   const std::string name = "lunid-bench-" + std::to_string(getpid()) + ".png";
-  const std::shared_ptr<std::string> file(new std::string(std::filesystem::temp_directory_path() / name), [](std::string* path) {
-    std::filesystem::remove(*path);
-    delete path;
-  });
+  const std::shared_ptr<std::string> file(new std::string(std::filesystem::temp_directory_path() / name),
+                                          [](std::string* path) {
+                                            std::filesystem::remove(*path);
+                                            delete path;
+                                          });
   const auto module = std::make_shared<FigureModule>(std::filesystem::path(lunid).parent_path() / "liblunid_figure.so");
   const auto drawn = [=](Figure figure) {
     return [=, shared = std::make_shared<Figure>(std::move(figure))] { module->render(*shared, *file); };

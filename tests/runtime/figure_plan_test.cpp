@@ -304,6 +304,23 @@ TEST(FigureLayout, a_title_stays_by_its_labels_where_another_panel_of_the_column
   EXPECT_GT(plan.panels[1].plot.left - plan.panels[1].cell.left, 10.0 * look.axis_text);
 }
 
+TEST(FigureLayout, a_number_beyond_its_bar_stands_on_paper_of_its_own) {
+  Figure figure = rivals();
+  figure.panels[0].bars->set.resize(1);
+  const Recorder recorder = drawn(figure);
+  const auto number =
+      std::find_if(recorder.texts.begin(), recorder.texts.end(), [](const Written& w) { return w.text == "0.051"; });
+  ASSERT_NE(number, recorder.texts.end());
+  const Point middle{0.5 * (number->box.left + number->box.right), 0.5 * (number->box.bottom + number->box.top)};
+  // The line at 0.05, which the number would be crossed by, lies below.
+  EXPECT_TRUE(std::any_of(recorder.areas.begin(), recorder.areas.end(), [&](const Stroke& area) {
+    const double width = std::abs(area[2].x - area[0].x), height = std::abs(area[2].y - area[0].y);
+    const Box box{std::min(area[0].x, area[2].x), std::min(area[0].y, area[2].y), std::max(area[0].x, area[2].x),
+                  std::max(area[0].y, area[2].y)};
+    return box.holds(middle) && width >= number->box.width() && width < 2.0 * number->box.width() && height < 20.0;
+  }));
+}
+
 TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   const Recorder recorder = drawn(histories());
   const auto count = [&](const std::string& text) {
