@@ -28,6 +28,8 @@ class PanelPainter {
     for (const ReferenceLine& line : panel_.lines) rule(line);
     if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const Series& s : panel_.series) curve(s);
+    const Point middle{0.5 * (plan_.plot.left + plan_.plot.right), 0.5 * (plan_.plot.bottom + plan_.plot.top)};
+    canvas_.text(middle, nothing_to_show(panel_), text(look_.legend_text, 0, 0));
     frame();
     ticks();
     titles();

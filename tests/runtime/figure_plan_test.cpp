@@ -321,6 +321,24 @@ TEST(FigureLayout, a_number_beyond_its_bar_stands_on_paper_of_its_own) {
   }));
 }
 
+TEST(FigureLayout, a_panel_without_anything_to_show_says_why) {
+  const auto said = [](std::vector<double> x, std::vector<double> y, Scale scale) {
+    Figure figure;
+    figure.panels.resize(1);
+    figure.panels[0].y.scale = scale;
+    figure.panels[0].series = {{"", std::move(x), std::move(y)}};
+    std::string text;
+    for (const Written& w : drawn(figure).texts)
+      if (w.text.starts_with("no ")) text += w.text;
+    return text;
+  };
+  EXPECT_EQ(said({}, {}, Scale::linear), "no data");
+  EXPECT_EQ(said({1.0, 2.0}, {missing, missing}, Scale::linear), "no data");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 0.0}, Scale::log), "no values above 0");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 0.0}, Scale::linear), "");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 1.0}, Scale::log), "");
+}
+
 TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   const Recorder recorder = drawn(histories());
   const auto count = [&](const std::string& text) {
