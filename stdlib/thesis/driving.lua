@@ -104,14 +104,14 @@ function driving.mass_and_stiffness(tests, table_a1)
     local full = lunid.regress { record = records, features = { a, y, v } }
     local column_y, column_a = records[1]:column "y", records[1]:column "a"
     return { math.abs(statistics.correlation(column_y, column_a)), full.condition, full.terms.a.value, full.terms.a.block_std or full.terms.a.std,
-      full.terms.y.value, #full.unexcited > 0 and full.unexcited[1] or "" }
+      full.terms.y.value, full.terms.y.block_std or full.terms.y.std }
   end
   local rows = {}
   for _, each in ipairs { { "test 1 alone", { tests[1] } }, { "test 3 alone", { tests[3] } }, { "tests 1 and 3 together", { tests[1], tests[3] } } } do
     rows[#rows + 1] = { each[1], table.unpack(fit(each[2])) }
   end
   local w = 2*math.pi*33.1
-  return { head = { "m*a + k*y + c*v on", "|correlation of y and a|", "condition", "m [kg]", "deviation", "k [N/m]", "cannot be told apart" },
+  return { head = { "m*a + k*y + c*v on", "|correlation of y and a|", "condition", "m [kg]", "its deviation", "k [N/m]", "its deviation" },
     rows = rows, caption = ("At one frequency a = -w^2 y, and m*a and k*y are one column. Table A.1 has %.4g and %.4g y per unit of mass in its shaft forces; "
       .. "(2 pi 33.1 Hz)^2 is %.4g: that stiffness is the inertia term"):format(table_a1.shaft1.polynomial[5][3], table_a1.shaft2.polynomial[5][3], w^2) }
 end
