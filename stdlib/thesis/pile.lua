@@ -76,6 +76,7 @@ end
 head[1] = "rivals on the sealed test"
 report:table { head = head, rows = rivals, caption = "They get the measured motion or force of the test; only Smith's elements run freely" }
 
+soil.steps(report, ground.model(best, ground.path(sealed, 2)), best.delay, sealed)
 soil.frequencies(report, best, tests[1])
 
 -- ---- other soils ----

@@ -125,6 +125,32 @@ spec.case("the seven terms of the Lorenz equations, and no false one", function(
   spec.near(number_after(text, "largest_error"), 0, 0.02)
 end)
 
+spec.case("past samples in noise run freely only with past errors among them, and the equation of motion beats them", function()
+  local free = {}
+  for value, model, noise in results "history":gmatch '"free_run": ([%-%d.e]+),%s+"model": "(%u+)[^"]*",%s+"noise": ([%d.]+)' do
+    free[model .. noise] = tonumber(value)
+  end
+  for value, noise in results "history":gmatch '"free_run": ([%d.]+),%s+"model": "equation",%s+"noise": ([%d.]+)' do
+    free["equation" .. noise] = tonumber(value)
+  end
+  assert(free["NARX0"] > 99 and free["NARX0.05"] < 20, "NARX")
+  assert(free["NARMAX0.05"] > free["NARX0.05"] + 40 and free["ARMAX0.05"] > free["ARX0.05"] + 40, "past errors")
+  assert(free["equation0.05"] > 99.5, "the equation")
+end)
+
+spec.case("what a fit says of its parameters' and its prediction's uncertainty is what seeds of the noise scatter by", function()
+  local text, from, levels = results "uncertainty", 1, 0
+  while true do
+    local found, stop = number_after(text, "found", from)
+    if not found then break end
+    local said, behind = number_after(text, "said", stop)
+    -- Six seeds: their root mean square has a deviation of some 30 % of it.
+    assert(found/said > 0.4 and found/said < 1.8, text)
+    levels, from = levels + 1, behind
+  end
+  spec.equal(levels, 2)
+end)
+
 spec.case("figures that belong to no case: the gap, tanh by two series, bias and variance", function()
   local text = results "sketches"
   spec.near(number_after(text, "inside"), 2e4, 2e3)
