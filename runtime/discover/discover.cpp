@@ -11,6 +11,7 @@
 #include "discover/removable.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
+#include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -26,7 +27,8 @@ class Spine {
         const std::vector<Record>& test, const DiscoverOptions& options)
       : options_(options), model_(complete(baseline)) {
     progress("check the data", 0.0);
-    study_ = prepare(model_, train, test, options_);
+    whole_ = prepare(model_, train, test, options_);
+    study_ = shortened(whole_);
     out_.warnings = study_.warnings;
     for (const auto& data : study_.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
@@ -45,6 +47,7 @@ class Spine {
     refit_baseline();
     Round round = look(first_, {});
     if (first_ < catalogue_.size() && leaves_open(round)) look_further(round);
+    fit_all_rows(round);
     progress("open the test record", 0.94);
     validate_on_test(round);
     show(round);
@@ -96,7 +99,7 @@ class Spine {
     const Interpolation before = study_.interpolation;
     const Candidate baseline = baseline_;
     if (before != study_.guesses.front()) {  // chosen beside a model that was not the right one
-      set_interpolation(study_, study_.guesses.front());
+      take_interpolation(study_.guesses.front());
       fit(study_, baseline_, fit_options(40));
       round.found.grown.sets.clear();
     }
@@ -104,9 +107,32 @@ class Spine {
     if (takes_the_place(further, round)) {
       round = std::move(further);
     } else {
-      set_interpolation(study_, before);
+      take_interpolation(before);
       baseline_ = baseline;
     }
+  }
+
+  /// What was found on pieces of long records is fitted to all their rows. The names stay.
+  void fit_all_rows(Round& round) {
+    if (study_.train.size() == whole_.train.size()) return;
+    progress("fit all rows", 0.92);
+    study_ = whole_;
+    SearchResult& found = round.found;
+    std::vector<Candidate*> all{&found.baseline, &found.chosen};
+    for (std::size_t i = 0; i + 1 < found.steps.size(); ++i) all.push_back(&found.steps[i]);  // the last is the chosen
+    for (Candidate& c : found.rivals) all.push_back(&c);
+    const auto fit_again = [&](int i) {
+      Candidate& c = *all[static_cast<std::size_t>(i)];
+      if (c.ran()) c.fit = fit_near(study_, c, c.fit.theta, 12, c.fit.substeps);
+    };
+    parallel_for(static_cast<int>(all.size()), options_.threads, fit_again);
+    found.whitening = residual_colour(study_, found.chosen.ran() ? found.chosen : found.baseline);
+    parallel_for(static_cast<int>(all.size()), options_.threads,
+                 [&](int i) { judge(study_, *all[static_cast<std::size_t>(i)], found.whitening, i < 2 ? 30 : 2); });
+    for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study_, *c);
+    if (!found.steps.empty()) found.steps.back() = found.chosen;
+    baseline_ = found.baseline;
+    decide(round);
   }
 
   void progress(const std::string& stage, double fraction) const {
@@ -222,6 +248,11 @@ class Spine {
   }
 
   // ---- force between its samples ----
+  void take_interpolation(Interpolation kind) {
+    set_interpolation(whole_, kind);
+    study_ = shortened(whole_);
+  }
+
   bool force_varies() const {
     for (const auto& data : study_.train)
       if (standard_deviation(data.record["F"]) > 0) return true;
@@ -241,7 +272,7 @@ class Spine {
     for (const auto kind :
          {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
       if (kind == before) continue;
-      set_interpolation(study_, kind);
+      take_interpolation(kind);
       FitOptions options = fit_options(6);
       options.tolerance = 1e-4;
       options.substeps = chosen.fit.substeps;
@@ -252,7 +283,7 @@ class Spine {
         best = kind;
       }
     }
-    set_interpolation(study_, best);
+    take_interpolation(best);
     return 1 - cost / first;
   }
 
@@ -625,7 +656,7 @@ class Spine {
   std::size_t first_ = 0;  ///< so many of them are tried first
   std::string untested_;
   Model model_;
-  Study study_;
+  Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search
   Candidate baseline_;
   std::vector<FreeRun> before_train_, after_train_, before_test_, after_test_;  ///< of baseline and final model
   double share_ = 0;  ///< of the force channel's noise, that the system did not feel

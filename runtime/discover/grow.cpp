@@ -20,7 +20,7 @@ constexpr int later_refined = 12;
 constexpr int per_size = 3;          // proposals of one number of parameters that are run
 constexpr int first_runs = 4;        // the best proposals that are run in any case
 constexpr int later_runs = 6;        // the same of sets of two and more
-constexpr int heavy_runs = 3;        // beside an entry of many states
+constexpr int heavy_runs = 3;        // beside an entry of many states, which takes no more than one other
 constexpr double explained = 0.999;  // share of the squared error that such an entry closes, beyond which none is added
 constexpr int long_fits = 5;         // sets that are fitted to the end
 constexpr int promising = 3;         // and those that explain most of the force
@@ -53,12 +53,14 @@ class Grower {
       std::vector<Candidate> level = add_one(parents, size);
       if (level.empty()) break;
       const bool better = worth_growing(best, level.front());
-      const bool masked = size == 1 && rms(baseline_) > 1.3 * study_.sensor_noise();
+      const bool masked = size == 1 && may_mask_a_pair(level.front());
       for (const auto& c : level)
         if (!c.degenerate()) out_.sets.push_back(c);
       if (!better && !masked) break;
       best = level.front();
       parents = parents_among(level);
+      std::erase_if(parents, [](const Candidate& c) { return c.choices.size() > 1 && many_states(c.choices); });
+      if (parents.empty()) break;
     }
     sort_by_cost(out_.sets);
     return std::move(out_);
@@ -76,10 +78,23 @@ class Grower {
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
-    if (many_states(after.choices) && closed_share(rms(before), rms(after), study_.sensor_noise()) > explained)
-      return false;
+    if (closes_nearly_all(before, after)) return false;
     return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
            (1 - required_gain(study_, 0)) * rms(after) > study_.sensor_noise();  // else nothing could be named
+  }
+
+  /// Two effects may be needed where one alone leaves the error above the sensor's noise, and may be the simpler words
+  /// where one needs more parameters than two of them.
+  bool may_mask_a_pair(const Candidate& one) const {
+    const double noise = 1.3 * study_.sensor_noise();
+    if (!(rms(baseline_) > noise) || closes_nearly_all(baseline_, one)) return false;
+    return !one.ran() || rms(one) > noise || one.added() > 2;
+  }
+
+  /// An entry of many states beside which others cost much and could close little.
+  bool closes_nearly_all(const Candidate& before, const Candidate& after) const {
+    return before.ran() && after.ran() && many_states(after.choices) &&
+           closed_share(rms(before), rms(after), study_.sensor_noise()) > explained;
   }
 
   // ---- the catalogue along the motion ----

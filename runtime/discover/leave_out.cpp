@@ -9,8 +9,12 @@ namespace lunid {
 namespace {
 
 /// The rows of a record that belong to a part and may be left out: not the lead-in, where the first state is estimated.
-bool left_out(const Study& study, const Record& record, Eigen::Index row, int part, int parts) {
-  return row >= lead_in(record, study.omega) && part_of(row, record.rows(), parts) == part;
+/// Where there are as many records as parts, they are left out whole.
+bool left_out(const Study& study, std::size_t r, Eigen::Index row, int part, int parts) {
+  const Record& record = study.train[r].record;
+  const int own =
+      static_cast<int>(study.train.size()) >= parts ? static_cast<int>(r) % parts : part_of(row, record.rows(), parts);
+  return own == part && row >= lead_in(record, study.omega);
 }
 
 /// Residuals of free runs, per record; empty where one did not come to its end.
@@ -19,10 +23,10 @@ using Residuals = std::vector<Eigen::VectorXd>;
 /// Of a model fitted again without a part.
 Residuals refitted_without(const Study& study, const Candidate& candidate, int part, int parts) {
   std::vector<FitData> data = study.train;
-  for (auto& d : data) {
-    d.use.assign(static_cast<std::size_t>(d.record.rows()), 1);
-    for (Eigen::Index i = 0; i < d.record.rows(); ++i)
-      if (left_out(study, d.record, i, part, parts)) d.use[static_cast<std::size_t>(i)] = 0;
+  for (std::size_t r = 0; r < data.size(); ++r) {
+    data[r].use.assign(static_cast<std::size_t>(data[r].record.rows()), 1);
+    for (Eigen::Index i = 0; i < data[r].record.rows(); ++i)
+      if (left_out(study, r, i, part, parts)) data[r].use[static_cast<std::size_t>(i)] = 0;
   }
   FitOptions options;
   options.max_iterations = 6;
@@ -52,7 +56,7 @@ void run_left_out(const Study& study, Candidate& candidate) {
     if (own.empty()) return;
     for (std::size_t r = 0; r < own.size(); ++r)
       for (Eigen::Index i = 0; i < residual[r].size(); ++i)
-        if (left_out(study, study.train[r].record, i, part, parts)) residual[r][i] = own[r][i];
+        if (left_out(study, r, i, part, parts)) residual[r][i] = own[r][i];
   }
   candidate.left_out = join(residual);
   candidate.left_out_gap =

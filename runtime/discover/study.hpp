@@ -44,6 +44,11 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
 void set_interpolation(Study& study, Interpolation interpolation);
 FitData fit_data(const Study& study, const Record& record);
 
+/// The study on pieces of its training records where those are long: a search that takes minutes to each candidate on
+/// all rows is made on these. `full` and `test` stay what they are; short records, and an imposed motion, whose
+/// internal states need all that came before, are taken whole. To be made again after set_interpolation.
+Study shortened(const Study& whole);
+
 /// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
 std::vector<std::string> side_channels(const Record& record);
 

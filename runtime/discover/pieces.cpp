@@ -1,0 +1,92 @@
+// Pieces of long records: enough to find a name by, when all rows would take minutes to each candidate.
+#include <algorithm>
+#include <cmath>
+
+#include "discover/study.hpp"
+
+namespace lunid {
+
+namespace {
+
+using Eigen::Index;
+
+constexpr Index searched_rows = 16000;  // of all training records together
+constexpr Index fewest_rows = 1500;     // of a piece
+constexpr double fewest_periods = 20;   // of the motion in a piece
+
+struct Piece {
+  std::size_t record;
+  Index first, count;
+};
+
+/// The row of [from, to) that is farthest from their mean.
+Index farthest(const Eigen::VectorXd& motion, Index from, Index to) {
+  Index row = 0;
+  const auto part = motion.segment(from, to - from).array();
+  (part - part.mean()).abs().maxCoeff(&row);
+  return from + row;
+}
+
+/// A record's share of the rows, spread evenly over it, so that what changes slowly stays in sight. Every second piece
+/// lies where its part of the record moves most, and one where the whole record does: a resonance that is swept
+/// through, a stop that is seldom reached.
+void cut(const Record& record, std::size_t index, const std::string& channel, Index length, Index count,
+         std::vector<Piece>& out) {
+  const Index rows = record.rows();
+  const Eigen::VectorXd motion = Eigen::Map<const Eigen::VectorXd>(record[channel].data(), rows);
+  const Index largest = farthest(motion, 0, rows);
+  for (Index k = 0; k < count; ++k) {
+    const Index from = rows * k / count, to = rows * (k + 1) / count;
+    const bool holds_it = from <= largest && largest < to;
+    const Index middle = holds_it ? largest : k % 2 == 1 ? farthest(motion, from, to) : from;
+    out.push_back({index, std::clamp(middle - length / 2, from, to - length), length});
+  }
+}
+
+std::vector<Piece> pieces_of(const Study& study) {
+  Index all = 0;
+  for (const FitData& data : study.train) all += data.record.rows();
+  if (study.imposed || all <= searched_rows * 3 / 2) return {};
+  std::vector<Piece> out;
+  for (std::size_t r = 0; r < study.train.size(); ++r) {
+    const Record& record = study.train[r].record;
+    const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 0;
+    const Index length = std::max(fewest_rows, static_cast<Index>(std::ceil(fewest_periods * period)));
+    const auto share = static_cast<double>(record.rows()) / static_cast<double>(all);
+    const auto count = std::max<Index>(1, std::lround(share * searched_rows / static_cast<double>(length)));
+    if (count * length < record.rows())
+      cut(record, r, study.output(), length, count, out);
+    else
+      out.push_back({r, 0, record.rows()});
+  }
+  return out;
+}
+
+FitData piece_of(const FitData& data, const Piece& piece) {
+  FitData out{data.record.slice(piece.first, piece.count), {}, {}, data.weight};
+  if (!data.excitation.empty()) out.excitation = data.excitation.part(piece.first, piece.count);
+  if (!data.use.empty())
+    out.use.assign(data.use.begin() + piece.first, data.use.begin() + piece.first + piece.count);
+  return out;
+}
+
+}  // namespace
+
+Study shortened(const Study& whole) {
+  const std::vector<Piece> pieces = pieces_of(whole);
+  if (pieces.empty()) return whole;
+  Study out = whole;
+  out.train.clear();
+  out.smooth.clear();
+  out.force.clear();
+  out.guesses.clear();
+  for (const Piece& piece : pieces) {
+    out.train.push_back(piece_of(whole.train[piece.record], piece));
+    out.smooth.push_back(whole.smooth[piece.record].slice(piece.first, piece.count));
+    out.force.push_back(piece_of(whole.force[piece.record], piece));
+    out.guesses.push_back(whole.guesses[piece.record]);
+  }
+  return out;
+}
+
+}  // namespace lunid

@@ -1,0 +1,96 @@
+// Long records: the search looks at pieces of them, what it finds is fitted to all rows.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover/study.hpp"
+#include "discover_catalogue.hpp"
+#include "record/random.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::channel;
+using testing::small_catalogue;
+
+constexpr double spacing = 2 * M_PI / 25;
+constexpr int rows = 40000, burst = 23300;
+
+/// A motion (mass 1, k = 1, zeta = 0.03) under a weak random force that is ten times as strong once, for some 30 periods.
+Record seldom_strong(double k3, std::uint64_t seed) {
+  truth::Physics physics;
+  physics.k3 = k3;
+  const truth::Signal random = truth::multisine(0.2, 2.2, 40, seed);
+  const auto signal = [random](double t) {
+    const double off = (t / spacing - burst) / 350;
+    return random(t) * (0.1 + 0.9 * std::exp(-off * off));
+  };
+  const truth::Motion motion = truth::integrate(physics, signal, 0.1, {}, rows, spacing, 8);
+  std::vector<double> y = motion.x;
+  Philox noise(seed, 7);
+  for (double& value : y) value += 2e-3 * noise.normal();
+  return derive_motion(
+      Record("long", 10, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
+}
+
+TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
+  const Record record = seldom_strong(0, 1);
+  const Model model = baseline("k*y + c*v", 1);
+  const DiscoverOptions options;
+  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);
+  const Record& all = whole.train.front().record;
+  ASSERT_GT(part.train.size(), 6u);
+  Eigen::Index sum = 0;
+  double largest = 0, peak = 0;
+  for (const double y : all["y"]) peak = std::max(peak, std::abs(y));
+  for (std::size_t i = 0; i < part.train.size(); ++i) {
+    const Record& piece = part.train[i].record;
+    sum += piece.rows();
+    const auto first = static_cast<std::size_t>(std::lround((piece.start() - all.start()) / all.dt()));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(piece.rows()); k += 97) {
+      EXPECT_EQ(piece["y"][k], all["y"][first + k]);
+      EXPECT_EQ(part.smooth[i]["v"][k], whole.smooth.front()["v"][first + k]);
+      const double t = piece.dt() * static_cast<double>(k);
+      EXPECT_NEAR(part.train[i].excitation[0].at(piece.start() + t), all["F"][first + k], 1e-9);
+    }
+    for (const double y : piece["y"]) largest = std::max(largest, std::abs(y));
+    if (i == 0) continue;
+    const Record& before = part.train[i - 1].record;
+    EXPECT_GE(piece.start(), before.start() + before.duration());
+  }
+  EXPECT_LE(sum, 20000);
+  EXPECT_EQ(largest, peak);
+  EXPECT_LT(part.train.front().record.start(), all.start() + 0.2 * all.duration());
+  EXPECT_GT(part.train.back().record.start(), all.start() + 0.8 * all.duration());
+  EXPECT_EQ(part.full.front().rows(), rows);
+}
+
+TEST(Pieces, OfAShortRecordAreTheRecord) {
+  const Record record = seldom_strong(0, 1).slice(0, 6400);
+  const Model model = baseline("k*y + c*v", 1);
+  const DiscoverOptions options;
+  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);
+  ASSERT_EQ(part.train.size(), 1u);
+  EXPECT_EQ(part.train.front().record.rows(), whole.train.front().record.rows());
+}
+
+/// The spring shows in one part of fifty; the final parameters and gaps are of all rows.
+TEST(DiscoveryOfALongRecord, NamesWhatShowsSeldomAndIsSilentWithoutIt) {
+  const Model model = baseline("k*y + c*v", 1);
+  const auto find = [&](double k3) {
+    return discover(model, small_catalogue(*model.pool), {seldom_strong(k3, 3)}, {seldom_strong(k3, 4)});
+  };
+  EXPECT_EQ(find(0).verdict, "nothing-missing");
+  const Discovery d = find(0.1);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  const Parameter& k3 = d.effects[0].parameters.front();
+  EXPECT_NEAR(k3.value, 0.1, 4 * k3.std);
+  EXPECT_LT(k3.std, 0.01);
+  EXPECT_EQ(d.comparisons.front().measured.size(), rows);
+  EXPECT_LT(d.final_test.value, 1.2 * d.final_test.floor);
+}
+
+}  // namespace
+}  // namespace lunid
