@@ -205,6 +205,12 @@ spec.case("lunid.scoreboard: terms against the truth, and a model that runs away
   spec.equal(board:result("truth").terms["y^3"].truth, 1e6)
   spec.equal(board:result("wrong").terms["v"].value, 0)  -- a true term that the model has not
   if not board:result("wrong").free_run.stopped_at then error "a run without a bound should have stopped" end
+  local surface = lunid.rfs { record = train, mass = 1, order = { 2, 2 }, interpolate = lunid.grid {} }
+  local bars = lunid.scoreboard { models = { { "a surface", lunid.model { mass = 1, restoring = surface.restoring } }, { "a model", system } },
+    record = train, test = test }:figures()
+  bars[1].figure:export(spec.folder .. "/terms.csv")
+  local drawn = spec.shell "cat terms.csv"
+  assert(bars[1].name == "terms" and drawn:find "a model" and not drawn:find "a surface", drawn)
   spec.equal(spec.message_of(function() lunid.scoreboard { models = { { "a", 3 } }, record = train, test = test } end),
     "scoreboard: models: entry 1: expected { name, model }, got { the string 'a', 3 }")
 end)
