@@ -65,8 +65,7 @@ std::vector<Piece> pieces_of(const Study& study) {
 FitData piece_of(const FitData& data, const Piece& piece) {
   FitData out{data.record.slice(piece.first, piece.count), {}, {}, data.weight};
   if (!data.excitation.empty()) out.excitation = data.excitation.part(piece.first, piece.count);
-  if (!data.use.empty())
-    out.use.assign(data.use.begin() + piece.first, data.use.begin() + piece.first + piece.count);
+  if (!data.use.empty()) out.use.assign(data.use.begin() + piece.first, data.use.begin() + piece.first + piece.count);
   return out;
 }
 

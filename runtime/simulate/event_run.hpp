@@ -42,8 +42,11 @@ class EventRun {
   void step_sensitivities(Segment& segment, double from, double to) noexcept;
   double probe(Segment& segment, double from, double to, int event) noexcept;
   int first_event(Segment& segment, double from, double& to) noexcept;
+  int due() const noexcept;
   int estimate_first(double width) const noexcept;
   int find_dip(Segment& segment, double from, double& to) noexcept;
+  bool fell_here(const Segment& segment, int event) const noexcept;
+  double estimate_zero(double h, int event) const noexcept;
   double locate(Segment& segment, double from, double to, int event) noexcept;
   double inside(Segment& segment, double from, double to, int event) noexcept;
   void accept(Segment& segment, double from, double to);
@@ -58,6 +61,8 @@ class EventRun {
   Saltation saltation_;
   std::vector<double> x_, trial_, stage_, k_;
   Observation now_, then_;
+  Observation above_;       ///< at the last place where the event that was located was above zero
+  bool closed_in_ = false;  ///< that place is within the tolerance before the one found
   std::vector<double> ks_, s_stage_;
   FixedOutcome outcome_;
 };

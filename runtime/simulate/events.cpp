@@ -13,6 +13,7 @@ using Eigen::Index;
 
 /// A place in the substep is known to this part of it.
 constexpr double location_tolerance = 1e-12;
+constexpr double bracket_width = 4 * location_tolerance;
 constexpr int location_iterations = 100;
 constexpr int newton_iterations = 10;
 /// Beyond this many events the rest of a substep is taken in one mode: the motion chatters faster than steps resolve.
@@ -33,7 +34,8 @@ EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
       stage_(n_),
       k_(dp::stages * n_),
       now_(modes_.observation()),
-      then_(modes_.observation()) {
+      then_(modes_.observation()),
+      above_(modes_.observation()) {
   if (sensitivities_) {
     s_stage_ = sensitivities_->s;
     ks_.resize(dp::stages * s_stage_.size());
@@ -84,8 +86,13 @@ bool EventRun::advance(Segment& segment) {
   int idle = 0, met = 0;  // events in a row at one place, and all of this substep
   while (at < 1) {
     double to = 1;
-    const int event = first_event(segment, at, to);
-    if (!all_finite(trial_.data(), n_)) return failed(segment, at, Stop::exploded);
+    int event = due();
+    if (event >= 0) {
+      to = at;
+    } else {
+      event = first_event(segment, at, to);
+      if (!all_finite(trial_.data(), n_)) return failed(segment, at, Stop::exploded);
+    }
     const bool circling = event >= 0 && (idle > 4 * modes_.events() || met > events_per_substep);
     if (event < 0 || circling) {
       if (circling) probe(segment, at, to = 1, event);
@@ -160,6 +167,14 @@ double EventRun::probe(Segment& segment, double from, double to, int event) noex
   return then_.event[event];
 }
 
+/// An event function that is below zero already and does not rise: several may fall at one place (the elements of a
+/// joint that all let go where the motion turns), and the first that is decided leaves the others so. -1: none.
+int EventRun::due() const noexcept {
+  for (int e = 0; e < modes_.events(); ++e)
+    if (now_.event[e] < 0 && !(now_.slope[e] > 0)) return e;
+  return -1;
+}
+
 /// Among the event functions that are below zero at the end of a step, the one that a straight line takes there first.
 int EventRun::estimate_first(double width) const noexcept {
   int first = -1;
@@ -187,10 +202,10 @@ int EventRun::first_event(Segment& segment, double from, double& to) noexcept {
   for (int guard = 0; guard <= modes_.events(); ++guard) {
     to = locate(segment, from, to, event);
     if (!(to > from)) return event;
-    // another function may be below zero at the place found: then it was there earlier
+    // another function may be below zero at the place found: then it was there earlier, or fell at the same place
     int earlier = -1;
     for (int e = 0; e < modes_.events(); ++e)
-      if (e != event && then_.event[e] < 0 && now_.event[e] > 0) earlier = e;
+      if (e != event && then_.event[e] < 0 && now_.event[e] > 0 && !fell_here(segment, e)) earlier = e;
     if (earlier < 0) return event;
     event = earlier;
   }
@@ -228,29 +243,80 @@ double EventRun::inside(Segment& segment, double from, double to, int event) noe
   return from;
 }
 
-/// The first place, within (from, to], at which the event function is below zero, by Newton's method within a bracket
-/// (by halving where it has no slope or leaves the bracket). The trial is left there.
+/// At the place that locate() found: within its tolerance before it the event function was still above zero.
+bool EventRun::fell_here(const Segment& segment, int event) const noexcept {
+  const double since = then_.event[event] / (then_.slope[event] * segment.h);
+  if (since >= 0 && since <= bracket_width) return true;
+  return closed_in_ && above_.event[event] > 0;
+}
+
+/// The zero of the cubic through the values and slopes of an event function at both ends of a step, as a part of it;
+/// that of the straight line where there are no slopes. Above zero at 0, not at 1.
+double EventRun::estimate_zero(double h, int event) const noexcept {
+  const double e0 = now_.event[event], e1 = then_.event[event];
+  const double d0 = now_.slope[event] * h, d1 = then_.slope[event] * h;
+  const double line = e0 / (e0 - e1);
+  if (!std::isfinite(d0) || !std::isfinite(d1)) return line;
+  const double a = 2 * (e0 - e1) + d0 + d1, b = 3 * (e1 - e0) - 2 * d0 - d1;
+  double low = 0, high = 1, s = line;
+  for (int i = 0; i < 20; ++i) {
+    const double value = e0 + s * (d0 + s * (b + s * a));
+    (value > 0 ? low : high) = s;
+    double next = s - value / (d0 + s * (2 * b + s * 3 * a));
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - s) < location_tolerance) return next;
+    s = next;
+  }
+  return s;
+}
+
+/// The first place, within (from, to], at which the event function is below zero: by Newton's method within a bracket,
+/// by false position (Dowell & Jarratt 1971, BIT 11, 168: "Illinois") where it has no slope, by halving where those
+/// are slow. The trial is left there.
 double EventRun::locate(Segment& segment, double from, double to, int event) noexcept {
-  double low = from, high = to;
-  if (!(now_.event[event] > 0)) {
+  double low = from, high = to, above = now_.event[event];
+  closed_in_ = false;
+  if (!(above > 0)) {
     if (!(now_.slope[event] > 0)) return from;
     low = inside(segment, from, to, event);
     if (!(low > from)) {
       probe(segment, from, to, event);
       return to;
     }
+    above = then_.event[event];
+    probe(segment, from, to, event);
   }
-  double at = high, value = then_.event[event];
-  for (int i = 0; i < location_iterations && high - low > 4 * location_tolerance; ++i) {
-    // a little beyond the zero of the tangent, so that the other end of the bracket closes in as well
-    const double beyond = value > 0 ? location_tolerance : -location_tolerance;
-    double next = at - value / (then_.slope[event] * segment.h) + beyond;
-    if (!(next > low && next < high) || i > newton_iterations) next = 0.5 * (low + high);
+  double at = high, value = then_.event[event], below = value;
+  for (int i = 0; i < location_iterations && high - low > bracket_width; ++i) {
+    // a little beyond the zero: that is where the place is wanted, and it closes the bracket from there
+    double next = 0.5 * (low + high);
+    const double slope = then_.slope[event] * segment.h;
+    if (i == 0 && low == from)
+      next = from + (to - from) * estimate_zero((to - from) * segment.h, event) + location_tolerance;
+    else if (i <= newton_iterations && std::isfinite(slope))
+      next = at - value / slope + location_tolerance;
+    else if (i <= newton_iterations)
+      next = low + (high - low) * above / (above - below) + (value > 0 ? location_tolerance : -location_tolerance);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const bool was_above = value > 0;
     at = next;
     value = probe(segment, from, at, event);
-    (value > 0 ? low : high) = at;
+    if (value > 0) {
+      low = at;
+      above = value;
+      if (was_above) below *= 0.5;
+      above_.event = then_.event;
+      closed_in_ = true;
+    } else {
+      high = at;
+      below = value;
+      if (!was_above) above *= 0.5;
+      const double since = value / (then_.slope[event] * segment.h);
+      if (since >= 0 && since <= 2 * location_tolerance) break;
+    }
   }
   if (at != high) probe(segment, from, high, event);
+  closed_in_ = closed_in_ && high - low <= bracket_width;
   return high;
 }
 

@@ -17,7 +17,8 @@ using testing::small_catalogue;
 constexpr double spacing = 2 * M_PI / 25;
 constexpr int rows = 40000, burst = 23300;
 
-/// A motion (mass 1, k = 1, zeta = 0.03) under a weak random force that is ten times as strong once, for some 30 periods.
+/// A motion (mass 1, k = 1, zeta = 0.03) under a weak random force that is ten times as strong once, for some 30
+/// periods.
 Record seldom_strong(double k3, std::uint64_t seed) {
   truth::Physics physics;
   physics.k3 = k3;
@@ -30,8 +31,7 @@ Record seldom_strong(double k3, std::uint64_t seed) {
   std::vector<double> y = motion.x;
   Philox noise(seed, 7);
   for (double& value : y) value += 2e-3 * noise.normal();
-  return derive_motion(
-      Record("long", 10, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
+  return derive_motion(Record("long", 10, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
 }
 
 TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
