@@ -80,7 +80,9 @@ local function add_terms(list, board)
         peak_force(board.record) / 100, { name = "peak force over the peak excitation", unit = "%" }) }
   end
   local lists = board.truth and { { name = "truth", terms = board.truth, role = "measured" } } or {}
-  for i, row in ipairs(board.rows) do lists[#lists + 1] = { name = row.name, terms = row.terms, role = role_of(i, #board.rows) } end
+  for i, row in ipairs(board.rows) do  -- a surface has no terms
+    if row.terms and #row.terms > 0 then lists[#lists + 1] = { name = row.name, terms = row.terms, role = role_of(i, #board.rows) } end
+  end
   list[#list + 1] = { name = "terms", caption = "Force features compared: peak of each term along the training records",
     figure = term_bars(lists, board.record, 1, { name = "peak force", unit = "N" }) }
 end

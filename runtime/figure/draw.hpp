@@ -18,7 +18,7 @@ Look look_for(const Figure& figure);
 /// Plans a valid figure. Throws std::invalid_argument when its size leaves no room for the data.
 FigurePlan plan_figure(TextMeter& meter, const Look& look, const Figure& figure);
 
-/// Draws a planned figure.
+/// Draws a planned figure, on paper that has the look's background already.
 void draw_figure(Canvas& canvas, TextMeter& meter, const Look& look, const FigurePlan& plan);
 
 /// One planned panel: data, frame, ticks, titles, legend.

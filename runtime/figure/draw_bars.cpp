@@ -68,6 +68,11 @@ class BarPainter {
     const bool within = leaves && std::abs(bar.short_of - bar.root) > width;
     if (within) side = -side;
     const double end = within ? bar.short_of : bar.beyond;
+    // On paper of its own: a line across the panel would cross it out.
+    const double near = end - 0.5 * side * look_.gap, far = end - side * (width - 0.5 * look_.gap);
+    if (!within)
+      canvas_.rectangle({std::min(near, far), y - 0.5 * size, std::max(near, far), y + 0.5 * size},
+                        look_.palette.background);
     canvas_.text(
         {end - side * look_.gap, y}, text,
         {.size = size, .colour = within ? Colour{255, 255, 255} : look_.palette.ink, .across = side, .upward = 0});

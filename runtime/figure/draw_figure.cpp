@@ -3,7 +3,6 @@
 namespace lunid::figure {
 
 void draw_figure(Canvas& canvas, TextMeter& meter, const Look& look, const FigurePlan& plan) {
-  canvas.rectangle({0.0, 0.0, plan.extent.x, plan.extent.y}, look.palette.background);
   double y = plan.extent.y - look.margin;
   for (const std::string& line : plan.heading) {
     canvas.text({look.margin, y}, line,

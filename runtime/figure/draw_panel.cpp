@@ -25,9 +25,11 @@ class PanelPainter {
     for (const Series& s : panel_.series) points(s);
     for (const Ribbon& ribbon : panel_.ribbons) fill(ribbon);
     if (plan_.colour_bar && !panel_.map) draw_panel_colour_bar(canvas_, meter_, look_, plan_);
-    if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const ReferenceLine& line : panel_.lines) rule(line);
+    if (panel_.bars) draw_bars(canvas_, meter_, look_, plan_);
     for (const Series& s : panel_.series) curve(s);
+    const Point middle{0.5 * (plan_.plot.left + plan_.plot.right), 0.5 * (plan_.plot.bottom + plan_.plot.top)};
+    canvas_.text(middle, nothing_to_show(panel_), text(look_.legend_text, 0, 0));
     frame();
     ticks();
     titles();
@@ -197,8 +199,14 @@ class PanelPainter {
     const double middle = centred(plot.bottom, plot.top, half, plan_.cell.bottom, plan_.cell.top);
     TextStyle style = text(y_size, -1, 0);
     style.vertical = true;
-    if (!plan_.y.bare) canvas_.text({plan_.cell.left, middle}, plan_.y.title, style);
+    if (!plan_.y.bare) canvas_.text({y_title_left(), middle}, plan_.y.title, style);
     above();
+  }
+
+  /// In line with the titles of the column, but not far from its own labels where another panel's are long.
+  double y_title_left() const {
+    const double beside = plan_.plot.left - needed_margins(meter_, look_, plan_).left;
+    return beside - plan_.cell.left < 2.0 * line_height(look_.axis_text) ? plan_.cell.left : beside;
   }
 
   /// Title, note and legend strip, from the plot's top upwards.

@@ -60,8 +60,9 @@ FigureModule::~FigureModule() {
 
 Renderer& FigureModule::renderer() {
   if (renderer_) return *renderer_;
-  renderer_.reset(reinterpret_cast<RendererFactory*>(open_module(module_file, path_))(module_version));
-  if (!renderer_) throw InputError("figures: the drawing module belongs to another version of Lunid");
+  renderer_.reset(reinterpret_cast<RendererFactory*>(open_module(module_file, path_))(LUNID_FIGURE_INTERFACE));
+  if (!renderer_)
+    throw InputError("figures: the drawing module belongs to another version of Lunid: build or install both together");
   return *renderer_;
 }
 

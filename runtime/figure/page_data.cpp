@@ -83,7 +83,8 @@ class PanelPage {
   PanelPage(const Panel& panel, Theme theme) : panel_(panel), theme_(theme) {}
 
   json make() {
-    out_ = {{"title", typeset(panel_.title)}, {"note", typeset(panel_.note)}, {"span", panel_.column_span}};
+    const std::string note = panel_.note.empty() ? nothing_to_show(panel_) : panel_.note;
+    out_ = {{"title", typeset(panel_.title)}, {"note", typeset(note)}, {"span", panel_.column_span}};
     if (panel_.scene) {
       add_scene(*panel_.scene);
       return out_;

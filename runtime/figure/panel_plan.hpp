@@ -56,6 +56,9 @@ Range y_range(const Panel& panel, const Range& x);
 /// Of the panel's colour axis, which there must be.
 Range colour_range(const Panel& panel);
 
+/// What stands in a panel whose curves have no point that its axes can show; "" where there is one.
+std::string nothing_to_show(const Panel& panel);
+
 /// What the colours of a panel stand for: its map's values, or those of its curves; null where it has no colours.
 const Axis* colour_axis(const Panel& panel);
 bool diverging_colours(const Panel& panel);

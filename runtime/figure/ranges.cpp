@@ -7,13 +7,17 @@
 namespace lunid::figure {
 namespace {
 
+bool shows(const Axis& axis, double value) {
+  return std::isfinite(value) && (axis.scale == Scale::linear || value > 0.0);
+}
+
 /// Smallest range over finite values that the axis can show.
 class Span {
  public:
   explicit Span(const Axis& axis) : axis_(axis) {}
 
   void take(double value) {
-    if (!std::isfinite(value) || (axis_.scale == Scale::log && value <= 0.0)) return;
+    if (!shows(axis_, value)) return;
     low_ = empty_ ? value : std::min(low_, value);
     high_ = empty_ ? value : std::max(high_, value);
     empty_ = false;
@@ -176,6 +180,17 @@ Range colour_range(const Panel& panel) {
   if (!std::isfinite(axis.min)) r.low = -reach;
   if (!std::isfinite(axis.max)) r.high = reach;
   return r;
+}
+
+std::string nothing_to_show(const Panel& panel) {
+  if (panel.series.empty() || panel.map || panel.bars || !panel.ribbons.empty()) return "";
+  bool finite = false;
+  for (const Series& s : panel.series)
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (shows(panel.x, s.x[i]) && shows(panel.y, s.y[i])) return "";
+      finite = finite || (std::isfinite(s.x[i]) && std::isfinite(s.y[i]));
+    }
+  return finite ? "no values above 0" : "no data";
 }
 
 }  // namespace lunid::figure

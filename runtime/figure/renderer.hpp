@@ -1,5 +1,6 @@
 #pragma once
 // The interface between the loader and the module that links VTK. No exception and no VTK type crosses it.
+#include <cstdint>
 #include <string>
 
 #include "figure/figure.hpp"
@@ -25,11 +26,10 @@ class Renderer {
   virtual Drawing check() = 0;
 };
 
-/// Grows with every change of the structs or of Renderer, so that a stale module is refused and not run.
-inline constexpr int module_version = 2;
-
-/// The module's one function: a new renderer, or null when `version` is not the module's own.
-using RendererFactory = Renderer*(int version);
+/// The module's one function: a new renderer, or null when `interface` is not the module's own. It is the number
+/// LUNID_FIGURE_INTERFACE, which CMake takes from the text of this header and of figure.hpp, so that a module of other
+/// structs is refused and not run.
+using RendererFactory = Renderer*(std::uint64_t interface);
 inline constexpr const char* factory_name = "lunid_figure_renderer";
 
 }  // namespace lunid::figure

@@ -100,7 +100,7 @@ Point SceneView::on_paper(const Vector& p) const {
 
 namespace {
 
-/// Room for the labels and the title of a horizontal axis whose edge is seen from the side, on the right.
+/// Room for the labels of a horizontal axis whose edge is seen from the side, on the right. Its title goes below.
 double right_side(TextMeter& meter, const Look& look, const SceneView& view) {
   double room = 0.0;
   for (const auto& [axis, across] : {std::pair{&view.x, 1u}, {&view.y, 0u}}) {
@@ -109,7 +109,7 @@ double right_side(TextMeter& meter, const Look& look, const SceneView& view) {
     if (x < 0.8 * std::hypot(x, y)) continue;
     double widest = 0.0;
     for (const Tick& tick : axis->ticks) widest = std::max(widest, meter.width(tick.label, look.tick_text, false));
-    room = std::max(room, look.tick_length + 8.0 + widest + meter.width(axis->title, look.axis_text, false));
+    room = std::max(room, look.tick_length + 8.0 + widest);
   }
   return room;
 }

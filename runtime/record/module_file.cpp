@@ -39,7 +39,9 @@ void* open_module(const ModuleFile& module, const std::string& given) {
   if (!library)
     throw InputError(std::string(module.who) + ": cannot load " + module.what + ": " + std::string(dlerror()));
   void* symbol = dlsym(library, module.symbol);
-  if (!symbol) throw InputError(std::string(module.who) + ": " + path + " belongs to another version of Lunid");
+  if (!symbol)
+    throw InputError(std::string(module.who) + ": " + path +
+                     " belongs to another version of Lunid: build or install both together");
   return symbol;
 }
 

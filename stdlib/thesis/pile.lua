@@ -2,8 +2,8 @@
 -- The channel arithmetic (3.2) to (3.6), why the thesis' expressions could not be simulated, shown by checks that need no truth, and
 -- how far a model gets that is fitted to two frequencies together. `exact` of the rig serves only to judge.
 local lunid = require "lunid"
-local published, rig, driving, soil, ground = require "published", require "rig", require "driving", require "soil", require "ground"
-local y, v = lunid.displacement, lunid.velocity
+local published, rig, driving, approach = require "published", require "rig", require "driving", require "approach"
+local soil, ground = require "soil", require "ground"
 local quick, seed = lunid.option { "quick", false }, lunid.option { "seed", 1 }
 
 local report = lunid.report { title = "Pile: vibratory driving on a virtual rig" }
@@ -33,51 +33,15 @@ report:text("Rs = Fh - Rt - m*a is a small difference of large forces: a kilogra
 report:section "One frequency cannot tell mass from stiffness"
 report:table(driving.mass_and_stiffness(tests, published.pile))
 
--- ---- the thesis' approach ----
-
-report:section "The thesis' approach: polynomials of y and v per test, forces per unit of mass"
-local fits, rows = {}, {}
-for _, from in ipairs { 1, 3 } do
-  for _, part in ipairs { "shaft", "tip" } do
-    local fit = lunid.regress { record = driving.force_record(tests[from], part, mass, 2, 10), features = { lunid.polynomials({ y, v }, 3) },
-      solver = lunid.stlsq { threshold = 0.05 } }
-    fits[part .. from] = fit
-    local cells = { ("%s force, from test %d"):format(part, from), #fit.terms }
-    for _, onto in ipairs(tests) do
-      cells[#cells + 1] = lunid.compare { model = fit.model, record = driving.force_record(onto, part, mass, 2, 10), lags = 1 }.r2
-    end
-    cells[#cells + 1] = lunid.compare { model = fit.model, record = driving.force_record(tests[from], part, mass, 2, long - 0.5), lags = 1 }.r2
-    rows[#rows + 1] = cells
-  end
-end
-report:table { head = { "fit on 2-10 s", "terms", "R2 test 1", "test 2", "test 3", "test 4", "own test, 2 s to the end" }, rows = rows,
-  caption = "RX made again: least squares cut off at 5 %, checked on all tests (as in appendix N)" }
-report:table(driving.segments(tests[1], mass))
-driving.library(report)
-for _, from in ipairs { 1, 3 } do
-  for _, part in ipairs { "shaft", "tip" } do driving.show_part(report, part, from, tests, mass, fits[part .. from], quick) end
-end
-
-report:section "The published expressions and RX made again, run freely"
-local free_rows = {}
-for _, each in ipairs(driving.published_models(published, mass)) do
-  free_rows[#free_rows + 1] = driving.free_row(each[1], each[2], tests[1], tests[3])
-end
-local combined = lunid.regress { record = driving.force_record(tests[1], "combined", mass, 2, 10), features = { lunid.polynomials({ y, v }, 3) },
-  solver = lunid.stlsq { threshold = 0.05 } }
-free_rows[#free_rows + 1] = driving.free_row("RX made again, combined force of test 1", lunid.model { mass = mass,
-  restoring = combined.restoring }, tests[1], tests[3])
-report:table { head = { "expression", "linear at rest: frequency [Hz]", "damping ratio", "under test 1", "under test 3" }, rows = free_rows,
-  caption = "Table A.1 is per unit of mass. Tip Force 3 is printed with the Combined expression; the tip is Combined - Shaft. Tip Force 1 "
-    .. "needs f1 of a lost figure: taken here, as an assumption, for (y + 0.0056)*(1 + tanh(2*(y + 0.0056)))/2" }
-report:table(driving.describing_functions())
+local fits = approach.fit(report, tests, mass, quick)
+local expressions = approach.run(report, tests, mass)
 
 -- ---- two frequencies together ----
 
 report:section "Two frequencies together: discovery from the naive baseline, step by step"
 local best = ground.identify(report, tests)
 local c = lunid.parameter { "c", min = 0, unit = "N s/m" }
-local discovery = lunid.discover { model = lunid.model { mass = 0, restoring = c*v, motion = "imposed" },
+local discovery = lunid.discover { model = lunid.model { mass = 0, restoring = c*lunid.velocity, motion = "imposed" },
   train = soil.shaft_records(tests, best, 4, 4.5), test = soil.shaft_records(tests, best, 4.6, 5), max_effects = 2, out = "discovery",
   catalogue = { "elastic_slip", "coulomb_friction", "linear_stiffness", "quadratic_drag" } }
 report:verbatim(tostring(discovery))
@@ -112,6 +76,7 @@ end
 head[1] = "rivals on the sealed test"
 report:table { head = head, rows = rivals, caption = "They get the measured motion or force of the test; only Smith's elements run freely" }
 
+soil.steps(report, ground.model(best, ground.path(sealed, 2)), best.delay, sealed)
 soil.frequencies(report, best, tests[1])
 
 -- ---- other soils ----
@@ -130,6 +95,6 @@ end
 head[1] = "sealed test of soil"
 report:table { head = head, rows = soils, caption = "Each identified anew from its tests 1 to 3, run freely on its sealed test; failures are shown as they are" }
 
-report:results { case = "pile", variant = "1", runs = runs, expressions = free_rows,
+report:results { case = "pile", variant = "1", runs = runs, expressions = expressions,
   discovery = { verdict = discovery.verdict, sentence = discovery.sentence } }
 report:save()

@@ -1,6 +1,6 @@
 -- The figures of the thesis that belong to no case, each computed: 1.2, a restoring force surface of three masses with a gap; 4.1, the
--- hyperbolic tangent by Chebyshev and by Taylor; C.1, SINDy on the Lorenz equations; E.1, bias and variance over the number of terms.
--- Figure 1.1 is a diagram of words, and 3.1 a photograph.
+-- hyperbolic tangent by Chebyshev and by Taylor; E.1, bias and variance over the number of terms. Figure 1.1 is a diagram of words, and
+-- 3.1 a photograph.
 local lunid = require "lunid"
 local lines, series = lunid.figure.lines, lunid.figure.series
 local quick, seed = lunid.option { "quick", false }, lunid.option { "seed", 1 }
@@ -67,59 +67,6 @@ report:figure("chebyshev_tanh", lines { x = "x", y = "tanh(x)", series = { serie
   series { x, by_taylor, label = "Taylor, order 9", role = "baseline", style = "dotted" } } }, "A hyperbolic tangent by Chebyshev polynomials and by Taylor's series")
 report:table { head = { "series of order 9 on -3 ... 3", "largest error" }, rows = { { "Chebyshev", worst[1] }, { "Taylor", worst[2] } } }
 
--- ---- C.1 ----
-
-report:section "Figure C.1: SINDy on the Lorenz equations"
-local function rates(s) return { 10*(s[2] - s[1]), s[1]*(28 - s[3]) - s[2], s[1]*s[2] - 8/3*s[3] } end
-local function moved(s, r, h) return { s[1] + h*r[1], s[2] + h*r[2], s[3] + h*r[3] } end
-local state, h, path, change = { -8, 7, 27 }, 0.002, { {}, {}, {} }, { {}, {}, {} }
-for i = 1, quick and 4000 or 20000 do
-  local k1 = rates(state)
-  for j = 1, 3 do path[j][i], change[j][i] = state[j], k1[j] end
-  local k2 = rates(moved(state, k1, h/2))
-  local k3 = rates(moved(state, k2, h/2))
-  local k4 = rates(moved(state, k3, h))
-  for j = 1, 3 do state[j] = state[j] + h/6*(k1[j] + 2*k2[j] + 2*k3[j] + k4[j]) end
-end
---- SINDy: least squares over a library, and again without the terms of less than 2 % of the target.
-local function sindy(target, library)
-  local kept = {}
-  for k = 1, #library do kept[k] = k end
-  while true do
-    local sum, data = 0, { px = path[1], py = path[2], pz = path[3], rate = target }
-    for _, k in ipairs(kept) do sum = sum + lunid.parameter { "b" .. k, 0 }*library[k][2] end
-    local fit = lunid.fit_curve { data = data, response = lunid.channel "rate", formula = sum }
-    local left, size = {}, 0
-    for i = 1, #target do size = size + target[i]^2 end
-    for _, k in ipairs(kept) do
-      local part = 0
-      for i = 1, #target, 10 do part = part + 10*library[k][3](path[1][i], path[2][i], path[3][i])^2 end
-      if math.abs(fit.parameters["b" .. k].value)*math.sqrt(part/size) > 0.02 then left[#left + 1] = k end
-    end
-    if #left == #kept then return fit, kept end
-    kept = left
-  end
-end
-
-local x_, y_, z_ = lunid.channel "px", lunid.channel "py", lunid.channel "pz"
-local library = { { "x", x_, function(a) return a end }, { "y", y_, function(_, b) return b end }, { "z", z_, function(_, _, c) return c end },
-  { "x^2", x_^2, function(a) return a^2 end }, { "x*y", x_*y_, function(a, b) return a*b end }, { "x*z", x_*z_, function(a, _, c) return a*c end },
-  { "y^2", y_^2, function(_, b) return b^2 end }, { "y*z", y_*z_, function(_, b, c) return b*c end }, { "z^2", z_^2, function(_, _, c) return c^2 end } }
-local expected = { { x = -10, y = 10 }, { x = 28, ["x*z"] = -1, y = -1 }, { ["x*y"] = 1, z = -8/3 } }
-local rows, largest, wrong = {}, 0, 0
-for j, name in ipairs { "dx/dt", "dy/dt", "dz/dt" } do
-  local noisy = lunid.record { dt = h, channels = { { "F", change[j] } } }:with_noise { F = 0.01, seed = 10*seed + j }:column "F"
-  local fit, kept = sindy(noisy:list(), library)
-  for _, k in ipairs(kept) do
-    local value, real = fit.parameters["b" .. k].value, expected[j][library[k][1]]
-    wrong = wrong + (real and 0 or 1)
-    largest = real and math.max(largest, math.abs(value/real - 1)) or largest
-    rows[#rows + 1] = { name, library[k][1], value, real }
-  end
-end
-report:table { head = { "equation", "term", "found", "truth" }, rows = rows, caption = "Least squares among nine terms, cut off at 2 % and repeated, rates in 1 % noise" }
-report:figure("lorenz", lines { x = "x", y = "z", series = { series { path[1], path[3] } } }, "The Lorenz attractor, from which the equations were found")
-
 -- ---- E.1 ----
 
 report:section "Figure E.1: bias and variance"
@@ -156,5 +103,5 @@ report:figure("bias_variance", lines { x = "order of the polynomial", y = "mean 
   ("Bias and variance: polynomials fitted to 30 noisy points of a tanh, mean of %d draws; the best order is %d"):format(draws, best))
 
 report:results { case = "sketches", variant = "1.2", runs = {}, slopes = { inside = inside, beyond = beyond }, tanh = { chebyshev = worst[1], taylor = worst[2] },
-  lorenz = { largest_error = largest, false_terms = wrong, terms = #rows }, best_order = best, errors = errors }
+  best_order = best, errors = errors }
 report:save()

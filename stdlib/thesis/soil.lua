@@ -65,10 +65,11 @@ local function scores(predicted, velocity, true_force, true_velocity, dt, freque
 end
 
 --- Runs a model { whole, shaft, tip } freely under the head's force of a test; its shaft and tip forces with their scores, over the
---- second half.
-function soil.run_freely(model, delay, test, from, to)
+--- second half. how: solver, rtol.
+function soil.run_freely(model, delay, test, from, to, how)
   local drive = ground.part_of(test, "head", from, to, delay)
-  local run = lunid.simulate { model = model.whole, excitation = drive, from = "record" }
+  how = how or { solver = "rk45" }
+  local run = lunid.simulate { model = model.whole, excitation = drive, from = "record", solver = how.solver, rtol = how.rtol }
   local out = { name = test.name, completed = run.summary.completed, stopped_at = run.summary.stopped_at }
   if not out.completed then return out end
   local record = run:record()
@@ -89,6 +90,22 @@ function soil.run_freely(model, delay, test, from, to)
   out.true_rate = (test.gauges.exact.y[last] - test.gauges.exact.y[first])/seconds
   out.record = record
   return out
+end
+
+--- The check of the step size (section 3.2, where the thesis' runs changed with it and were smoothed afterwards): a free run by other
+--- methods and tolerances.
+function soil.steps(report, model, delay, test)
+  local rows = {}
+  for i, how in ipairs { { solver = "rk45", rtol = 1e-6 }, { solver = "rk45", rtol = 1e-8 }, { solver = "rk45", rtol = 1e-10 }, { solver = "bdf", rtol = 1e-8 },
+    { solver = "fixed" } } do
+    local free = soil.run_freely(model, delay, test, 2, 10, how)
+    rows[i] = { how.solver, how.rtol and ("%.0e"):format(how.rtol) or "steps halved until they are small enough" }
+    if free.completed then
+      table.move({ free.shaft.r2, free.shaft.work, free.tip.r2, free.tip.work, free.rate/free.true_rate }, 1, 5, 3, rows[i])
+    end
+  end
+  report:table { head = { "solver", "tolerance", "shaft R2", "its work", "tip R2", "its work", "penetration rate" }, rows = rows,
+    caption = "Does the free run depend on its steps? The sealed test, 2 to 10 s. Nothing is smoothed afterwards" }
 end
 
 local function over_time(t, measured, model, quantity)

@@ -45,9 +45,9 @@ void add(const std::string& name, const std::function<void()>& function, const s
 
 std::vector<bench::Work> works(const std::string& lunid, const std::string& wanted) {
   std::vector<bench::Work> chosen;
-  for (auto part :
-       {bench::free_run_works(), bench::sundials_works(), bench::trajectory_fit_works(), bench::regression_works(),
-        bench::ensemble_works(), bench::statistics_works(), bench::surface_works(), bench::process_works(lunid)}) {
+  for (auto part : {bench::free_run_works(), bench::sundials_works(), bench::trajectory_fit_works(),
+                    bench::regression_works(), bench::ensemble_works(), bench::statistics_works(),
+                    bench::surface_works(), bench::figure_works(lunid), bench::process_works(lunid)}) {
     for (bench::Work& work : part) {
       if (work.name.find(wanted) != std::string::npos) chosen.push_back(std::move(work));
     }

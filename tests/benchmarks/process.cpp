@@ -42,6 +42,9 @@ std::vector<Work> process_works(const std::string& lunid) {
                                        "local y, v = lunid.displacement, lunid.velocity\n"
                                        "local k = lunid.parameter { \"k\", 2e4, unit = \"N/m\" }\n"
                                        "print(lunid.model { mass = 49, restoring = k*y + 10*v })\n";
+  std::ofstream(dir + "/figure.lua")
+      << "local figure = require \"lunid\".figure\n"
+         "figure.lines { series = { figure.series { { 1, 2, 3 }, { 1, 4, 9 } } } }:save \"a.png\"\n";
   const std::string data = std::string(LUNID_TEST_DATA);
   const auto nothing = [] { spawn({"true"}); };
   return {
@@ -55,6 +58,11 @@ std::vector<Work> process_works(const std::string& lunid) {
          spawn({lunid, "run", dir + "/study.lua", "--out", dir + "/study"});
        },
        nothing, 30e-3, 15},
+      {"figure-first", 1,
+       [=] {
+         spawn({lunid, "run", dir + "/figure.lua", "--out", dir + "/figure"});
+       },
+       nothing, 1.5, 5},
       {"discovery-8s-800Hz",
        1,
        [=] {

@@ -24,7 +24,9 @@ std::vector<Work> regression_works();
 std::vector<Work> ensemble_works();
 std::vector<Work> statistics_works();
 std::vector<Work> surface_works();
-/// Whole processes: `lunid` is the executable.
+/// `lunid`: the executable, beside which the drawing module lies.
+std::vector<Work> figure_works(const std::string& lunid);
+/// Whole processes.
 std::vector<Work> process_works(const std::string& lunid);
 
 }  // namespace bench

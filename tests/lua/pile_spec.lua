@@ -42,6 +42,7 @@ local found = ground.identify(nil, tests)
 print(("delay %d, mb %.2f of %.2f, plug %.1f of %.1f"):format(found.delay, found.mb/site.gain, e.between_gauges, found.mp, site.plug*site.mass))
 local free = soil.run_freely(ground.model(found, ground.path(tests[4], 2)), found.delay, tests[4], 2, 10)
 print(("free %s, shaft %.4f %.4f, tip %.4f %.4f"):format(free.completed, free.shaft.r2, free.shaft.work, free.tip.r2, free.tip.work))
+print(("rate %.3f"):format(free.rate/free.true_rate))
 local smith = soil.run_freely(ground.smith_model(found), found.delay, tests[4], 2, 10)
 print(("smith shaft %.4f"):format(smith.completed and smith.shaft.r2 or -1))
 ]])
@@ -79,6 +80,10 @@ spec.case("a sealed test is run freely: both forces beyond 0.9, work within 10 %
   spec.near(tonumber(shaft_work), 1, 0.1)
   spec.near(tonumber(tip_work), 1, 0.1)
   assert(1 - shaft < 0.5*(1 - numbers "smith shaft (%S+)"), said)
+end)
+
+spec.case("the sealed test sinks as fast as the pile did, within 20 %: the constant of the head's force is that of the tests' penetration", function()
+  spec.near(tonumber(numbers "rate (%S+)"), 1, 0.2)
 end)
 
 spec.clean()

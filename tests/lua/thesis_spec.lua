@@ -118,13 +118,44 @@ spec.case("a mass that depends on the velocity is found", function()
   spec.near(number_after(text, "value", from), 5e-3, 2.5e-4)
 end)
 
-spec.case("figures that belong to no case: the gap, tanh by two series, the Lorenz equations, bias and variance", function()
+spec.case("the seven terms of the Lorenz equations, and no false one", function()
+  local text = results "lorenz"
+  spec.equal(number_after(text, "false_terms"), 0)
+  spec.equal(number_after(text, "terms"), 7)
+  spec.near(number_after(text, "largest_error"), 0, 0.02)
+end)
+
+spec.case("past samples in noise run freely only with past errors among them, and the equation of motion beats them", function()
+  local free = {}
+  for value, model, noise in results "history":gmatch '"free_run": ([%-%d.e]+),%s+"model": "(%u+)[^"]*",%s+"noise": ([%d.]+)' do
+    free[model .. noise] = tonumber(value)
+  end
+  for value, noise in results "history":gmatch '"free_run": ([%d.]+),%s+"model": "equation",%s+"noise": ([%d.]+)' do
+    free["equation" .. noise] = tonumber(value)
+  end
+  assert(free["NARX0"] > 99 and free["NARX0.05"] < 20, "NARX")
+  assert(free["NARMAX0.05"] > free["NARX0.05"] + 40 and free["ARMAX0.05"] > free["ARX0.05"] + 40, "past errors")
+  assert(free["equation0.05"] > 99.5, "the equation")
+end)
+
+spec.case("what a fit says of its parameters' and its prediction's uncertainty is what seeds of the noise scatter by", function()
+  local text, from, levels = results "uncertainty", 1, 0
+  while true do
+    local found, stop = number_after(text, "found", from)
+    if not found then break end
+    local said, behind = number_after(text, "said", stop)
+    -- Six seeds: their root mean square has a deviation of some 30 % of it.
+    assert(found/said > 0.4 and found/said < 1.8, text)
+    levels, from = levels + 1, behind
+  end
+  spec.equal(levels, 2)
+end)
+
+spec.case("figures that belong to no case: the gap, tanh by two series, bias and variance", function()
   local text = results "sketches"
   spec.near(number_after(text, "inside"), 2e4, 2e3)
   spec.near(number_after(text, "beyond"), 8e4, 8e3)
   assert(number_after(text, "chebyshev") < 0.01 and number_after(text, "taylor") > 100)
-  spec.equal(number_after(text, "false_terms"), 0)
-  spec.near(number_after(text, "largest_error"), 0, 0.02)
   local best = number_after(text, "best_order")
   assert(best >= 3 and best <= 7, "the best order is " .. best)
 end)
@@ -174,6 +205,12 @@ spec.case("lunid.scoreboard: terms against the truth, and a model that runs away
   spec.equal(board:result("truth").terms["y^3"].truth, 1e6)
   spec.equal(board:result("wrong").terms["v"].value, 0)  -- a true term that the model has not
   if not board:result("wrong").free_run.stopped_at then error "a run without a bound should have stopped" end
+  local surface = lunid.rfs { record = train, mass = 1, order = { 2, 2 }, interpolate = lunid.grid {} }
+  local bars = lunid.scoreboard { models = { { "a surface", lunid.model { mass = 1, restoring = surface.restoring } }, { "a model", system } },
+    record = train, test = test }:figures()
+  bars[1].figure:export(spec.folder .. "/terms.csv")
+  local drawn = spec.shell "cat terms.csv"
+  assert(bars[1].name == "terms" and drawn:find "a model" and not drawn:find "a surface", drawn)
   spec.equal(spec.message_of(function() lunid.scoreboard { models = { { "a", 3 } }, record = train, test = test } end),
     "scoreboard: models: entry 1: expected { name, model }, got { the string 'a', 3 }")
 end)

@@ -183,6 +183,15 @@ TEST_F(FigureModuleTest, wrong_extensions_are_refused_before_anything_is_loaded)
             "figures: the drawing module is not there, looked for /no/such/module.so");
 }
 
+TEST_F(FigureModuleTest, a_module_of_another_version_is_refused_and_not_run) {
+  FigureModule stale(LUNID_STALE_MODULE), other(LUNID_OTHER_MODULE);
+  EXPECT_EQ(message([&] { stale.render(forces(), folder / "a.png"); }),
+            "figures: the drawing module belongs to another version of Lunid: build or install both together");
+  EXPECT_EQ(message([&] { other.render(forces(), folder / "a.png"); }),
+            "figures: " LUNID_OTHER_MODULE " belongs to another version of Lunid: build or install both together");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.png"));
+}
+
 TEST_F(FigureModuleTest, wrong_figures_are_refused_with_their_place) {
   Figure figure = forces();
   figure.panels[1].series[0].x.pop_back();

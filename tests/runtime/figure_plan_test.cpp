@@ -292,6 +292,53 @@ TEST(FigureLayout, plots_of_a_column_and_of_a_row_are_in_line) {
   EXPECT_NEAR(plan.panels[0].plot.right, plan.panels[2].plot.right, 1e-9);
 }
 
+TEST(FigureLayout, a_title_stays_by_its_labels_where_another_panel_of_the_column_has_long_names) {
+  Figure figure = rivals();
+  figure.panels.push_back(histories().panels[1]);
+  Typewriter meter;
+  const Look look = look_for(figure);
+  const FigurePlan plan = plan_figure(meter, look, figure);
+  for (const Written& w : drawn(figure).texts) {
+    if (w.text.starts_with("displacement")) EXPECT_LT(plan.panels[1].plot.left - w.box.left, 6.0 * look.axis_text);
+  }
+  EXPECT_GT(plan.panels[1].plot.left - plan.panels[1].cell.left, 10.0 * look.axis_text);
+}
+
+TEST(FigureLayout, a_number_beyond_its_bar_stands_on_paper_of_its_own) {
+  Figure figure = rivals();
+  figure.panels[0].bars->set.resize(1);
+  const Recorder recorder = drawn(figure);
+  const auto number =
+      std::find_if(recorder.texts.begin(), recorder.texts.end(), [](const Written& w) { return w.text == "0.051"; });
+  ASSERT_NE(number, recorder.texts.end());
+  const Point middle{0.5 * (number->box.left + number->box.right), 0.5 * (number->box.bottom + number->box.top)};
+  // The line at 0.05, which the number would be crossed by, lies below.
+  EXPECT_TRUE(std::any_of(recorder.areas.begin(), recorder.areas.end(), [&](const Stroke& area) {
+    const double width = std::abs(area[2].x - area[0].x), height = std::abs(area[2].y - area[0].y);
+    const Box box{std::min(area[0].x, area[2].x), std::min(area[0].y, area[2].y), std::max(area[0].x, area[2].x),
+                  std::max(area[0].y, area[2].y)};
+    return box.holds(middle) && width >= number->box.width() && width < 2.0 * number->box.width() && height < 20.0;
+  }));
+}
+
+TEST(FigureLayout, a_panel_without_anything_to_show_says_why) {
+  const auto said = [](std::vector<double> x, std::vector<double> y, Scale scale) {
+    Figure figure;
+    figure.panels.resize(1);
+    figure.panels[0].y.scale = scale;
+    figure.panels[0].series = {{"", std::move(x), std::move(y)}};
+    std::string text;
+    for (const Written& w : drawn(figure).texts)
+      if (w.text.starts_with("no ")) text += w.text;
+    return text;
+  };
+  EXPECT_EQ(said({}, {}, Scale::linear), "no data");
+  EXPECT_EQ(said({1.0, 2.0}, {missing, missing}, Scale::linear), "no data");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 0.0}, Scale::log), "no values above 0");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 0.0}, Scale::linear), "");
+  EXPECT_EQ(said({1.0, 2.0}, {-3.0, 1.0}, Scale::log), "");
+}
+
 TEST(FigureLayout, panels_with_one_legend_show_it_once) {
   const Recorder recorder = drawn(histories());
   const auto count = [&](const std::string& text) {

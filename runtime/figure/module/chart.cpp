@@ -164,7 +164,11 @@ std::string draw_chart(Display& display, const Figure& figure, Format format) {
   const auto window = display.window(pixels(extent.x, dpi), pixels(extent.y, dpi));
   Stage stage(*window, look);
   vtkNew<FunctionItem> item;
-  item->draw = [&](Canvas& canvas) { draw_figure(canvas, meter, look, plan); };
+  item->draw = [&](Canvas& canvas) {
+    // The window has its colour already.
+    if (!raster) canvas.rectangle({0.0, 0.0, extent.x, extent.y}, look.palette.background);
+    draw_figure(canvas, meter, look, plan);
+  };
   item->scale = scale;
   item->raster = raster;
   vtkNew<vtkContextActor> actor;

@@ -49,6 +49,9 @@ vtkSmartPointer<vtkRenderWindow> new_window(void* connection) {
   auto result = vtkSmartPointer<vtkRenderWindow>::New();
   result->SetDisplayId(connection);
   result->SetOffScreenRendering(1);
+  // What is drawn is read from the render buffer: to copy it to a screen that nobody sees takes longer than to draw it.
+  if (auto* opengl = vtkOpenGLRenderWindow::SafeDownCast(result)) opengl->SetFrameBlitModeToNoBlit();
+  result->SwapBuffersOff();
   result->SetMultiSamples(4);
   result->SetDPI(72);
   return result;

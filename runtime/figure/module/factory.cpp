@@ -65,6 +65,7 @@ class VtkRenderer : public Renderer {
 }  // namespace
 }  // namespace lunid::figure
 
-extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(int version) {
-  return version == lunid::figure::module_version ? new lunid::figure::VtkRenderer : nullptr;
+extern "C" __attribute__((visibility("default"))) lunid::figure::Renderer* lunid_figure_renderer(
+    std::uint64_t interface) {
+  return interface == LUNID_FIGURE_INTERFACE ? new lunid::figure::VtkRenderer : nullptr;
 }
