@@ -45,11 +45,10 @@ void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::v
     const double left = 1 - cosine * cosine;
     const auto &a = table[static_cast<std::size_t>(i)].name, &b = table[static_cast<std::size_t>(j)].name;
     if (left < 1e-12)
-      throw InputError(
-          "discover: the data do not excite parameters '" + a + "' and '" + b +
-              "' separately: their terms are one column on this record; fix one of them, or use a record "
-              "with another frequency or amplitude",
-          {}, Fault::data);
+      throw InputError("discover: the data do not excite parameters '" + a + "' and '" + b +
+                           "' separately: their terms are one column on this record; fix one of them, or use a record "
+                           "with another frequency or amplitude",
+                       {}, Fault::data);
     if (left < 2e-3)
       warnings.push_back(
           "the terms of " + a + " and " + b +
@@ -83,8 +82,8 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
                        {}, Fault::data);
   }
   if (mass_free && !(force > 0))
-    throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number",
-                     {}, Fault::data);
+    throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number", {},
+                     Fault::data);
   for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table, warnings);
 }
 

@@ -58,7 +58,7 @@ void warn_of_bounds(const Candidate& c, Discovery& out) {
   for (std::size_t i = 0; i < table.size(); ++i)
     if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
       out.warnings.push_back("parameter " + table[i].name + " sits at its bound " +
-                              std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
+                             std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
 }
 
 void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {

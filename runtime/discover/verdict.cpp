@@ -8,11 +8,10 @@
 
 namespace lunid {
 
-std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit, const std::vector<Record>& records,
-                          bool floor) {
+std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit,
+                          const std::vector<Record>& records, bool floor) {
   std::vector<FreeRun> out;
-  for (const auto& r : records)
-    out.push_back(free_run(study, system, fit.theta, r, std::max(1, fit.substeps), floor));
+  for (const auto& r : records) out.push_back(free_run(study, system, fit.theta, r, std::max(1, fit.substeps), floor));
   return out;
 }
 
@@ -20,7 +19,8 @@ std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vec
   return runs(study, *c.system, c.fit, records, floor);
 }
 
-Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train, const Whitening& whitening) {
+Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
+                        const Whitening& whitening) {
   Left left;
   left.gap = pool_gap(train, 0);
   left.closure = test_closure(study, c, whitening);
@@ -83,7 +83,8 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
   return p_value_of_lower_error(a, b, bootstrap_block(study), study.options->seed);
 }
 
-std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before,
+                    const std::vector<FreeRun>& after) {
   const Left& left = round.left;
   const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";

@@ -202,6 +202,23 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
   return x0;
 }
 
+namespace {
+
+constexpr int finest = 8;            // times the substeps that a fit began with
+constexpr double finer_gain = 0.99;  // of the cost, at which the fit goes on with shorter steps
+
+/// Some parameters were not simulated only because the steps were too long for them (a stiff bristle): a fit stops at
+/// that wall as at a bound.
+bool lost_by_long_steps(const System& system, const FitResult& result, const std::vector<FitData>& data,
+                        const FitOptions& options, const std::vector<FitSegment>& segments, int finer) {
+  if (result.lost.size() == 0 || system.model().imposed_motion || is_multistep(options.solver)) return false;
+  Problem problem(system, data, options, finer);
+  problem.prepare(segments);
+  return std::isfinite(problem.evaluate(result.lost, segments, false).cost);
+}
+
+}  // namespace
+
 FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                          const FitOptions& options) {
   validate(options);
@@ -210,7 +227,17 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
   const FitOptions chosen = decided(system, theta, data, options, substeps);
   std::vector<FitSegment> segments = cut(system, data, options.segment);
   take_first_states(options.first_states, segments);
-  FitResult result = minimise_by(chosen, system, theta, data, std::move(segments), substeps, 0);
+  FitResult result = minimise_by(chosen, system, theta, data, segments, substeps, 0);
+  const int limit = options.shorten_steps ? std::min(finest * substeps, explicit_limit) : 0;
+  for (int finer = 2 * substeps; finer <= limit; finer *= 2) {
+    const bool ran = std::isfinite(result.cost);
+    const std::vector<FitSegment>& first = ran ? result.segments : segments;
+    if (!lost_by_long_steps(system, result, data, chosen, first, finer)) continue;
+    FitResult again = minimise_by(chosen, system, ran ? result.theta : theta, data, first, finer, 0);
+    again.runs += result.runs;
+    if (!(again.cost < finer_gain * result.cost)) break;
+    result = std::move(again);
+  }
   return options.loss == Loss::huber ? refit_robustly(system, data, chosen, std::move(result)) : result;
 }
 

@@ -48,10 +48,12 @@ struct FitSegment {
 
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
-  int max_iterations = 40;   ///< >= 1
-  double tolerance = 1e-7;   ///< relative drop of the cost at which the fit stops, > 0
-  int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
-  Whitening whitening;       ///< what is done to the residual before it is squared
+  bool shorten_steps =
+      false;  ///< where steps are too long for parameters that the fit tries: it goes on with half of them
+  int max_iterations = 40;  ///< >= 1
+  double tolerance = 1e-7;  ///< relative drop of the cost at which the fit stops, > 0
+  int substeps = 0;         ///< per sample; 0: chosen by halving the step at the start
+  Whitening whitening;      ///< what is done to the residual before it is squared
   /// Displacements, velocities and accelerations that are fitted, each weighted by its noise; empty: of each coordinate
   /// what was measured of it (measured_channel)
   std::vector<std::string> channels;
@@ -101,7 +103,8 @@ struct FitResult {
   std::vector<std::uint8_t> at_bound;  ///< parameter sits at a bound that holds it
   std::vector<std::uint8_t> unseen;    ///< parameter that the data do not excite (rank)
   bool converged = false;
-  std::string stopped;  ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
+  std::string stopped;   ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
+  Eigen::VectorXd lost;  ///< the first parameters that were tried and could not be simulated; empty: none
   int iterations = 0;
   long runs = 0;
   int substeps = 1;

@@ -148,6 +148,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
     result.cost = infinity;
     result.segments = std::move(segments);
     result.stopped = "free run: " + normal.cause;
+    result.lost = result.theta;
     result.runs = problem.runs;
     return result;
   }
@@ -188,6 +189,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
           result.stopped = "relative drop of the cost below " + std::to_string(options.tolerance);
         }
       } else {
+        if (!std::isfinite(full.cost) && result.lost.size() == 0) result.lost = theta;
         lambda = lambda * 10 + 1e-9;
       }
     }

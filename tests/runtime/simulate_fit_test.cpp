@@ -98,6 +98,33 @@ TEST(FitTrajectory, OfDisplacementAndVelocityIsSharperThanOfEither) {
     EXPECT_LT(fits[2].covariance(i, i), 1.1 * std::min(fits[0].covariance(i, i), fits[1].covariance(i, i))) << i;
 }
 
+// A bristle as stiff as the truth's is beyond what one step to a sample can follow: such runs explode, and a fit stops
+// at that wall as at a bound.
+TEST(FitTrajectory, GoesOnWithShorterStepsWhereLongOnesExplode) {
+  const auto bristle = truth<3>({0.001, 0, 0}, [](double t, const std::array<double, 3>& x) {
+    return std::array<double, 3>{x[1], push(t) - 2000 * x[0] - 4 * x[1] - 3e4 * x[2],
+                                 x[1] - 3e4 * std::abs(x[1]) * x[2] / 10};
+  });
+  const System system(model_of("1", "k*y + c*v + s0*z", {{"z", "v - s0*abs(v)*z/Fc"}}));
+  const Record record = record_of(bristle, {"y", "v", ""}, {1e-5, 2e-3, 0}, 1);
+  const std::vector<FitData> data{data_of(system, record)};
+  Eigen::VectorXd start(system.parameters()), expected(system.parameters());
+  for (int i = 0; i < system.parameters(); ++i) {
+    const std::string& name = system.model().parameters[static_cast<std::size_t>(i)].name;
+    expected[i] = name == "k" ? 2000 : name == "c" ? 4 : name == "s0" ? 3e4 : 10;
+    start[i] = name == "s0" ? 5e3 : 0.95 * expected[i];
+  }
+  FitOptions options;
+  options.substeps = 1;
+  EXPECT_GT(fit_trajectory(system, start, data, options).cost, 3 * rows * 1e-10);
+  options.shorten_steps = true;
+  const FitResult fit = fit_trajectory(system, start, data, options);
+  EXPECT_LT(fit.cost, 1.1 * 2 * rows * 1e-10);
+  EXPECT_GT(fit.substeps, 1);
+  for (int i = 0; i < system.parameters(); ++i)
+    EXPECT_NEAR(fit.theta[i], expected[i], 5 * std::sqrt(fit.covariance(i, i))) << i;
+}
+
 TEST(FitTrajectory, OfTwoRecordsSharesWhatIsNotSeparate) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
   const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 1)),
