@@ -167,10 +167,11 @@ double EventRun::probe(Segment& segment, double from, double to, int event) noex
   return then_.event[event];
 }
 
-/// An event function that is below zero already and does not rise: several may fall at one place (the elements of a
-/// joint that all let go where the motion turns), and the first that is decided leaves the others so. -1: none.
+/// A bound whose function is below zero already and does not rise: several may fall at one place (the elements of a
+/// joint that all let go where the motion turns), and the first that is decided leaves the others so. -1: none. A
+/// surface is left to the step: what pushes towards it is known only beyond it.
 int EventRun::due() const noexcept {
-  for (int e = 0; e < modes_.events(); ++e)
+  for (int e = static_cast<int>(d_.surfaces.size()); e < modes_.events(); ++e)
     if (now_.event[e] < 0 && !(now_.slope[e] > 0)) return e;
   return -1;
 }

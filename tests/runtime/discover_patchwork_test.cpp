@@ -1,0 +1,62 @@
+// Several names that follow a force of another shape over the training motion, as a series follows a curve.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover_catalogue.hpp"
+#include "record/random.hpp"
+#include "statistics/moments.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::channel;
+using testing::small_catalogue;
+
+constexpr double spacing = 2 * M_PI / 25;
+
+/// A motion (mass 1, k = 1, zeta = 0.03) under a random force, with 10 % noise in y.
+Record moved(const truth::Physics& physics, double level, std::uint64_t seed) {
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), level, {}, 4000, spacing, 16);
+  std::vector<double> y = motion.x;
+  Philox random(seed, 7);
+  const double noise = 0.1 * moments::standard_deviation(y);
+  for (double& value : y) value += noise * random.normal();
+  return derive_motion(Record("record " + std::to_string(seed), 0, spacing,
+                              {channel("F", "N", motion.force), channel("y", "m", y)}));
+}
+
+/// Trained on small motions, tested on motions `beyond` times as large.
+Discovery find(const truth::Physics& physics, double beyond) {
+  const Model model = baseline("k*y + c*v", 1);
+  return discover(model, small_catalogue(*model.pool), {moved(physics, 0.03, 3)}, {moved(physics, beyond * 0.03, 4)});
+}
+
+bool is_taken_back(const Discovery& d) {
+  for (const std::string& w : d.warnings)
+    if (w.find("by several forces, but not the test record: the name is withdrawn") != std::string::npos) return true;
+  return false;
+}
+
+TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {
+  truth::Physics physics;
+  physics.other = [](double x, double) { return 0.5 * (std::exp(x) - 1 - x); };
+  const Discovery d = find(physics, 1.3);
+  EXPECT_TRUE(is_taken_back(d)) << d.sentence;
+  EXPECT_TRUE(d.effects.empty());
+  EXPECT_EQ(d.verdict, "unknown-effect");
+}
+
+TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
+  truth::Physics physics;
+  physics.k2 = 0.6;
+  physics.k3 = 0.6;
+  const Discovery d = find(physics, 2);
+  EXPECT_FALSE(is_taken_back(d));
+  EXPECT_EQ(d.effects.size(), 2u) << d.sentence;
+}
+
+}  // namespace
+}  // namespace lunid
