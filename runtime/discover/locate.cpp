@@ -12,10 +12,6 @@ namespace {
 
 constexpr int cells = 24;
 
-Eigen::VectorXd force_of(const Candidate& c, const Eigen::VectorXd& theta, const Record& record) {
-  return imposed_force(*c.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
-}
-
 Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
   const auto x = record[name];
   return {x.data(), static_cast<Eigen::Index>(x.size())};
@@ -36,7 +32,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
     if (std::isfinite(run[i])) shown.values[i] = run[i];
   const Record moved = with_motion(study, record.with(shown));
   const Record smooth = smooth_motion(study, moved, smoothing_kernel(study, record));
-  return column(smooth, "F") - force_of(reference, reference.fit.theta, smooth);
+  return open_force(reference, reference.fit.theta, smooth);
 }
 
 }  // namespace
@@ -44,7 +40,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
                                std::size_t index) {
   const Record& smooth = study.smooth[index];
-  const Eigen::VectorXd residual = column(smooth, "F") - force_of(candidate, candidate.fit.theta, smooth);
+  const Eigen::VectorXd residual = open_force(candidate, candidate.fit.theta, smooth);
   if (study.imposed || !reference.ran()) return residual;
   const Record& record = study.train[index].record;
   return residual -
@@ -103,12 +99,12 @@ Comparison compare(const Study& study, const Candidate& before, const Candidate&
   out.y = column(smooth, "y");
   out.v = column(smooth, "v");
   const Eigen::VectorXd error = smoothing_error(study, after, record, out.final);
-  out.residual_before = column(smooth, "F") - force_of(before, before.fit.theta, smooth) - error;
-  out.residual_after = column(smooth, "F") - force_of(after, after.fit.theta, smooth) - error;
+  out.residual_before = open_force(before, before.fit.theta, smooth) - error;
+  out.residual_after = open_force(after, after.fit.theta, smooth) - error;
   Eigen::VectorXd unnamed = after.fit.theta;
   for (Eigen::Index j = before.parameters(); j < unnamed.size(); ++j)
     if (after.linear[static_cast<std::size_t>(j)]) unnamed[j] = 0;
-  out.named_force = force_of(after, after.fit.theta, smooth) - force_of(after, unnamed, smooth);
+  out.named_force = open_force(after, unnamed, smooth) - open_force(after, after.fit.theta, smooth);
   return out;
 }
 
