@@ -82,9 +82,8 @@ TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   Pool& pool = *lugre_record.model.pool;
   const Expr z = pool.state("z");
   const std::string slip = "abs(v)*z*s0/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
-  Effect effect =
-      testing::entry(pool, "lugre", "s0*z + s1*(v - " + slip + ")",
-                     {in("s0", "N/m"), in("s1", "N s/m"), in("Fc", "N"), in("Fs", "N"), in("vs", "m/s")});
+  Effect effect = testing::entry(pool, "lugre", "s0*z + s1*(v - " + slip + ")",
+                                 {in("s0", "N/m"), in("s1", "N s/m"), in("Fc", "N"), in("Fs", "N"), in("vs", "m/s")});
   effect.states.push_back({z, parse(pool, "v - " + slip), 0, {}, {}});
   effect.guess = [](const RecordScales&, int) {
     return std::vector<Guess>{{{"s0", 300}, {"Fc", 20}, {"Fs", 40}, {"vs", 0.4}}};
@@ -99,7 +98,8 @@ TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   EXPECT_EQ(found.own[4], 0.4);
 }
 
-/// A stiffness that goes up and down beside a random force leaves no line in the residual, but one in its product with y.
+/// A stiffness that goes up and down beside a random force leaves no line in the residual, but one in its product with
+/// y.
 TEST(Proposer, HearsTheFrequencyOfAModulatedStiffness) {
   const Case modulated(
       truth::laws::of_time([](double tau, double x, double) { return 0.15 * std::cos(1.7 * tau + 0.4) * x; }));
