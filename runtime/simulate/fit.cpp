@@ -326,6 +326,9 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
     if (!std::isfinite(fit.cost)) continue;
     current = fit.theta;
     stage.first_states = std::move(fit.segments);
+    // A record's internal states begin as the model says: a short run may have moved what it could not see.
+    for (FitSegment& s : stage.first_states)
+      if (s.first == 0) s.x0.conservativeResize(2 * system.degrees());
   }
   FitOptions final_stage = chosen;
   final_stage.substeps = substeps;
