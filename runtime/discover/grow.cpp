@@ -39,8 +39,8 @@ class Grower {
         catalogue_(catalogue),
         known_(known),
         progress_(progress),
-        proposer_(study),
-        plain_(study, false) {}
+        proposer_(study, baseline),
+        plain_(study, baseline, false) {}
 
   Grown run() {
     out_.tried = known_.tried;
@@ -99,13 +99,15 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    RecordScales scale = scales(study_, residual_force());
-    scale.lines = residual_lines(study_, baseline_);
+    const std::vector<Eigen::VectorXd> left = residual_forces();
+    const std::vector<double> lines = residual_lines(study_, baseline_);
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
         out_.left_aside.push_back(effect.name + " (is in the baseline already)");
         continue;
       }
+      RecordScales scale = scales(study_, residual_force(left, effect.place), effect.place);
+      scale.lines = lines;
       for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
         const Choice choice{&effect, variant};
         if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
@@ -132,15 +134,23 @@ class Grower {
     });
   }
 
-  double residual_force() const {
-    double squares = 0, rows = 0;
+  /// Of each record, along the smoothed motion.
+  std::vector<Eigen::VectorXd> residual_forces() const {
+    std::vector<Eigen::VectorXd> out;
     const Eigen::VectorXd& theta = theta_of(baseline_);
-    for (const auto& record : study_.smooth) {
-      const Eigen::VectorXd model =
-          imposed_force(*baseline_.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
-      const auto f = record["F"];
-      squares += (Eigen::Map<const Eigen::VectorXd>(f.data(), model.size()) - model).squaredNorm();
-      rows += static_cast<double>(model.size());
+    for (const auto& record : study_.smooth)
+      out.push_back(
+          acting_forces(study_.model, record) -
+          imposed_force(*baseline_.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record));
+    return out;
+  }
+
+  double residual_force(const std::vector<Eigen::VectorXd>& left, const std::optional<Place>& place) const {
+    double squares = 0, rows = 0;
+    for (std::size_t r = 0; r < left.size(); ++r) {
+      const Eigen::VectorXd own = force_at(left[r], study_.smooth[r].rows(), place);
+      squares += own.squaredNorm();
+      rows += static_cast<double>(own.size());
     }
     return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
   }
@@ -238,7 +248,7 @@ class Grower {
   void leave_aside(const std::vector<Offer>& offers) {
     for (const auto& o : offers) {
       if (o.standing.shape->columns.empty()) continue;  // not looked at
-      const std::string& name = o.standing.shape->choice.effect->name;
+      const std::string name = o.standing.shape->choice.effect->label();
       const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
         return x.standing.shown && x.standing.shape->choice.effect == o.standing.shape->choice.effect;
       });

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/places.hpp"
 #include "record/spectrum.hpp"
 #include "simulate/measures.hpp"
 
@@ -83,6 +84,8 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     });
     if (lacks != effect.channels.end())
       left.push_back(effect.name + " (no channel " + *lacks + ")");
+    else if (study.degrees() > 1 && !is_physics(effect))
+      left.push_back(effect.name + " (faults of channels are looked at with one coordinate)");
     else if (!study.imposed && changes_unmeasured(study, effect))
       left.push_back(effect.name + " (of y, where " + study.measured + " was measured)");
     else if (study.imposed && !shows_in_force(effect))
@@ -90,14 +93,14 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     else
       out.push_back(effect);
   }
-  return out;
+  return at_places(study.model, out);
 }
 
 void add_variant(Model& model, const Effect& effect, int variant) {
   const EffectVariant& form = effect.variants[static_cast<std::size_t>(variant)];
   Pool& pool = *model.pool;
   std::vector<Expr> parts{form.force};
-  if (form.force.valid()) model.restoring = model.restoring + form.force;
+  if (form.force.valid()) add_force(model, effect.place, form.force);
   std::vector<std::pair<Expr, Expr>> shown;  // a channel by what the model shows of it already
   for (const auto& [channel, map] : form.measures) {
     parts.push_back(map);
@@ -215,7 +218,8 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
   if (!candidate.ran()) return {};
   const auto longest = std::max_element(candidate.fit.residual.begin(), candidate.fit.residual.end(),
                                         [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  const double dt = study.train[static_cast<std::size_t>(longest - candidate.fit.residual.begin())].record.dt();
+  const double dt =
+      study.train[static_cast<std::size_t>(longest - candidate.fit.residual.begin()) % study.train.size()].record.dt();
   Eigen::VectorXd x = longest->array() - longest->mean();
   for (Eigen::Index i = 0; i < x.size(); ++i)
     x[i] *= 1 - std::cos(2 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(x.size()));
@@ -334,6 +338,7 @@ double lag_share(const Study& study, const Candidate& baseline, std::size_t inde
 }  // namespace
 
 std::string sensor_hint(const Study& study, const Candidate& baseline) {
+  if (study.degrees() > 1) return "";
   constexpr double much = 0.5, few_rows = 0.005;
   std::string text;
   double flat = 0, trend = 0, lag = 0;

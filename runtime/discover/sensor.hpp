@@ -13,8 +13,8 @@ bool is_physics(const Effect& effect);
 /// How many of the chosen effects are physics.
 int physics_in(const Choices& choices);
 
-/// The entries whose channels all records hold, and that motion of this kind can show. `left` gets the rest, with the
-/// reason.
+/// The entries whose channels all records hold, and that motion of this kind can show, at each place of the model
+/// (places.hpp). `left` gets the rest, with the reason.
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left);
 
 /// Adds a variant of an entry to a model: its force, or what it makes of a channel after what the model makes of it

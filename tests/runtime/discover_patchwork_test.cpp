@@ -24,8 +24,8 @@ Record moved(const truth::Physics& physics, double level, std::uint64_t seed) {
   Philox random(seed, 7);
   const double noise = 0.1 * moments::standard_deviation(y);
   for (double& value : y) value += noise * random.normal();
-  return derive_motion(Record("record " + std::to_string(seed), 0, spacing,
-                              {channel("F", "N", motion.force), channel("y", "m", y)}));
+  return derive_motion(
+      Record("record " + std::to_string(seed), 0, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
 }
 
 /// Trained on small motions, tested on motions `beyond` times as large.
