@@ -33,7 +33,7 @@ class Spine {
     whole_ = prepare(model_, train, test, options_);
     study_ = shortened(whole_);
     out_.warnings = study_.warnings;
-    for (const auto& data : study_.train)
+    for (const auto& data : whole_.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
     out_.baseline_before = model_.parameters;
     std::vector<std::string> left;
@@ -100,7 +100,7 @@ class Spine {
 
   /// What was found on pieces of long records is fitted to all their rows. The names stay.
   void fit_all_rows(Round& round) {
-    if (study_.train.size() == whole_.train.size()) return;
+    if (!study_.in_pieces) return;
     progress("fit all rows", 0.92);
     study_ = whole_;
     SearchResult& found = round.found;

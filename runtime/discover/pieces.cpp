@@ -75,6 +75,7 @@ Study shortened(const Study& whole) {
   const std::vector<Piece> pieces = pieces_of(whole);
   if (pieces.empty()) return whole;
   Study out = whole;
+  out.in_pieces = true;
   out.train.clear();
   out.smooth.clear();
   out.force.clear();

@@ -19,6 +19,7 @@ struct Study {
   std::vector<Record> test;
   std::vector<Record> smooth;  ///< training records with y v a F through one Savitzky-Golay kernel
   std::vector<FitData> force;  ///< the same for fits of the force; edges of the kernel left out
+  bool in_pieces = false;      ///< train, smooth and force are pieces of longer records (shortened)
   std::vector<std::string> warnings;
   double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone

@@ -87,13 +87,13 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
   return p_value_of_lower_error(a, b, bootstrap_block(study), study.options->seed);
 }
 
-std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before,
+std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after) {
   const Left& left = round.left;
   const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";
   if (!std::isfinite(first.value)) return "";
-  if (!(last.value < (1 - 0.5 * study.options->minimum_gain) * first.value && test_p_value < 0.2))
+  if (!(last.value < (1 - 0.5 * study.options->minimum_gain) * first.value && p_value < 0.2))
     return "did not lower the gap on the test record";
   // Far above the floor with a good part of the motion still open: the names patch something else.
   const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);

@@ -51,7 +51,7 @@ void withdraw(Round& round, const std::string& remark);
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
 
 /// Why the test records take the names back; empty when they do not.
-std::string refuted(const Study& study, const Round& round, double test_p_value, const std::vector<FreeRun>& before,
+std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after);
 
 }  // namespace lunid

@@ -48,12 +48,12 @@ struct FitSegment {
 
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)
-  bool shorten_steps =
-      false;  ///< where steps are too long for parameters that the fit tries: it goes on with half of them
-  int max_iterations = 40;  ///< >= 1
-  double tolerance = 1e-7;  ///< relative drop of the cost at which the fit stops, > 0
-  int substeps = 0;         ///< per sample; 0: chosen by halving the step at the start
-  Whitening whitening;      ///< what is done to the residual before it is squared
+  int max_iterations = 40;   ///< >= 1
+  double tolerance = 1e-7;   ///< relative drop of the cost at which the fit stops, > 0
+  int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
+  /// Where steps are too long for parameters that the fit tries, it goes on with half of them (fixed path)
+  bool shorten_steps = false;
+  Whitening whitening;  ///< what is done to the residual before it is squared
   /// Displacements, velocities and accelerations that are fitted, each weighted by its noise; empty: of each coordinate
   /// what was measured of it (measured_channel)
   std::vector<std::string> channels;

@@ -1,9 +1,12 @@
 #pragma once
 // A small catalogue in C++ and records of the independent generator, for tests of the discover room alone.
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "discover/discover.hpp"
+#include "record/random.hpp"
 #include "truth/truth.hpp"
 
 namespace lunid::testing {
@@ -47,6 +50,24 @@ inline Record record_of(const truth::Columns& columns, const std::string& name) 
   return Record(name, columns.t.front(),
                 (columns.t.back() - columns.t.front()) / static_cast<double>(columns.t.size() - 1),
                 {channel("F", "N", columns.F), channel("y", "m", columns.y)});
+}
+
+/// 25 rows to a natural period of a truth of mass 1 and k = 1.
+constexpr double spacing = 2 * M_PI / 25;
+
+/// A record of the force of a motion and of y, v or a, with white noise of this deviation.
+inline Record noisy_record(const truth::Motion& motion, const std::string& measured, std::vector<double> values,
+                           double noise, std::uint64_t seed, double start = 0) {
+  Philox random(seed, 7);
+  for (double& x : values) x += noise * random.normal();
+  const std::string unit = measured == "y" ? "m" : measured == "v" ? "m/s" : "m/s^2";
+  return derive_motion(Record(measured + " " + std::to_string(seed), start, spacing,
+                              {channel("F", "N", motion.force), channel(measured, unit, values)}));
+}
+
+inline bool warns(const Discovery& d, const std::string& text) {
+  return std::any_of(d.warnings.begin(), d.warnings.end(),
+                     [&](const std::string& w) { return w.find(text) != std::string::npos; });
 }
 
 inline Model baseline(const std::string& restoring, double mass) {

@@ -5,16 +5,14 @@
 
 #include "discover/study.hpp"
 #include "discover_catalogue.hpp"
-#include "record/random.hpp"
 
 namespace lunid {
 namespace {
 
 using testing::baseline;
-using testing::channel;
 using testing::small_catalogue;
+using testing::spacing;
 
-constexpr double spacing = 2 * M_PI / 25;
 constexpr int rows = 40000, burst = 23300;
 
 /// A motion (mass 1, k = 1, zeta = 0.03) under a weak random force that is ten times as strong once, for some 30
@@ -28,10 +26,7 @@ Record seldom_strong(double k3, std::uint64_t seed) {
     return random(t) * (0.1 + 0.9 * std::exp(-off * off));
   };
   const truth::Motion motion = truth::integrate(physics, signal, 0.1, {}, rows, spacing, 8);
-  std::vector<double> y = motion.x;
-  Philox noise(seed, 7);
-  for (double& value : y) value += 2e-3 * noise.normal();
-  return derive_motion(Record("long", 10, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
+  return testing::noisy_record(motion, "y", motion.x, 2e-3, seed, 10);
 }
 
 TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
@@ -64,6 +59,7 @@ TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
   EXPECT_LT(part.train.front().record.start(), all.start() + 0.2 * all.duration());
   EXPECT_GT(part.train.back().record.start(), all.start() + 0.8 * all.duration());
   EXPECT_EQ(part.full.front().rows(), rows);
+  EXPECT_TRUE(part.in_pieces);
 }
 
 TEST(Pieces, OfAShortRecordAreTheRecord) {
@@ -73,6 +69,7 @@ TEST(Pieces, OfAShortRecordAreTheRecord) {
   const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);
   ASSERT_EQ(part.train.size(), 1u);
   EXPECT_EQ(part.train.front().record.rows(), whole.train.front().record.rows());
+  EXPECT_FALSE(part.in_pieces);
 }
 
 /// The spring shows in one part of fifty; the final parameters and gaps are of all rows.
@@ -90,6 +87,29 @@ TEST(DiscoveryOfALongRecord, NamesWhatShowsSeldomAndIsSilentWithoutIt) {
   EXPECT_LT(k3.std, 0.01);
   EXPECT_EQ(d.comparisons.front().measured.size(), rows);
   EXPECT_LT(d.final_test.value, 1.2 * d.final_test.floor);
+}
+
+/// As many pieces as records: the final fit is still that of all rows, whose intervals are narrower.
+TEST(DiscoveryOfALongRecord, FitsAllRowsOfManyRecordsThatGaveOnePieceEach) {
+  truth::Physics physics;
+  physics.k3 = 0.4;
+  std::vector<Record> records, short_ones;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 30, seed), 0.03, {}, 4500, spacing, 8);
+    records.push_back(testing::noisy_record(motion, "y", motion.x, 0.05, seed));
+    records.back().warn("read with a note");
+    short_ones.push_back(records.back().slice(0, 1500));
+  }
+  const Model model = baseline("k*y + c*v", 1);
+  const auto find = [&](const std::vector<Record>& train) {
+    return discover(model, small_catalogue(*model.pool), train, {records.front()});
+  };
+  const Discovery all = find(records), part = find(short_ones);
+  ASSERT_EQ(all.effects.size(), 1u) << all.sentence;
+  ASSERT_EQ(part.effects.size(), 1u) << part.sentence;
+  EXPECT_LT(all.effects[0].parameters[0].std, 0.75 * part.effects[0].parameters[0].std);  // 1/sqrt(3) in the mean
+  EXPECT_EQ(std::count(all.warnings.begin(), all.warnings.end(), "read with a note"), 8);
 }
 
 }  // namespace

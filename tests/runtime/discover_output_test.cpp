@@ -6,17 +6,14 @@
 
 #include "discover_catalogue.hpp"
 #include "message.hpp"
-#include "record/random.hpp"
 #include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
 
 using testing::baseline;
-using testing::channel;
 using testing::small_catalogue;
-
-constexpr double spacing = 2 * M_PI / 25;
+using testing::spacing;
 
 /// The truth's motion (mass 1, k = 1, zeta = 0.03) under a random force, with 1 % noise on what is measured.
 Record measured(const truth::Physics& physics, const std::string& what, std::uint64_t seed) {
@@ -24,12 +21,7 @@ Record measured(const truth::Physics& physics, const std::string& what, std::uin
       truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.03, {}, 1200, spacing, 24);
   std::vector<double> shown = what == "v" ? motion.v : motion.force;
   for (std::size_t i = 0; what == "a" && i < shown.size(); ++i) shown[i] -= motion.restoring[i];
-  Philox random(seed, 7);
-  const double noise = 0.01 * moments::standard_deviation(shown);
-  for (double& x : shown) x += noise * random.normal();
-  const std::string unit = what == "v" ? "m/s" : "m/s^2";
-  return derive_motion(Record(what + " " + std::to_string(seed), 0, spacing,
-                              {channel("F", "N", motion.force), channel(what, unit, shown)}));
+  return testing::noisy_record(motion, what, shown, 0.01 * moments::standard_deviation(shown), seed);
 }
 
 Discovery find(const truth::Physics& physics, const std::string& what) {

@@ -4,28 +4,20 @@
 #include <cmath>
 
 #include "discover_catalogue.hpp"
-#include "record/random.hpp"
 #include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
 
 using testing::baseline;
-using testing::channel;
 using testing::small_catalogue;
-
-constexpr double spacing = 2 * M_PI / 25;
+using testing::spacing;
 
 /// A motion (mass 1, k = 1, zeta = 0.03) under a random force, with 10 % noise in y.
 Record moved(const truth::Physics& physics, double level, std::uint64_t seed) {
   const truth::Motion motion =
       truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), level, {}, 4000, spacing, 16);
-  std::vector<double> y = motion.x;
-  Philox random(seed, 7);
-  const double noise = 0.1 * moments::standard_deviation(y);
-  for (double& value : y) value += noise * random.normal();
-  return derive_motion(
-      Record("record " + std::to_string(seed), 0, spacing, {channel("F", "N", motion.force), channel("y", "m", y)}));
+  return testing::noisy_record(motion, "y", motion.x, 0.1 * moments::standard_deviation(motion.x), seed);
 }
 
 /// Trained on small motions, tested on motions `beyond` times as large.
@@ -35,9 +27,7 @@ Discovery find(const truth::Physics& physics, double beyond) {
 }
 
 bool is_taken_back(const Discovery& d) {
-  for (const std::string& w : d.warnings)
-    if (w.find("by several forces, but not the test record: the name is withdrawn") != std::string::npos) return true;
-  return false;
+  return testing::warns(d, "by several forces, but not the test record: the name is withdrawn");
 }
 
 TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {

@@ -241,9 +241,7 @@ TEST(Discovery, TakesBackANameThatLeavesARepeatableForceOnTheTest) {
                {testing::record_of(records.test, "test")});
   EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
   EXPECT_TRUE(d.effects.empty());
-  EXPECT_TRUE(std::any_of(d.warnings.begin(), d.warnings.end(), [](const std::string& w) {
-    return w.find("left a force that is repeatable: the name is withdrawn") != std::string::npos;
-  }));
+  EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn"));
 }
 
 }  // namespace
