@@ -287,7 +287,8 @@ class Spine {
 
   // ---- show ----
   std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
-    return (place ? words_of(*place) + ": " : "") + describe_residual(study_, model, reference, place);
+    const std::string text = describe_residual(study_, model, reference, place);
+    return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
   }
 
   /// With several coordinates: where the first effect was named, or generic forces see most.

@@ -213,7 +213,25 @@ class Grower {
     });
     each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
-    return fit_list(offers, shortlist(offers, order, size), parents, size);
+    std::vector<std::size_t> list = shortlist(offers, order, size);
+    if (size == 1 && !list.empty()) add_other_places(offers, order, list);
+    return fit_list(offers, list, parents, size);
+  }
+
+  /// The best proposal at other places: a rival of itself.
+  static void add_other_places(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
+                               std::vector<std::size_t>& list) {
+    const Choice& best = offers[list.front()].standing.shape->choice;
+    std::vector<std::optional<Place>> seen;
+    for (const auto i : list)
+      if (const Effect& e = *offers[i].standing.shape->choice.effect; e.name == best.effect->name)
+        seen.push_back(e.place);
+    for (const auto i : order) {
+      const Effect& other = *offers[i].standing.shape->choice.effect;
+      if (other.name != best.effect->name || std::find(seen.begin(), seen.end(), other.place) != seen.end()) continue;
+      seen.push_back(other.place);
+      list.push_back(i);
+    }
   }
 
   /// Entries of many states take longer along the motion than all others together: they are looked at where one of few

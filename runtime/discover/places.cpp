@@ -1,5 +1,6 @@
 #include "discover/places.hpp"
 
+#include <algorithm>
 #include <cctype>
 
 namespace lunid {
@@ -113,6 +114,17 @@ Expr motion_at(const Model& model, const std::optional<Place>& place, char quant
   const auto of = [&](int coordinate) { return model.pool->channel(model.channel(quantity, coordinate)); };
   if (!place) return of(0);
   return place->joint() ? of(place->of) - of(place->from) : of(place->of);
+}
+
+std::string sizes_at(std::string sentence, const Place& place) {
+  for (const char quantity : {'y', 'v'}) {
+    std::string motion = motion_of(place);
+    std::replace(motion.begin(), motion.end(), 'y', quantity);
+    const std::string size = std::string("|") + quantity + "|";
+    for (std::size_t at = sentence.find(size); at != std::string::npos; at = sentence.find(size, at + 1))
+      sentence.replace(at + 1, 1, motion);
+  }
+  return sentence;
 }
 
 std::string own_name(const Effect& effect, std::string parameter) {

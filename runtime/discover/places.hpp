@@ -21,6 +21,9 @@ void add_force(Model& model, const std::optional<Place>& place, Expr force);
 /// The motion at a place as expressions: y, v or a of the coordinate, or the difference of two.
 Expr motion_at(const Model& model, const std::optional<Place>& place, char quantity);
 
+/// A sentence that speaks of |y| and |v|, in the words of a place: "grows with |y1 - y2|".
+std::string sizes_at(std::string sentence, const Place& place);
+
 /// The entry's own name of one of its parameters: "k3" of cubic_stiffness_k3_1_2.
 std::string own_name(const Effect& effect, std::string parameter);
 

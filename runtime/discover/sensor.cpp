@@ -78,14 +78,17 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
+  std::string of_one;  // coordinate alone
   for (const Effect& effect : catalogue) {
+    if (study.degrees() > 1 && !is_physics(effect)) {
+      of_one += (of_one.empty() ? "" : ", ") + effect.name;
+      continue;
+    }
     const auto lacks = std::find_if(effect.channels.begin(), effect.channels.end(), [&](const std::string& channel) {
       return !all_hold(study.full, channel) || !all_hold(study.test, channel);
     });
     if (lacks != effect.channels.end())
       left.push_back(effect.name + " (no channel " + *lacks + ")");
-    else if (study.degrees() > 1 && !is_physics(effect))
-      left.push_back(effect.name + " (faults of channels are looked at with one coordinate)");
     else if (!study.imposed && changes_unmeasured(study, effect))
       left.push_back(effect.name + " (of y, where " + study.measured + " was measured)");
     else if (study.imposed && !shows_in_force(effect))
@@ -93,6 +96,7 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     else
       out.push_back(effect);
   }
+  if (!of_one.empty()) left.push_back(of_one + " (faults of channels and of the input: with one coordinate alone)");
   return at_places(study.model, out);
 }
 

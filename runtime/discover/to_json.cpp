@@ -66,7 +66,10 @@ json effect(const NamedEffect& e) {
               {"gap_test", number(e.gap_test)}};
   if (!std::isfinite(e.gap_train) || !std::isfinite(e.gap_test))
     out["cause"] = "the free run of this step stopped early";
-  if (!e.place.empty()) out["place"] = e.place;
+  if (!e.place.empty()) {
+    out["place"] = e.place;
+    out["label"] = e.label;
+  }
   return out;
 }
 

@@ -78,9 +78,11 @@ std::string resampled(const Naming& naming) {
 
 std::string to_terminal(const Discovery& d) {
   std::ostringstream out;
-  auto line = [&](const char* head, const std::string& text) {
+  auto line = [&](const char* head, std::string text) {
     char label[16];
     std::snprintf(label, sizeof label, "%-11s", head);
+    for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1))
+      text.insert(at + 1, 11, ' ');
     out << label << text << '\n';
   };
   for (const auto& c : d.comparisons) {
