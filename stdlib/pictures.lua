@@ -172,7 +172,7 @@ end
 local function add_map(list, found)
   if #found.map.y < 2 or #found.map.v < 2 then return end
   list[#list + 1] = { name = "residual_map", figure = figures.make(pictures.residual_map(found)),
-    caption = "Mean force that is left unexplained, over displacement and velocity" .. (found.map.place ~= "" and " " .. found.map.place
+    caption = "Mean force that is left unexplained, over displacement and velocity" .. (found.map.place ~= "" and " of " .. found.map.place
       or "") .. ": where the baseline fails"
       .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
 end
@@ -208,7 +208,7 @@ local function forces_at_places(found)
     local effect = found.effects[i]
     for _, variable in ipairs(variables { effect }) do
       local panel = force_panel(force[variable[1]], variable, inner(plus(force.left, force.named), ends), force.named)
-      panel.title = ("%s: %s"):format(effect.label, effect.place)
+      panel.title = effect.label
       panels[#panels + 1] = panel
     end
   end

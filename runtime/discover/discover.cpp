@@ -330,7 +330,7 @@ class Spine {
     compare_all(found, study_.full, before_train_, after_train_, "train");
     compare_all(found, study_.test, before_test_, after_test_, "test");
     out_.map = residual_map(study_, found.baseline, found.chosen, place);
-    if (place) out_.map_place = words_of(*place);
+    if (place) out_.map_place = motion_of(*place);
     for (const Choice& choice : found.order)
       if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
     out_.output = study_.output();

@@ -44,7 +44,7 @@ struct Place {
   bool joint() const { return from >= 0; }
   friend bool operator==(const Place&, const Place&) = default;
 };
-/// "at y2", "between y1 and y2"
+/// "at y2", "in y1 - y2"
 std::string words_of(const Place& place);
 /// What the force is a function of there: "y2", "y1 - y2"
 std::string motion_of(const Place& place);

@@ -73,10 +73,7 @@ Effect at_place(const Model& model, const Effect& effect, const Place& place) {
 
 }  // namespace
 
-std::string words_of(const Place& place) {
-  return place.joint() ? "between " + named('y', place.of) + " and " + named('y', place.from)
-                       : "at " + named('y', place.of);
-}
+std::string words_of(const Place& place) { return (place.joint() ? "in " : "at ") + motion_of(place); }
 
 std::string motion_of(const Place& place) {
   return place.joint() ? named('y', place.of) + " - " + named('y', place.from) : named('y', place.of);
@@ -136,12 +133,15 @@ std::string own_name(const Effect& effect, std::string parameter) {
 std::string formula_at(const std::string& formula, const std::optional<Place>& place) {
   if (!place) return formula;
   std::string out, word;
-  const auto end_word = [&] {
+  const auto end_word = [&](char next) {
     const bool motion = word == "y" || word == "v" || word == "a";
-    if (motion && place->joint())
-      out += "(" + named(word[0], place->of) + " - " + named(word[0], place->from) + ")";
-    else
+    const bool enclosed = !out.empty() && out.back() == '(' && next == ')';
+    if (motion && place->joint()) {
+      const std::string difference = named(word[0], place->of) + " - " + named(word[0], place->from);
+      out += enclosed ? difference : "(" + difference + ")";
+    } else {
       out += motion ? named(word[0], place->of) : word;
+    }
     word.clear();
   };
   for (const char c : formula) {
@@ -149,10 +149,10 @@ std::string formula_at(const std::string& formula, const std::optional<Place>& p
       word += c;
       continue;
     }
-    end_word();
+    end_word(c);
     out += c;
   }
-  end_word();
+  end_word(' ');
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "discover/sensor.hpp"
-
+#include "record/derive.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
 
@@ -297,8 +297,24 @@ SavitzkyGolay smoothing_kernel(const Study& study, const Record& record) {
   return *widest;
 }
 
+namespace {
+
+constexpr int difference_accuracy = 8;
+
+/// The derivative of a smooth column.
+Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
+  if (order == 0) return x;
+  return differentiate({x.data(), static_cast<std::size_t>(x.size())}, dt, 0, order,
+                       FiniteDifferences{difference_accuracy, 1})
+      .values;
+}
+
+}  // namespace
+
 /// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms: what lies above the measured channel
-/// are its derivatives, what lies below its integrals, smoothed.
+/// are its derivatives, what lies below its integrals, smoothed. The derivatives of a polynomial window are not quite
+/// those of the smoothed column: with one coordinate its k and c take that up, with several modes nothing does, and it
+/// would look like a missing spring.
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
   auto channel = [](const std::string& name, const char* unit, Eigen::VectorXd values) {
     Channel c;
@@ -315,10 +331,17 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     channels.push_back(channel(force, "N", savitzky_golay(record[force], record.dt(), 0, kernel)));
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string names[] = {study.channel('y', i), study.channel('v', i), study.channel('a', i)};
-    for (int rank = 0; rank < 3; ++rank)
-      channels.push_back(channel(
-          names[rank], units[rank],
-          savitzky_golay(record[names[std::min(rank, known)]], record.dt(), std::max(0, rank - known), kernel)));
+    const auto smoothed = [&](int rank, int derivative) {
+      return savitzky_golay(record[names[rank]], record.dt(), derivative, kernel);
+    };
+    for (int rank = 0; rank < 3; ++rank) {
+      const int order = std::max(0, rank - known);
+      if (study.degrees() == 1)
+        channels.push_back(channel(names[rank], units[rank], smoothed(std::min(rank, known), order)));
+      else
+        channels.push_back(
+            channel(names[rank], units[rank], differences(smoothed(std::min(rank, known), 0), record.dt(), order)));
+    }
   }
   for (const std::string& name : side_channels(record))
     channels.push_back(
@@ -429,7 +452,8 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     const Record& own = study.train.back().record;
     const SavitzkyGolay kernel = smoothing_kernel(study, own);
     study.smooth.push_back(study.imposed ? own : smooth_motion(study, own, kernel));
-    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : kernel.half_width));
+    const Eigen::Index edge = kernel.half_width + (study.degrees() > 1 ? difference_accuracy / 2 : 0);
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge));
   }
   for (auto& record : study.test) record = with_shaft(with_motion(study, record));
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(study, record));

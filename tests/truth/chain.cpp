@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <stdexcept>
 
 #include "truth/noise.hpp"
 
@@ -229,7 +231,95 @@ ChainColumns record(const Chain& chain, const Scale& scale, const std::vector<Si
   return out;
 }
 
+/// Two masses before a wall, or three between two.
+Chain masses(int count) {
+  return in_a_row(std::vector<double>(static_cast<std::size_t>(count), 1.0), 1, 0.06, count == 3);
+}
+
+/// One more link, with what `set` puts into it.
+Chain with(Chain chain, int of, int from, const std::function<void(Link&)>& set) {
+  Link link;
+  link.of = of;
+  link.from = from;
+  set(link);
+  chain.links.push_back(std::move(link));
+  return chain;
+}
+
+std::vector<ChainCase> make_cases() {
+  const auto cubic = [](Link& l) { l.k3 = 0.15; };
+  const auto friction = [](Link& l) { l.coulomb = 0.12; };
+  const auto drag = [](Link& l) { l.drag = 0.15; };
+  const auto maxwell = [](Link& l) {
+    l.maxwell_k = 0.6;
+    l.maxwell = 1.5;
+  };
+  const auto yields = [](Link& l) {
+    l.bouc_k = 0.5;
+    l.bouc_yield = 0.5;
+  };
+  const auto stop = [](Link& l) {
+    l.stop_k = 1.5;
+    l.stop_gap = 0.8;
+  };
+  const auto bristles = [](Link& l) {
+    l.other = [](double u, double) { return 0.25 * std::sin(4 * u) * std::abs(u); };
+  };
+  const Chain two = masses(2), three = masses(3);
+  return {
+      {"two_null", two, {}},
+      {"three_null", three, {}},
+      {"two_cubic_joint", with(two, 0, 1, cubic), {"cubic_stiffness in y1 - y2"}},
+      {"two_cubic_first", with(two, 0, -1, cubic), {"cubic_stiffness at y1"}},
+      {"two_cubic_last", with(two, 1, -1, [](Link& l) { l.k3 = 0.04; }), {"cubic_stiffness at y2"}},
+      {"three_cubic_joint", with(three, 1, 2, cubic), {"cubic_stiffness in y2 - y3"}},
+      {"three_friction", with(three, 1, -1, friction), {"coulomb_friction at y2"}},
+      {"two_friction_joint", with(two, 0, 1, friction), {"coulomb_friction in y1 - y2"}},
+      {"two_drag", with(two, 1, -1, drag), {"quadratic_drag at y2"}},
+      {"two_maxwell_joint", with(two, 0, 1, maxwell), {"maxwell_relaxation in y1 - y2"}},
+      {"two_maxwell_last", with(two, 1, -1, maxwell), {"maxwell_relaxation at y2"}},
+      {"two_yield_joint", with(two, 0, 1, yields), {"bouc_wen in y1 - y2"}},
+      {"two_stop_joint", with(two, 0, 1, stop), {"one_sided_stop in y1 - y2"}},
+      {"two_stiffer_joint", with(two, 0, 1, [](Link& l) { l.k = 0.3; }), {"linear_stiffness in y1 - y2"}},
+      {"two_dashpot", with(two, 1, -1, [](Link& l) { l.c = 0.1; }), {"viscous_damping at y2"}},
+      {"two_pair", with(with(two, 0, -1, cubic), 1, -1, friction), {"cubic_stiffness at y1", "coulomb_friction at y2"}},
+      {"two_pair_joint",
+       with(with(two, 0, 1, cubic), 0, 1, friction),
+       {"cubic_stiffness in y1 - y2", "coulomb_friction in y1 - y2"}},
+      {"three_pair",
+       with(with(three, 0, 1, cubic), 2, -1, drag),
+       {"cubic_stiffness in y1 - y2", "quadratic_drag at y3"}},
+      {"two_outside", with(two, 0, 1, bristles), {"sin(4 u)*|u| in y1 - y2"}, true},
+  };
+}
+
 }  // namespace
+
+const std::vector<ChainCase>& chain_cases() {
+  static const std::vector<ChainCase> table = make_cases();
+  return table;
+}
+
+const ChainCase& chain_case(const std::string& name) {
+  for (const ChainCase& each : chain_cases())
+    if (each.name == name) return each;
+  throw std::invalid_argument("no chain '" + name + "'; see lunid_truth list");
+}
+
+void write_csv(const ChainColumns& record, const Chain& chain, const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (!file) throw std::runtime_error("cannot write " + path);
+  std::fprintf(file, "t [s]");
+  for (const int mass : chain.driven) std::fprintf(file, ",F%d [N]", mass + 1);
+  for (std::size_t i = 0; i < record.y.size(); ++i) std::fprintf(file, ",y%zu [m]", i + 1);
+  for (std::size_t row = 0; row < record.t.size(); ++row) {
+    std::fprintf(file, "\n%.12g", record.t[row]);
+    for (const auto& f : record.F) std::fprintf(file, ",%.9g", f[row]);
+    for (const auto& y : record.y) std::fprintf(file, ",%.9g", y[row]);
+  }
+  std::fprintf(file, "\n");
+  std::fclose(file);
+}
 
 Chain in_a_row(std::vector<double> masses, double k, double c, bool both_ends) {
   Chain chain;

@@ -32,6 +32,17 @@ struct Chain {
 /// is one more link than masses.
 Chain in_a_row(std::vector<double> masses, double k, double c, bool both_ends = false);
 
+/// A chain with something hidden: the study knows links of one k and c.
+struct ChainCase {
+  std::string name;
+  Chain chain;
+  std::vector<std::string> hidden;  ///< "cubic_stiffness in y1 - y2"; none: nothing is
+  bool outside = false;             ///< of no entry of the catalogue
+};
+const std::vector<ChainCase>& chain_cases();
+/// Throws std::invalid_argument for a name that there is not.
+const ChainCase& chain_case(const std::string& name);
+
 struct ChainColumns {
   std::vector<double> t;
   std::vector<std::vector<double>> F;  ///< of each driven mass
@@ -44,5 +55,8 @@ struct ChainRecords {
 /// Train: a multisine that moves the masses with an rms of one length of the scale in the mean. Test: a swept sine,
 /// 0.8 of that. Both from a motion that has run for a while.
 ChainRecords make_chain_records(const Chain& chain, const Scale& scale, const RecordOptions& options = {});
+
+/// t, the forces F1 ..., and y1 ...
+void write_csv(const ChainColumns& record, const Chain& chain, const std::string& path);
 
 }  // namespace truth
