@@ -31,7 +31,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   out.same_experiment = options;
   out.same_experiment.cancelled = nullptr;  // it outlives the run
   const bool driven = study.imposed || options.limits.force > 0;
-  if (out.verdict != "ambiguous" || !driven || study.degrees() > 1) return;
+  if (out.verdict != "ambiguous" || !driven || study.forces.size() > 1) return;
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
   for (const Rival& rival : out.rivals) {

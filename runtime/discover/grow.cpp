@@ -103,7 +103,7 @@ class Grower {
     const std::vector<double> lines = residual_lines(study_, baseline_);
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
-        out_.left_aside.push_back(effect.name + " (is in the baseline already)");
+        out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
         continue;
       }
       RecordScales scale = scales(study_, residual_force(left, effect.place), effect.place);
@@ -126,8 +126,10 @@ class Grower {
     });
   }
 
-  /// An entry with states that is an element of the baseline has its names there.
+  /// An entry that is an element of the baseline has its names there.
   bool in_baseline(const Effect& effect) const {
+    for (const Parameter& own : effect.parameters)
+      if (model_.find(own.name)) return true;
     return std::any_of(effect.states.begin(), effect.states.end(), [&](const InternalState& own) {
       return std::any_of(model_.states.begin(), model_.states.end(),
                          [&](const InternalState& known) { return known.symbol.name() == own.symbol.name(); });

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "discover_catalogue.hpp"
 #include "message.hpp"
+#include "record/derive.hpp"
+#include "record/random.hpp"
+#include "statistics/moments.hpp"
 #include "truth/chain.hpp"
 
 namespace lunid {
@@ -166,6 +170,94 @@ TEST(Degrees, NamesNothingWhereNothingIsMissing) {
   const Discovery known = find(chain, "metre", 40, {"k3*(y1 - y2)^3", "k3*(y2 - y1)^3"});
   EXPECT_EQ(known.verdict, "nothing-missing") << to_terminal(known);
   EXPECT_NEAR(known.final_test.value, known.final_test.floor, 0.15 * known.final_test.floor);
+}
+
+/// Accelerations in place of the displacements, by differences of clean columns that are as good as the truth.
+Record accelerations(const truth::ChainColumns& columns, double noise, std::uint64_t seed) {
+  std::vector<Channel> channels{channel("F1", "N", columns.F[0])};
+  const double dt = columns.t[1] - columns.t[0];
+  for (std::size_t i = 0; i < columns.y.size(); ++i) {
+    const Derivative a = differentiate(columns.y[i], dt, 0, 2, FiniteDifferences{10, 1});
+    std::vector<double> values(a.values.begin(), a.values.end());
+    const double deviation = moments::standard_deviation(values);
+    Philox random(seed, i);
+    for (double& value : values) value += noise * deviation * random.normal();
+    channels.push_back(channel("a" + std::to_string(i + 1), "m/s^2", values));
+  }
+  return Record("accelerometers", 0, dt, std::move(channels));
+}
+
+TEST(Degrees, TakeAccelerometersAlone) {
+  truth::Chain chain = two_masses();
+  chain.links[1].k3 = 0.15;
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::RecordOptions options;
+  options.rows = 2500;
+  options.noise_db = 200;
+  options.force_noise_db = 200;
+  const truth::ChainRecords records = truth::make_chain_records(chain, scale, options);
+  const Model model = baseline_of(chain, scale);
+  const Discovery d = discover(model, catalogue_of(*model.pool), {accelerations(records.train, 0.02, 1)},
+                               {accelerations(records.test, 0.02, 2)});
+  ASSERT_EQ(d.effects.size(), 1u) << to_terminal(d);
+  EXPECT_EQ(d.effects[0].label, "cubic_stiffness in y1 - y2") << to_terminal(d);
+  ASSERT_EQ(d.outputs.size(), 2u);
+  EXPECT_EQ(d.outputs[1].output, "a2");
+}
+
+TEST(Degrees, TakeTwoForcesAndSeveralRecords) {
+  truth::Chain chain = two_masses();
+  chain.driven = {0, 1};
+  chain.links[0].coulomb = 0.12;
+  const truth::Scale& scale = truth::scale_named("metre");
+  truth::RecordOptions options;
+  options.rows = 1200;
+  options.noise_db = 40;
+  std::vector<Record> train;
+  truth::ChainRecords records;
+  for (const std::uint64_t seed : {3, 4}) {
+    options.seed = seed;
+    records = truth::make_chain_records(chain, scale, options);
+    train.push_back(record_of(records.train, chain.driven, "train " + std::to_string(seed)));
+  }
+  const Model model = baseline_of(chain, scale);
+  const Discovery d =
+      discover(model, catalogue_of(*model.pool), train, {record_of(records.test, chain.driven, "test")});
+  expect_named(d, "coulomb_friction", "y1", 0.12 * scale.force());
+  EXPECT_EQ(d.comparisons.size(), 6u);  // three records of two outputs
+  EXPECT_EQ(d.comparisons[1].output, "y2");
+  EXPECT_EQ(d.comparisons[2].record, "train 4");
+}
+
+// An entry that stands in the baseline at one place may be missing at another.
+TEST(Degrees, NameTheSameEffectAtASecondPlace) {
+  truth::Chain chain = two_masses();
+  chain.links[0].k3 = 0.1;
+  chain.links[1].k3 = 0.15;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const double unit = scale.force() / std::pow(scale.length, 3);
+  expect_named(find(chain, "milli", 40, {"cubic_stiffness_k3_1*y1^3"}), "cubic_stiffness", "y1 - y2", 0.15 * unit);
+}
+
+// What the catalogue does not hold is said to be there, with its place.
+TEST(Degrees, SayWhereAnUnknownForceActs) {
+  const Discovery d = find(truth::chain_case("two_outside").chain, "milli", 40);
+  EXPECT_EQ(d.verdict, "unknown-effect") << to_terminal(d);
+  EXPECT_NE(d.sentence.find("in y1 - y2"), std::string::npos) << d.sentence;
+}
+
+TEST(Degrees, HoldTheSameEffectAtOtherPlacesAgainstIt) {
+  truth::Chain chain = two_masses();
+  chain.links[1].k3 = 0.15;
+  const Discovery d = find(chain, "milli", 40);
+  for (const char* name : {"cubic_stiffness at y1", "cubic_stiffness at y2"})
+    EXPECT_TRUE(std::any_of(d.rivals.begin(), d.rivals.end(), [&](const Rival& r) { return r.name == name; }))
+        << name << "\n"
+        << to_terminal(d);
+  const nlohmann::json json = to_json(d);
+  EXPECT_EQ(json["effects"][0]["place"], "y1 - y2");
+  EXPECT_EQ(json["effects"][0]["name"], "cubic_stiffness");
+  EXPECT_EQ(json["outputs"][1]["output"], "y2");
 }
 
 // ---- what is refused, and what to do ----
