@@ -41,12 +41,15 @@ void push_scales(lua_State* L, const RecordScales& scales) {
     lua_pushnumber(L, value);
     lua_setfield(L, -2, field);
   }
-  lua_newtable(L);
-  for (std::size_t i = 0; i < scales.lines.size(); ++i) {
-    lua_pushnumber(L, scales.lines[i]);
-    lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+  for (const auto& [field, values] :
+       {std::pair{"lines", &scales.lines}, std::pair{"modulations", &scales.modulations}}) {
+    lua_newtable(L);
+    for (std::size_t i = 0; i < values->size(); ++i) {
+      lua_pushnumber(L, (*values)[i]);
+      lua_rawseti(L, -2, static_cast<lua_Integer>(i) + 1);
+    }
+    lua_setfield(L, -2, field);
   }
-  lua_setfield(L, -2, "lines");
 }
 
 /// The list of guesses on top of the stack, under the entry's private names.

@@ -295,6 +295,11 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
 }
 
+Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
+}
+
 Model fitted(const Candidate& c) {
   Model model = c.system->model();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {

@@ -26,6 +26,7 @@ struct Candidate {
       shown;                            ///< parameter, and where the record can show it
   Tape margins;                         ///< of the entries' conditions, from all parameters
   std::vector<Eigen::VectorXd> starts;  ///< first guesses, the best first
+  int state_substeps = 1;               ///< that the entries' internal states need along the motion, at least
   double force_misfit = INFINITY;       ///< squared misfit of the force as it is, unweighted; infinite: not looked at
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
   bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
@@ -42,6 +43,7 @@ struct Candidate {
   /// Parameters and first values of internal states: all that a fit may use to explain noise.
   int unknowns() const { return parameters() + system->states() - 2 * system->degrees(); }
   bool ran() const { return std::isfinite(fit.cost); }
+  const Eigen::VectorXd& best_theta() const { return ran() ? fit.theta : starts.front(); }
   /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit, or
   /// its conditions do not hold.
   bool degenerate() const;
@@ -66,6 +68,10 @@ Model fitted(const Candidate& candidate);
 
 /// Fits on the trajectory from the best start, short free runs first.
 void fit(const Study& study, Candidate& candidate, const FitOptions& options);
+
+/// What a model with these parameters leaves of the force along a record's motion, F - m*a - f [N]; of several
+/// coordinates one after another.
+Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record);
 
 /// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).
 std::vector<std::uint8_t> linear_parameters(const Model& model);

@@ -24,7 +24,6 @@ constexpr int heavy_runs = 3;        // beside an entry of many states, which ta
 constexpr double explained = 0.999;  // share of the squared error that such an entry closes, beyond which none is added
 constexpr int long_fits = 5;         // sets that are fitted to the end
 constexpr int promising = 3;         // and those that explain most of the force
-constexpr std::size_t most_states = 4;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 4;        // the same as far as their shape parameters are refined
 constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
@@ -99,15 +98,19 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    const std::vector<Eigen::VectorXd> left = residual_forces();
-    const std::vector<double> lines = residual_lines(study_, baseline_);
+    std::vector<std::pair<std::optional<Place>, RecordScales>> known;
+    const auto scales_at = [&](const std::optional<Place>& place) -> const RecordScales& {
+      for (const auto& [at, scale] : known)
+        if (at == place) return scale;
+      known.emplace_back(place, scales_beside(study_, baseline_, place));
+      return known.back().second;
+    };
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
         out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
         continue;
       }
-      RecordScales scale = scales(study_, residual_force(left, effect.place), effect.place);
-      scale.lines = lines;
+      const RecordScales& scale = scales_at(effect.place);
       for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
         const Choice choice{&effect, variant};
         if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
@@ -136,29 +139,6 @@ class Grower {
     });
   }
 
-  /// Of each record, along the smoothed motion.
-  std::vector<Eigen::VectorXd> residual_forces() const {
-    std::vector<Eigen::VectorXd> out;
-    const Eigen::VectorXd& theta = theta_of(baseline_);
-    for (const auto& record : study_.smooth)
-      out.push_back(
-          acting_forces(study_.model, record) -
-          imposed_force(*baseline_.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record));
-    return out;
-  }
-
-  double residual_force(const std::vector<Eigen::VectorXd>& left, const std::optional<Place>& place) const {
-    double squares = 0, rows = 0;
-    for (std::size_t r = 0; r < left.size(); ++r) {
-      const Eigen::VectorXd own = force_at(left[r], study_.smooth[r].rows(), place);
-      squares += own.squaredNorm();
-      rows += static_cast<double>(own.size());
-    }
-    return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
-  }
-
-  static const Eigen::VectorXd& theta_of(const Candidate& c) { return c.ran() ? c.fit.theta : c.starts.front(); }
-
   // ---- one more effect ----
   struct Offer {
     const Candidate* parent;
@@ -171,7 +151,7 @@ class Grower {
     std::vector<Proposer::Parent> spaces(parents.size());
     parallel_for(static_cast<int>(parents.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
-      spaces[k] = proposer_.parent(parents[k], theta_of(parents[k]));
+      spaces[k] = proposer_.parent(parents[k], parents[k].best_theta());
     });
     std::vector<Offer> offers;
     for (std::size_t k = 0; k < parents.size(); ++k)
@@ -196,7 +176,7 @@ class Grower {
     }
     if (size == 1) {
       leave_aside(offers);
-      const Proposer::Parent space = plain_.parent(parents.front(), theta_of(parents.front()));
+      const Proposer::Parent space = plain_.parent(parents.front(), parents.front().best_theta());
       each(order, [&](Offer& o) { o.misfit = misfit(*o.standing.shape, space); });
     }
     std::erase_if(order,
@@ -254,7 +234,7 @@ class Grower {
   /// What an entry without memory would leave of the force itself.
   double misfit(const Shape& shape, const Proposer::Parent& space) const {
     if (!shape.system->model().states.empty()) return INFINITY;
-    Shape alone{shape.choice, shape.system, shape.linear, shape.guesses, {}};
+    Shape alone{shape.choice, shape.system, shape.linear, shape.guesses};
     plain_.run(alone);
     const Standing standing = plain_.score(alone, space);
     return standing.shown && std::isfinite(standing.cost) ? standing.cost : INFINITY;
@@ -306,10 +286,10 @@ class Grower {
     return list;
   }
 
-  /// Free runs of such an entry cost more than those of all others together.
-  static bool many_states(const Shape& shape) { return shape.system->model().states.size() > most_states; }
+  static bool many_states(const Shape& shape) { return lunid::many_states(shape.system->model().states.size()); }
   static bool many_states(const Choices& set) {
-    return std::any_of(set.begin(), set.end(), [](const Choice& c) { return c.effect->states.size() > most_states; });
+    return std::any_of(set.begin(), set.end(),
+                       [](const Choice& c) { return lunid::many_states(c.effect->states.size()); });
   }
 
   /// The misfit of the second best on the force as it is; those are run in any case.
@@ -342,7 +322,7 @@ class Grower {
       if (size > 1 && parent.ran())
         start_beside(study_, found[k], parent, guesses[k]);
       else
-        find_starts(study_, found[k], theta_of(parent), {guesses[k]});
+        find_starts(study_, found[k], parent.best_theta(), {guesses[k]});
       there[k] = !found[k].starts.empty() && shows_beside(study_, found[k], parent);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -369,6 +349,7 @@ class Grower {
       Eigen::VectorXd start(o.standing.parent.size() + o.standing.own.size());
       start << o.standing.parent, o.standing.own;
       c.starts.push_back(std::move(start));
+      c.state_substeps = std::max(o.parent->state_substeps, o.standing.substeps);
       c.force_cost = o.standing.cost;
       c.force_misfit = o.misfit;
       level.push_back(std::move(c));
@@ -415,24 +396,26 @@ class Grower {
                        [&](const Candidate& c) { return same(c.choices, set); });
   }
 
-  int coarse_substeps() const { return baseline_.ran() ? std::max(1, (baseline_.fit.substeps + 1) / 2) : 0; }
+  int coarse_substeps(const Candidate& c) const {
+    return baseline_.ran() ? std::max(c.state_substeps, (baseline_.fit.substeps + 1) / 2) : 0;
+  }
 
   /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
   void begin_fit(Candidate& c, const Candidate& parent) const {
-    c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps());
+    c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps(c));
     if (!parent.ran() || c.fit.cost < 0.9 * parent.fit.cost) return;
     Eigen::VectorXd warm = c.starts.front();
     warm.head(parent.fit.theta.size()) = parent.fit.theta;
     for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
       if (c.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
-    FitResult again = fit_near(study_, c, warm, 4, coarse_substeps());
+    FitResult again = fit_near(study_, c, warm, 4, coarse_substeps(c));
     if (again.cost < c.fit.cost) c.fit = std::move(again);
   }
 
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end_fit(Candidate& c) const {
     if (c.ran()) {
-      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(), c.fit.segments);
+      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(c), c.fit.segments);
       if (further.cost < c.fit.cost) c.fit = std::move(further);
     }
     const double promised = std::sqrt(c.force_cost / static_cast<double>(proposer_.rows()));
@@ -440,7 +423,7 @@ class Grower {
     FitOptions options;
     options.max_iterations = 12;
     options.tolerance = 1e-4;
-    options.substeps = coarse_substeps();
+    options.substeps = coarse_substeps(c);
     options.cancelled = study_.options->cancelled;
     FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
     if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);

@@ -129,6 +129,17 @@ double vuong_z(const Candidate& a, const Candidate& b) {
   return (difference.sum() - correction) / std::sqrt(n * variance);
 }
 
+bool stays_above_noise(const Study& study, double cost, double best, double rows, double best_rms) {
+  constexpr double at_noise = 1.1, above = 1.1, nats = 50;
+  return best_rms < at_noise * study.sensor_noise() && cost > above * best && cost - best > 2 * nats * best / rows;
+}
+
+bool fits_worse(const Study& study, const Candidate& c, const Candidate& best) {
+  return vuong_z(best, c) >= vuong_level ||
+         stays_above_noise(study, c.likelihood_cost, best.likelihood_cost, static_cast<double>(best.innovations.size()),
+                           rms_error(best.fit));
+}
+
 double required_gain(const Study& study, double gap_after) {
   return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * study.noise_gap() ? 1 : 5));
 }

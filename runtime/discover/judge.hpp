@@ -37,6 +37,13 @@ inline constexpr double vuong_level = 2.33;
 /// correction for the number of parameters, long-run variance by Newey-West.
 double vuong_z(const Candidate& a, const Candidate& b);
 
+/// A squared whitened error that is a tenth and fifty nats above that of a set which leaves no more than the sensor's
+/// noise (rms of its plain residual) is too much, however few passages tell the two apart: Vuong's test takes a passage
+/// through resonance for one observation.
+bool stays_above_noise(const Study& study, double cost, double best, double rows, double best_rms);
+/// `c` is rejected against `best`, by Vuong's test or because it stays above the noise.
+bool fits_worse(const Study& study, const Candidate& c, const Candidate& best);
+
 /// p-value that the left-out error of `after` is not below that of `before` (block bootstrap).
 double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after);
 

@@ -12,10 +12,6 @@ namespace {
 
 constexpr int cells = 24;
 
-Eigen::VectorXd force_of(const Candidate& c, const Eigen::VectorXd& theta, const Record& record) {
-  return imposed_force(*c.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
-}
-
 Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
   const auto x = record[name];
   return {x.data(), static_cast<Eigen::Index>(x.size())};
@@ -41,7 +37,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
   }
   const Record moved = with_motion(study, own);
   const Record smooth = smooth_motion(study, moved, smoothing_kernel(study, record));
-  return acting_forces(study.model, smooth) - force_of(reference, reference.fit.theta, smooth);
+  return open_force(reference, reference.fit.theta, smooth);
 }
 
 }  // namespace
@@ -49,8 +45,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
                                std::size_t index) {
   const Record& smooth = study.smooth[index];
-  const Eigen::VectorXd residual =
-      acting_forces(study.model, smooth) - force_of(candidate, candidate.fit.theta, smooth);
+  const Eigen::VectorXd residual = open_force(candidate, candidate.fit.theta, smooth);
   if (study.imposed || !reference.ran()) return residual;
   const Record& record = study.train[index].record;
   const std::vector<double> weights = study.weights(record);
@@ -110,13 +105,12 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
   std::vector<Eigen::VectorXd> runs;
   for (const FreeRun& run : final) runs.push_back(run.model);
   const Eigen::VectorXd error = smoothing_error(study, after, record, runs);
-  const Eigen::VectorXd measured = acting_forces(study.model, smooth);
-  const Eigen::VectorXd left_before = measured - force_of(before, before.fit.theta, smooth) - error;
-  const Eigen::VectorXd left_after = measured - force_of(after, after.fit.theta, smooth) - error;
+  const Eigen::VectorXd left_before = open_force(before, before.fit.theta, smooth) - error;
+  const Eigen::VectorXd left_after = open_force(after, after.fit.theta, smooth) - error;
   Eigen::VectorXd unnamed = after.fit.theta;
   for (Eigen::Index j = before.parameters(); j < unnamed.size(); ++j)
     if (after.linear[static_cast<std::size_t>(j)]) unnamed[j] = 0;
-  const Eigen::VectorXd named = force_of(after, after.fit.theta, smooth) - force_of(after, unnamed, smooth);
+  const Eigen::VectorXd named = open_force(after, unnamed, smooth) - open_force(after, after.fit.theta, smooth);
   std::vector<Comparison> list;
   for (std::size_t c = 0; c < final.size(); ++c) {
     const auto first = static_cast<Eigen::Index>(c) * record.rows();
@@ -152,7 +146,7 @@ PlacedForce force_of_effect(const Study& study, const Candidate& final, const Ef
   for (std::size_t j = 0; j < table.size(); ++j)
     for (const Parameter& own : effect.parameters)
       if (own.name == table[j].name && final.linear[j]) unnamed[static_cast<Eigen::Index>(j)] = 0;
-  const Eigen::VectorXd named = force_of(final, final.fit.theta, smooth) - force_of(final, unnamed, smooth);
+  const Eigen::VectorXd named = open_force(final, unnamed, smooth) - open_force(final, final.fit.theta, smooth);
   out.named = force_at(named, smooth.rows(), effect.place);
   out.left = force_at(residual_force(study, final, final, index), smooth.rows(), effect.place);
   return out;

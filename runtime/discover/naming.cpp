@@ -135,6 +135,11 @@ class Resampler {
     return variance > 0 ? (difference.sum() - correction) / std::sqrt(variance) : 0;
   }
 
+  bool fits_worse(const std::vector<Drawn>& all, std::size_t i, std::size_t best, double rows) const {
+    return vuong(all, best, i, rows) >= vuong_level ||
+           stays_above_noise(study_, all[i].cost, all[best].cost, rows, rms_error(finalists_[best].candidate->fit));
+  }
+
   std::size_t choose(const std::vector<Drawn>& all, double rows) const {
     std::size_t best = 1;
     for (std::size_t i = 1; i < all.size(); ++i)
@@ -142,8 +147,8 @@ class Resampler {
     std::size_t pick = best;
     const double alpha = study_.options->alpha;
     for (std::size_t i = 1; i < all.size(); ++i) {
-      const bool stays = within(choices(i), choices(best)) ? p_value(all, i, best, rows) > alpha
-                                                           : vuong(all, best, i, rows) < vuong_level;
+      const bool stays =
+          within(choices(i), choices(best)) ? p_value(all, i, best, rows) > alpha : !fits_worse(all, i, best, rows);
       if (stays && parameters(i) < parameters(pick)) pick = i;
     }
     for (bool again = true; again;) {

@@ -4,9 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
-#include "discover/places.hpp"
+#include "discover/sensor.hpp"
 
 namespace lunid {
 
@@ -84,11 +85,45 @@ Eigen::VectorXd start_of(const Shape& shape, const Guess& guess) {
   return theta;
 }
 
+/// Of a unit as entries write it, products before and behind one slash: "N s/m" 1, "s/m" 0, "m/N" -1. A kilogram is
+/// N s^2/m.
+int power_of_newton(const std::string& unit) {
+  int power = 0, sign = 1;
+  std::string word;
+  for (const char c : unit + " ") {
+    if (std::isalpha(static_cast<unsigned char>(c))) {
+      word += c;
+      continue;
+    }
+    if (word == "N" || word == "kg") power += sign;
+    word.clear();
+    if (c == '/') sign = -1;
+  }
+  return power;
+}
+
 std::vector<Eigen::Index> linear_ones(const Shape& shape) {
   std::vector<Eigen::Index> list;
   for (std::size_t i = 0; i < shape.linear.size(); ++i)
     if (shape.linear[i] && !shape.system->model().parameters[i].fixed) list.push_back(static_cast<Eigen::Index>(i));
   return list;
+}
+
+/// A guess with the linear parameters as they were solved for, and those that carry a force scaled as the rest was: of
+/// f(s*p) = s*f(p) for all such p at once, a linear parameter p_k beside the rest is step_k * s^(power - 1).
+Eigen::VectorXd scaled_start(const Shape& shape, std::size_t guess, const std::vector<Eigen::Index>& linear,
+                             const Eigen::VectorXd& step) {
+  Eigen::VectorXd theta = start_of(shape, shape.guesses[guess]);
+  for (std::size_t k = 0; k < linear.size(); ++k) theta[linear[k]] = step[static_cast<Eigen::Index>(k)];
+  const double scale = shape.rest ? step[step.size() - 1] : 0;
+  if (!(scale > 0) || shape.force_powers.empty()) return theta;
+  const auto& table = shape.system->model().parameters;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const bool solved = shape.linear[i] && !table[i].fixed;
+    double& value = theta[static_cast<Eigen::Index>(i)];
+    value = std::clamp(value * std::pow(scale, shape.force_powers[i] - solved), table[i].min, table[i].max);
+  }
+  return theta;
 }
 
 /// An unknown shape parameter that the entry gives no guess for: magnitudes of either sign that its bounds allow.
@@ -111,6 +146,18 @@ std::vector<Guess> spread_unknown(const Shape& shape, std::vector<Guess> guesses
 }
 
 }  // namespace
+
+RecordScales scales_beside(const Study& study, const Candidate& model, const std::optional<Place>& place) {
+  double squares = 0, rows = 0;
+  for (const auto& record : study.smooth) {
+    squares += force_at(open_force(model, model.best_theta(), record), record.rows(), place).squaredNorm();
+    rows += static_cast<double>(record.rows());
+  }
+  RecordScales scale = scales(study, std::isfinite(squares) ? std::sqrt(squares / rows) : 0, place);
+  scale.lines = residual_lines(study, model);
+  scale.modulations = modulation_lines(study, model, place);
+  return scale;
+}
 
 Proposer::Proposer(const Study& study, const Candidate& baseline, bool weigh) : degrees_(study.degrees()) {
   Eigen::Index all = 0;
@@ -238,11 +285,21 @@ Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
   return out;
 }
 
-/// Values by themselves are good enough with one substep where that is stable.
-bool Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
-                        Eigen::MatrixXd* jacobian) const {
-  if (jacobian) return evaluate(system, theta, force, jacobian, start_substeps);
-  return evaluate(system, theta, force, nullptr, 1) || evaluate(system, theta, force, nullptr, start_substeps);
+/// With so many substeps that twice as many say the same: states that follow at once are stiff along a given motion.
+/// Those of many states are taken with one, their slopes with two.
+int Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force) const {
+  constexpr int most_substeps = 8;
+  constexpr double alike = 0.02;
+  const bool once = system.model().states.empty() || many_states(system.model().states.size());
+  bool finite = evaluate(system, theta, force, nullptr, 1);
+  if (once && finite) return 1;
+  for (int substeps = 2; substeps <= most_substeps; substeps *= 2) {
+    const Eigen::VectorXd before = std::move(force);
+    const bool known = finite;
+    finite = evaluate(system, theta, force, nullptr, substeps);
+    if (finite && (once || (known && (force - before).norm() <= alike * force.norm()))) return substeps;
+  }
+  return finite ? most_substeps : 0;
 }
 
 bool Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
@@ -268,12 +325,7 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   alone.pool = model.pool;
   alone.mass = alone.restoring = model.pool->constant(0);
   alone.further.assign(model.further.size(), {alone.mass, alone.restoring});
-  const Expr force = effect.variants[static_cast<std::size_t>(choice.variant)].force;
-  if (effect.place)
-    add_force(alone, effect.place, force);
-  else
-    alone.restoring = force;
-  alone.states = effect.states;
+  add_variant(alone, effect, choice.variant);
   alone.imposed_motion = true;
   const Ranges ranges = effect.range ? effect.range(scales, choice.variant) : Ranges{};
   for (auto p : effect.parameters) {
@@ -290,31 +342,64 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   return shape;
 }
 
-void Proposer::run(Shape& shape) const {
+/// Forces with the linear parameters at zero and each at one; of those without memory from one run's slopes. The rest
+/// is looked for at the first guess.
+Eigen::MatrixXd Proposer::columns_at(Shape& shape, const Guess& guess) const {
+  const System& system = *shape.system;
   const auto linear = linear_ones(shape);
-  const bool remembers = !shape.system->model().states.empty();
-  for (const auto& guess : shape.guesses) {
-    Eigen::VectorXd theta = start_of(shape, guess), force;
-    Eigen::MatrixXd columns(rows_, std::max<Eigen::Index>(1, static_cast<Eigen::Index>(linear.size())));
-    bool finite = true;
-    if (linear.empty()) {
-      finite = evaluate(*shape.system, theta, force, nullptr);
-      columns.col(0) = weighted(force);
-    } else if (remembers) {  // values alone: slopes of many states would cost far more
-      for (std::size_t k = 0; k < linear.size(); ++k) {
-        for (const auto i : linear) theta[i] = i == linear[k] ? 1 : 0;
-        finite = evaluate(*shape.system, theta, force, nullptr) && finite;
-        columns.col(static_cast<Eigen::Index>(k)) = weighted(force);
-      }
-    } else {
-      Eigen::MatrixXd slopes;
-      finite = evaluate(*shape.system, theta, force, &slopes);
-      for (std::size_t k = 0; k < linear.size(); ++k)
-        columns.col(static_cast<Eigen::Index>(k)) = weighted(slopes.col(linear[k]));
+  const auto own = static_cast<Eigen::Index>(linear.size());
+  const bool first = shape.columns.empty();
+  Eigen::VectorXd theta = start_of(shape, guess), force, rest = Eigen::VectorXd::Zero(rows_);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows_, own);
+  int substeps = 1;  // 0: not finite
+  if (own > 0 && system.model().states.empty()) {
+    Eigen::MatrixXd slopes;
+    if (!evaluate(system, theta, force, &slopes, start_substeps)) substeps = 0;
+    rest = force;
+    for (Eigen::Index k = 0; k < own; ++k) {
+      const Eigen::Index i = linear[static_cast<std::size_t>(k)];
+      columns.col(k) = slopes.col(i);
+      rest -= theta[i] * slopes.col(i);
     }
-    if (!finite || !columns.allFinite()) columns.resize(0, 0);
-    shape.columns.push_back(std::move(columns));
+  } else {  // values alone: slopes of many states would cost far more
+    for (const auto i : linear) theta[i] = 0;
+    if (first || shape.rest) substeps = evaluate(system, theta, rest);
+    for (Eigen::Index k = 0; substeps > 0 && k < own; ++k) {
+      const Eigen::Index i = linear[static_cast<std::size_t>(k)];
+      theta[i] = 1;
+      substeps = evaluate(system, theta, force);
+      columns.col(k) = force - rest;
+      theta[i] = 0;
+    }
   }
+  constexpr double rounding = 1e-9;
+  if (first) shape.rest = own == 0 || rest.norm() > rounding * columns.norm();
+  shape.substeps.push_back(substeps);
+  if (substeps == 0) return {};
+  Eigen::MatrixXd out(rows_, own + shape.rest);
+  for (Eigen::Index k = 0; k < own; ++k) out.col(k) = weighted(columns.col(k));
+  if (shape.rest) out.col(own) = weighted(rest);
+  return out.allFinite() ? out : Eigen::MatrixXd();
+}
+
+/// Twice the newton, twice the force: true of every force whose parameters carry their units and that holds no F.
+bool Proposer::scales_with_force(const Shape& shape, const std::vector<int>& powers) const {
+  const auto& table = shape.system->model().parameters;
+  Eigen::VectorXd theta = start_of(shape, shape.guesses.front()), once, twice;
+  if (evaluate(*shape.system, theta, once) == 0) return false;
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    if (table[i].fixed && powers[i] != 0) return false;
+    theta[static_cast<Eigen::Index>(i)] *= std::pow(2.0, powers[i]);
+  }
+  return evaluate(*shape.system, theta, twice) > 0 && (twice - 2 * once).norm() < 1e-3 * once.norm();
+}
+
+void Proposer::run(Shape& shape) const {
+  for (const auto& guess : shape.guesses) shape.columns.push_back(columns_at(shape, guess));
+  if (!shape.rest) return;
+  std::vector<int> powers;
+  for (const auto& row : shape.system->model().parameters) powers.push_back(power_of_newton(row.unit));
+  if (scales_with_force(shape, powers)) shape.force_powers = std::move(powers);
 }
 
 Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::VectorXd& theta) const {
@@ -322,7 +407,7 @@ Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::Vecto
   out.theta = theta;
   Eigen::VectorXd force;
   Eigen::MatrixXd slopes;
-  evaluate(*candidate.force_system, theta, force, &slopes);
+  evaluate(*candidate.force_system, theta, force, &slopes, start_substeps);
   const auto& table = candidate.system->model().parameters;
   out.jacobian.resize(rows_, theta.size());
   for (Eigen::Index j = 0; j < theta.size(); ++j) {
@@ -358,9 +443,9 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
   const auto linear = linear_ones(shape);
   std::vector<Parameter> table;
   for (const auto i : linear) table.push_back(shape.system->model().parameters[static_cast<std::size_t>(i)]);
-  if (linear.empty()) {
-    table.resize(1);
-    table[0].min = 0;
+  if (shape.rest) {
+    table.emplace_back();
+    table.back().min = 0;
   }
   for (std::size_t g = 0; g < shape.columns.size(); ++g) {
     const Eigen::MatrixXd& full = shape.columns[g];
@@ -379,8 +464,8 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
     const double cost = parent.cost - 2 * right.dot(step) + step.dot(gram * step);
     if (!(cost < best.cost)) continue;
     best.cost = cost;
-    best.own = start_of(shape, shape.guesses[g]);
-    for (std::size_t k = 0; k < linear.size(); ++k) best.own[linear[k]] = step[static_cast<Eigen::Index>(k)];
+    best.own = scaled_start(shape, g, linear, step);
+    best.substeps = shape.substeps[g];
     const Eigen::VectorXd force = parent.basis.transpose() * (full * step);
     best.parent = parent.theta - parent.back * force;
   }
@@ -391,6 +476,9 @@ void Proposer::refine(Standing& standing, const Parent& parent, int iterations) 
   standing.refined = true;
   const System& system = *standing.shape->system;
   const auto& table = system.model().parameters;
+  Eigen::VectorXd values;
+  standing.substeps = std::max(1, evaluate(system, standing.own, values));
+  const int substeps = std::max(start_substeps, standing.substeps);
   const auto own = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return x - parent.basis * (parent.basis.transpose() * x);
   };
@@ -402,7 +490,7 @@ void Proposer::refine(Standing& standing, const Parent& parent, int iterations) 
   const auto reach = [&](const Eigen::VectorXd& theta, State& state) {
     Eigen::VectorXd force;
     Eigen::MatrixXd slopes;
-    if (!evaluate(system, theta, force, &slopes)) return false;
+    if (!evaluate(system, theta, force, &slopes, substeps)) return false;
     state.theta = theta;
     state.force = weighted(force);
     state.error = parent.residual - own(state.force);

@@ -13,9 +13,13 @@ struct Shape {
   std::shared_ptr<const System> system;  ///< mass 0, motion imposed, the entry's own parameters
   std::vector<std::uint8_t> linear;      ///< per own parameter
   std::vector<Guess> guesses;            ///< at least one
-  /// Weighted column of each linear parameter (or the one force, where none is linear) at each guess; no rows where it
-  /// is not finite.
-  std::vector<Eigen::MatrixXd> columns;
+  /// Weighted column of each linear parameter at each guess and, with `rest`, of what remains with those at zero; no
+  /// rows where it is not finite.
+  std::vector<Eigen::MatrixXd> columns = {};
+  bool rest = false;
+  std::vector<int> substeps = {};  ///< per guess, of the internal states along the motion
+  /// The power of newton in each parameter's unit, with which the rest scales; empty where it does not.
+  std::vector<int> force_powers = {};
 };
 
 /// Where an entry beside a parent stands on the force.
@@ -23,9 +27,16 @@ struct Standing {
   const Shape* shape = nullptr;
   Eigen::VectorXd own, parent;  ///< parameters of the entry, and those of the parent moved along
   double cost = 0;              ///< weighted squared misfit, as a displacement [m^2] ([N^2] with imposed motion)
+  int substeps = 1;             ///< of the internal states
   bool shown = false;           ///< its force is no combination of the parent's on this record
   bool refined = false;
 };
+
+/// The records' scales at a place with what a model leaves open of them, for the guesses of the entries beside it.
+RecordScales scales_beside(const Study& study, const Candidate& model, const std::optional<Place>& place = {});
+
+/// Free runs of such an entry cost more than those of all others together.
+inline bool many_states(std::size_t states) { return states > 4; }
 
 /// Compares forces as the trajectory feels them. A force that is missing moves the mass through the receptance of the
 /// linear system; noise of the sensor, differentiated twice, becomes white again behind it. Hence all columns pass
@@ -60,10 +71,11 @@ class Proposer {
 
  private:
   Eigen::VectorXd weighted(const Eigen::VectorXd& force) const;
-  bool evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force,
-                Eigen::MatrixXd* jacobian) const;
+  int evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force) const;
   bool evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force, Eigen::MatrixXd* jacobian,
                 int substeps) const;
+  Eigen::MatrixXd columns_at(Shape& shape, const Guess& guess) const;
+  bool scales_with_force(const Shape& shape, const std::vector<int>& powers) const;
 
   /// A mode's receptance as a filter, b0 + b1/z over 1 + a0/z + a1/z^2.
   struct Mode {

@@ -119,7 +119,7 @@ class Search {
   /// Not rejected against the best: nested sets by the likelihood ratio, others by Vuong's test.
   bool not_rejected(const Candidate& c, const Candidate& best) const {
     if (within(c.choices, best.choices)) return corrected(improvement_p_value(c, best)) > study_.options->alpha;
-    return vuong_z(best, c) < vuong_level;
+    return !fits_worse(study_, c, best);
   }
 
   void choose(std::vector<Candidate>& field) {
@@ -293,7 +293,7 @@ class Search {
       // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
       if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
         result_.aliases.push_back(c.name());
-      else if (std::abs(vuong_z(chosen, c)) < vuong_level &&
+      else if (!fits_worse(study_, c, chosen) && !fits_worse(study_, chosen, c) &&
                improvement_p_value(result_.baseline, c) < study_.options->alpha)
         result_.ties.push_back(c.name());
     }
@@ -330,7 +330,7 @@ class Search {
         remark = "does not lower the left-out gap by the least gain";
       else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
         remark = "not better by what its extra parameters cost";
-      else if (vuong_z(chosen, c) > vuong_level)
+      else if (fits_worse(study_, c, chosen))
         remark = "fits worse";
       else
         remark = "fits no better";

@@ -216,15 +216,13 @@ bool shows_beside(const Study& study, const Candidate& candidate, const Candidat
   return false;
 }
 
-std::vector<double> residual_lines(const Study& study, const Candidate& candidate) {
+namespace {
+
+/// The angular frequencies of the highest peaks in the spectrum of x, at most eight.
+std::vector<double> strongest_lines(Eigen::VectorXd x, double dt) {
   constexpr std::size_t most = 8;
   constexpr Eigen::Index padding = 4;  // bins per line of the window
-  if (!candidate.ran()) return {};
-  const auto longest = std::max_element(candidate.fit.residual.begin(), candidate.fit.residual.end(),
-                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  const double dt =
-      study.train[static_cast<std::size_t>(longest - candidate.fit.residual.begin()) % study.train.size()].record.dt();
-  Eigen::VectorXd x = longest->array() - longest->mean();
+  x.array() -= x.mean();
   for (Eigen::Index i = 0; i < x.size(); ++i)
     x[i] *= 1 - std::cos(2 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(x.size()));
   const Eigen::Index length = padding * power_of_two_above(x.size());
@@ -247,6 +245,29 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
       lines.push_back(omega);
   }
   return lines;
+}
+
+}  // namespace
+
+std::vector<double> residual_lines(const Study& study, const Candidate& candidate) {
+  if (!candidate.ran()) return {};
+  const auto& all = candidate.fit.residual;
+  const auto longest =
+      std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return strongest_lines(*longest,
+                         study.train[static_cast<std::size_t>(longest - all.begin()) % study.train.size()].record.dt());
+}
+
+std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
+                                     const std::optional<Place>& place) {
+  const auto longest = std::max_element(study.force.begin(), study.force.end(),
+                                        [](const auto& a, const auto& b) { return a.record.rows() < b.record.rows(); });
+  Eigen::VectorXd open =
+      force_at(open_force(candidate, candidate.best_theta(), longest->record), longest->record.rows(), place);
+  if (!open.allFinite()) return {};
+  const Eigen::VectorXd y = motion_at(longest->record, place, 'y');
+  for (Eigen::Index i = 0; i < open.size(); ++i) open[i] *= longest->use[static_cast<std::size_t>(i)] ? y[i] : 0;
+  return strongest_lines(std::move(open), longest->record.dt());
 }
 
 Record with_shaft(const Record& record) {

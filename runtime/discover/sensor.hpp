@@ -25,6 +25,11 @@ void add_variant(Model& model, const Effect& effect, int variant);
 /// leaves open, at most eight; none of a model that cannot be run.
 std::vector<double> residual_lines(const Study& study, const Candidate& candidate);
 
+/// Those at which a stiffness that goes up and down would explain most of the force that a model leaves open along the
+/// measured motion: the lines of that force times the displacement.
+std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
+                                     const std::optional<Place>& place = {});
+
 /// Orders the starts of a candidate whose fault the force along the measured motion does not show (a lag, a limit) by
 /// short fits on the trajectory. `theta`: the parameters of the model without it.
 void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta);

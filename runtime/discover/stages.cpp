@@ -9,6 +9,7 @@
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
 #include "discover/places.hpp"
+#include "discover/propose.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
@@ -66,16 +67,6 @@ struct Stage {
   double gap(const Candidate& c) const {
     return c.ran() ? rms_error(c.fit) / study.measured_std() : std::numeric_limits<double>::quiet_NaN();
   }
-
-  double residual_std() const {
-    double squares = 0, rows = 0;
-    for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-      const VectorXd r = lunid::residual_force(study, baseline, baseline, k);
-      squares += r.squaredNorm();
-      rows += static_cast<double>(r.size());
-    }
-    return std::isfinite(squares) ? std::sqrt(squares / rows) : 0;
-  }
 };
 
 std::vector<Parameter> own_parameters(const Candidate& candidate, const Effect& effect, const VectorXd& theta) {
@@ -127,11 +118,8 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
   if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
 }
 
-std::vector<Guess> guesses_of(const Stage& stage, const Choice& choice, double residual_std) {
-  if (!choice.effect->guess) return {};
-  RecordScales known = scales(stage.study, residual_std);
-  known.lines = residual_lines(stage.study, stage.baseline);
-  return choice.effect->guess(known, choice.variant);
+std::vector<Guess> guesses_of(const Choice& choice, const RecordScales& scale) {
+  return choice.effect->guess ? choice.effect->guess(scale, choice.variant) : std::vector<Guess>{};
 }
 
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
@@ -201,13 +189,13 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   out.baseline = fitted(stage.baseline);
   out.gap = stage.gap(stage.baseline);
   out.warnings = stage.warnings;
-  const double residual_std = stage.residual_std();
+  const RecordScales scale = scales_beside(stage.study, stage.baseline);
   std::vector<Candidate> all;
   std::vector<std::vector<Guess>> guesses;
   for (const Effect& effect : catalogue)
     for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
       all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
-      guesses.push_back(guesses_of(stage, {&effect, variant}, residual_std));
+      guesses.push_back(guesses_of({&effect, variant}, scale));
     }
   progress(options, "project the entries", 0.4);
   const Whitening whitening = residual_colour(stage.study, stage.baseline);
@@ -238,7 +226,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
                               const std::vector<std::vector<int>>& sets, const std::vector<Record>& records,
                               const DiscoverOptions& options) {
   Stage stage(baseline, records, options);
-  const double residual_std = stage.residual_std();
+  const RecordScales scale = scales_beside(stage.study, stage.baseline);
   std::vector<Candidate> all{stage.baseline};
   std::vector<std::vector<std::vector<Guess>>> guesses{{}};
   for (const auto& set : sets) {
@@ -257,7 +245,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
     for (const Choices& way : ways) {
       all.push_back(compile(stage.study, complete(baseline), way));
       guesses.emplace_back();
-      for (const Choice& choice : way) guesses.back().push_back(guesses_of(stage, choice, residual_std));
+      for (const Choice& choice : way) guesses.back().push_back(guesses_of(choice, scale));
     }
   }
   progress(options, "fit the sets", 0.3);

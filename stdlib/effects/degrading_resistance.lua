@@ -5,17 +5,22 @@ return function(effect)
   local work = "(Ru*(d - q*z^2/2)/Nc)"
   local x = ("(rinf*%s + 1e-8)"):format(work)
   local half = ("tanh(%s/2)"):format(x)
+  -- stored at the limit R is R^2*q/(2*Ru), with R/Ru as it would be if Ru*q/2 were
+  local first = "(rinf + (1 - rinf)*exp(-(w - Ru*q/2)/Nc))"
+  local limit = ("Ru*(rinf + (1 - rinf)*exp(-(w - Ru*q/2*%s^2)/Nc))"):format(first)
   return effect {
     name = "degrading_resistance",
     family = "soil",
-    contribution = ("Ru*z/(exp(-%s) + %s*2*%s/((1 + %s)*%s))"):format(x, work, half, half, x),
+    contribution = { ("Ru*z/(exp(-%s) + %s*2*%s/((1 + %s)*%s))"):format(x, work, half, half, x), "r" },
     formula = "R*z, R = Ru*(rinf + (1 - rinf)*exp(-N/Nc)), N the work done in slip; dz/dt = v/q, held within -1 <= "
-      .. "z <= 1",
+      .. "z <= 1; or r, dr/dt = Ru/q*v, held within -R <= r <= R",
     parameters = { { "Ru", min = 0, unit = "N" }, { "q", min = 0, unit = "m" }, { "rinf", min = 0, max = 1 },
       { "Nc", min = 0, unit = "N m" } },
     states = {
       z = { rate = "v/q", min = "-1", max = "1" },
       d = { rate = "z*v", unit = "m" },  -- work done over Ru; less what is stored: the slipped path
+      r = { rate = "Ru/q*v", min = "-" .. limit, max = limit, unit = "N" },
+      w = { rate = "r*v", unit = "N m" },  -- work done; less what is stored: N
     },
     guess = function(scale)
       local guesses = {}
@@ -36,7 +41,7 @@ return function(effect)
     passive = true,
     signature = "odd; odd harmonics; a parallelogram that becomes lower with the work done in slip, towards a rest rinf",
     sentence = "the soil loses resistance the more work is done in it, as sand that is fluidised by driving",
-    note = "the quake q stays, so that the stiffness falls with the limit",
+    note = "variant 1: the quake q stays, so that the stiffness falls with the limit; variant 2: the stiffness Ru/q stays",
     confusers = { "shaft_softening", "vibro_liquefaction", "smith_shaft", "pinching_degrading_hysteresis" },
     acts_on = { "elastic_slip" },
     source = "Rodger and Littlejohn 1980, Geotechnique 30, 269-293",

@@ -29,7 +29,7 @@ return function(effect)
     states = states,
     guess = function(scale)
       local guesses = {}
-      for _, part in ipairs { 0.1, 0.4 } do  -- Fs/k over the motion
+      for _, part in ipairs { 0.06, 0.15, 0.4 } do  -- Fs/k over the motion
         for _, n in ipairs { 1, 4 } do
           local Fs = 0.6 * scale.force_std
           guesses[#guesses + 1] = { Fs = Fs, k = Fs / (part * (scale.y_max - scale.y_min)), n = n }

@@ -11,11 +11,11 @@ return function(effect)
     states = { z = { rate = "v - " .. slip, unit = "m" } },
     guess = function(scale)
       local guesses = {}
-      for _, part in ipairs { 0.01, 0.05, 0.2 } do
-        for _, slow in ipairs { 0.03, 0.2 } do
+      for _, part in ipairs { 0.01, 0.03, 0.1 } do
+        for _, slow in ipairs { 0.03, 0.1, 0.3 } do
           local Fc = 0.4 * scale.force_std
           local s0 = Fc / (part * (scale.y_max - scale.y_min))
-          guesses[#guesses + 1] = { s0 = s0, s1 = 0.1 * s0 / scale.omega, Fc = Fc, Fs = 1.3 * Fc,
+          guesses[#guesses + 1] = { s0 = s0, s1 = 0.1 * s0 / scale.omega, Fc = Fc, Fs = 1.6 * Fc,
             vs = slow * scale.v_max }
         end
       end

@@ -7,8 +7,11 @@ return function(effect)
     family = "time_variation",
     contribution = "(ac*cos(w*t) + as*sin(w*t))*y",
     parameters = { { "ac", unit = "N/m" }, { "as", unit = "N/m" }, { "w", min = 0, unit = "rad/s" } },
-    guess = function(scale)  -- steps that a record of some twenty periods cannot step over
+    guess = function(scale)  -- what stands out, and steps that a record of some twenty periods cannot step over
       local guesses = {}
+      for _, w in ipairs(scale.modulations) do
+        if w >= slowest(scale) then guesses[#guesses + 1] = { w = w } end
+      end
       for i = 1, 80 do
         local w = i / 16 * scale.omega
         if w >= slowest(scale) then guesses[#guesses + 1] = { w = w } end

@@ -49,7 +49,8 @@ local function scale(length, frequency, mass)
   local force = mass * w ^ 2 * length
   return { y_max = 1.3 * length, y_min = -1.1 * length, y_std = 0.7 * length, v_max = 1.2 * w * length,
     v_std = 0.7 * w * length, force_std = 0.7 * force, residual_std = 0.1 * force, omega = w, stiffness = mass * w ^ 2,
-    interval = 0.02 / frequency, duration = 10 / frequency, lines = { 0.4 * w, 3 * w } }
+    interval = 0.02 / frequency, duration = 10 / frequency, lines = { 0.4 * w, 3 * w },
+    modulations = { 1.7 * w, 1e-6 * w } }
 end
 local scales = { scale(2e-6, 3000, 0.01), scale(3e-3, 25, 40), scale(0.8, 0.3, 9000) }
 

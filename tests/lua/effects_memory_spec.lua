@@ -149,6 +149,20 @@ spec.case("degrading_resistance: the limit falls with the work done in slip", fu
   end
 end)
 
+spec.case("degrading_resistance, variant 2: the limit alone falls, under a stiffness that stays", function()
+  for _, rinf in ipairs { 0.3, 0, 1 } do
+    local Ru, q, Nc = 4, 0.008, 0.6
+    local f, N = slip(Ru/q), 0
+    local before, last = 0, 0
+    compare(effects.degrading_resistance { variant = 2, Ru = Ru, q = q, rinf = rinf, Nc = Nc }, wander, 2, function(y)
+      local trial = before + Ru/q*(y - last)
+      before, last = f(y, Ru*(rinf + (1 - rinf)*math.exp(-N/Nc))), y
+      N = N + math.abs(before)*math.abs(trial - before)*q/Ru
+      return before
+    end, 1e-3)
+  end
+end)
+
 spec.case("setup_recovery, depth_resistance, vibro_liquefaction: limits that change beside the slip", function()
   local f = slip(300)
   local R = 1

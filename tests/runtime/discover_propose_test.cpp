@@ -1,0 +1,112 @@
+// What an entry would explain along the measured motion: the amplitude of a guess, and states that follow at once.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover/baseline.hpp"
+#include "discover/propose.hpp"
+#include "discover_catalogue.hpp"
+#include "truth/law.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::spacing;
+
+/// A study of mass 1 between k = 1 and zeta = 0.03 with one law beside them, under a random force.
+struct Case {
+  Model model = baseline("k*y + c*v", 1);
+  DiscoverOptions options;
+  Study study;
+  Candidate known;
+
+  explicit Case(truth::Law law) {
+    truth::Physics physics;
+    physics.law = std::make_shared<const truth::Law>(std::move(law));
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 5), 0.4, {}, 1500, spacing / 2, 24);
+    Record record = testing::noisy_record(motion, "y", motion.x, 1e-4, 3);
+    record = derive_motion(Record("half", 0, spacing / 2, {record.channel("F"), record.channel("y")}));
+    study = prepare(model, {record}, {record}, options);
+    std::vector<std::string> warnings;
+    known = fit_baseline(study, model, warnings);
+  }
+
+  Standing best(const Effect& effect, Shape& shape) const {
+    const Proposer proposer(study, known);
+    shape = proposer.shape(model, {&effect, 0}, scales(study, 0));
+    proposer.run(shape);
+    return proposer.score(shape, proposer.parent(known, known.starts.front()));
+  }
+};
+
+Parameter in(const std::string& name, const std::string& unit) {
+  Parameter p = testing::row(name, 0);
+  p.unit = unit;
+  return p;
+}
+
+Effect dahl(Pool& pool, const std::string& stiffness, const std::string& force) {
+  const Expr z = pool.state("z");
+  Effect effect = testing::entry(pool, "dahl", "s*z", {in("s", stiffness), in("Fc", force)});
+  effect.states.push_back({z, parse(pool, "v - s*abs(v)*z/Fc"), 0, {}, {}});
+  effect.guess = [](const RecordScales&, int) { return std::vector<Guess>{{{"s", 1e6}, {"Fc", 0.3e6}}}; };
+  return effect;
+}
+
+TEST(Proposer, TakesTheAmplitudeOfAGuessFromTheRecord) {
+  const Case dahl_record(truth::laws::dahl(1, 0.3));
+  Shape shape;
+  const Effect effect = dahl(*dahl_record.model.pool, "N/m", "N");
+  const Standing found = dahl_record.best(effect, shape);
+  ASSERT_EQ(found.own.size(), 2);
+  EXPECT_NEAR(found.own[0], 1, 0.1);
+  EXPECT_NEAR(found.own[1], 0.3, 0.03);
+}
+
+TEST(Proposer, LeavesAGuessAloneWhoseUnitsDoNotSayHowItScales) {
+  const Case dahl_record(truth::laws::dahl(1, 0.3));
+  Shape shape;
+  const Effect effect = dahl(*dahl_record.model.pool, "", "");
+  const Standing found = dahl_record.best(effect, shape);
+  ASSERT_EQ(found.own.size(), 2);
+  EXPECT_TRUE(shape.force_powers.empty());
+  EXPECT_EQ(found.own[0], 1e6);
+  EXPECT_EQ(found.own[1], 0.3e6);
+}
+
+/// s1 is linear, the rest is scaled; one step to a sample is too long for the bristles.
+TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
+  const Case lugre_record(truth::laws::lugre(3, 0.15, 0.2, 0.4, 0.4));
+  Pool& pool = *lugre_record.model.pool;
+  const Expr z = pool.state("z");
+  const std::string slip = "abs(v)*z*s0/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
+  Effect effect = testing::entry(pool, "lugre", "s0*z + s1*(v - " + slip + ")",
+                                 {in("s0", "N/m"), in("s1", "N s/m"), in("Fc", "N"), in("Fs", "N"), in("vs", "m/s")});
+  effect.states.push_back({z, parse(pool, "v - " + slip), 0, {}, {}});
+  effect.guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{{{"s0", 300}, {"Fc", 20}, {"Fs", 40}, {"vs", 0.4}}};
+  };
+  Shape shape;
+  const Standing found = lugre_record.best(effect, shape);
+  ASSERT_EQ(found.own.size(), 5);
+  EXPECT_GT(found.substeps, 1);
+  EXPECT_NEAR(found.own[0], 3, 0.3);
+  EXPECT_NEAR(found.own[2], 0.2, 0.02);
+  EXPECT_NEAR(found.own[3], 0.4, 0.04);
+  EXPECT_EQ(found.own[4], 0.4);
+}
+
+/// A stiffness that goes up and down beside a random force leaves no line in the residual, but one in its product with
+/// y.
+TEST(Proposer, HearsTheFrequencyOfAModulatedStiffness) {
+  const Case modulated(
+      truth::laws::of_time([](double tau, double x, double) { return 0.15 * std::cos(1.7 * tau + 0.4) * x; }));
+  const RecordScales scale = scales_beside(modulated.study, modulated.known);
+  ASSERT_FALSE(scale.modulations.empty());
+  EXPECT_NEAR(scale.modulations.front(), 1.7, 0.02);
+}
+
+}  // namespace
+}  // namespace lunid
