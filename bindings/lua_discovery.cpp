@@ -254,6 +254,7 @@ void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) 
     lua_setfield(L, -2, "record");
     push_text(L, c.role);
     lua_setfield(L, -2, "role");
+    set_text(L, "output", c.output);
     set_column(L, "t", c.t);
     set_column(L, "measured", c.measured);
     set_column(L, "baseline", c.baseline);
@@ -267,8 +268,26 @@ void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) 
   }
 }
 
-void push_map(lua_State* L, const ResidualMap& map) {
+/// { { name =, t =, y =, v =, named =, left = } }: with several coordinates the force of each named effect at its
+/// place.
+void push_forces(lua_State* L, const std::vector<PlacedForce>& forces) {
   lua_newtable(L);
+  lua_Integer i = 0;
+  for (const PlacedForce& force : forces) {
+    lua_newtable(L);
+    set_text(L, "name", force.name);
+    set_column(L, "t", force.t);
+    set_column(L, "y", force.y);
+    set_column(L, "v", force.v);
+    set_column(L, "named", force.named);
+    set_column(L, "left", force.left);
+    lua_rawseti(L, -2, ++i);
+  }
+}
+
+void push_map(lua_State* L, const ResidualMap& map, const std::string& place) {
+  lua_newtable(L);
+  set_text(L, "place", place);
   set_column(L, "y", map.y);
   set_column(L, "v", map.v);
   set_rows(L, "before", map.before);
@@ -334,7 +353,9 @@ int get(lua_State* L) {
   else if (key == "comparisons")
     push_comparisons(L, found.comparisons);
   else if (key == "map")
-    push_map(L, found.map);
+    push_map(L, found.map, found.map_place);
+  else if (key == "forces")
+    push_forces(L, found.forces);
   else if (key == "rivals")
     push_rivals(L, found);
   else if (key == "designed") {
@@ -354,7 +375,7 @@ int get(lua_State* L) {
       throw InputError(
           "a discovery has no '" + key +
           "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json output "
-          "seconds comparisons map; methods: save next_experiment)");
+          "seconds comparisons map forces; methods: save next_experiment)");
     }
   }
   return 1;

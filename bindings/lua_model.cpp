@@ -122,6 +122,8 @@ int make_model(lua_State* L) {
   model.acts = read_maps(L, "acts", declared);
   for (const auto& measured : model.measures) listed.push_back(measured.map);
   model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
+  if (model.imposed_motion && model.degrees() > 1)
+    throw InputError("model: motion can be imposed on one coordinate, got " + std::to_string(model.degrees()));
   with_field(L, 1, "states", [&] {
     for_each(L, -1, [&](lua_Integer) {
       const Value state = check_value(L, -1);

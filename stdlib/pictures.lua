@@ -11,8 +11,12 @@ local velocity = { name = "velocity", unit = "m/s" }
 
 local output_axes = { y = displacement, v = { name = "velocity", unit = "m/s" },
   a = { name = "acceleration", unit = "m/s^2" }, F = { name = "force", unit = "N" } }
---- What the gap is about.
-local function output_axis(found) return output_axes[found.output] end
+--- What the gap is about: of several coordinates "displacement y2".
+local function output_axis(comparison)
+  local output = comparison.output
+  local axis = output_axes[output:sub(1, 1)]
+  return #output > 1 and { name = axis.name .. " " .. output, unit = axis.unit } or axis
+end
 
 --- "free run", or what stands in its place where the motion is imposed.
 local function run_words(found) return found.model.imposed_motion and "along the motion" or "free run" end
@@ -62,7 +66,7 @@ local function run_panel(found, comparison, limits)
       role = model.role, style = model.style }
   end
   return { title = limits and "where the baseline is worst" or "",
-    x = { name = "time", unit = "s", min = limits and limits.from, max = limits and limits.to }, y = output_axis(found),
+    x = { name = "time", unit = "s", min = limits and limits.from, max = limits and limits.to }, y = output_axis(comparison),
     series = series }
 end
 
@@ -73,7 +77,7 @@ local function error_panel(found, comparison)
     series[#series + 1] = { x = comparison.t, y = minus(comparison.measured, model.values),
       label = "error, " .. model.label, role = model.role }
   end
-  return { title = "whole record", x = time, y = output_axis(found), series = series }
+  return { title = "whole record", x = time, y = output_axis(comparison), series = series }
 end
 
 local function residual_panel(found, comparison)
@@ -121,11 +125,15 @@ function pictures.history(found, comparison)
   return { panels = panels }
 end
 
+--- "_y2" where the records hold several outputs.
+local function of_output(comparison) return #comparison.output > 1 and "_" .. comparison.output or "" end
+
 local function add_histories(list, found)
   local seen = {}
   for _, comparison in ipairs(found.comparisons) do
-    seen[comparison.role] = (seen[comparison.role] or 0) + 1
-    list[#list + 1] = { name = ("history_%s_%d"):format(comparison.role, seen[comparison.role]),
+    local which = comparison.role .. of_output(comparison)
+    seen[which] = (seen[which] or 0) + 1
+    list[#list + 1] = { name = ("history_%s_%d%s"):format(comparison.role, seen[which], of_output(comparison)),
       figure = figures.make(pictures.history(found, comparison)),
       caption = ("%s (%s): measured, and the %s of %s; the force that is left unexplained along the measured motion."):format(
         comparison.record, comparison.role,
@@ -145,7 +153,9 @@ local function largest(rows)
 end
 
 local function map_panel(map, rows, title, most)
-  return { title = title, x = displacement, y = velocity, map = { x = map.y, y = map.v, z = rows,
+  local where = map.place ~= "" and " " .. map.place or ""
+  return { title = title, x = { name = displacement.name .. where, unit = displacement.unit },
+    y = { name = velocity.name .. where, unit = velocity.unit }, map = { x = map.y, y = map.v, z = rows,
     colour = { name = "unexplained force", unit = "N", min = most and -most, max = most } } }
 end
 
@@ -162,7 +172,8 @@ end
 local function add_map(list, found)
   if #found.map.y < 2 or #found.map.v < 2 then return end
   list[#list + 1] = { name = "residual_map", figure = figures.make(pictures.residual_map(found)),
-    caption = "Mean force that is left unexplained, over displacement and velocity: where the baseline fails"
+    caption = "Mean force that is left unexplained, over displacement and velocity" .. (found.map.place ~= "" and " of " .. found.map.place
+      or "") .. ": where the baseline fails"
       .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
 end
 
@@ -172,7 +183,9 @@ end
 local function variables(effects)
   local seen = {}
   for _, effect in ipairs(effects) do
-    for name in effect.formula:gmatch "%f[%w_][%a_][%w_]*" do seen[name] = true end
+    for name in effect.formula:gmatch "%f[%w_][%a_][%w_]*" do
+      seen[effect.place and name:match "^([yv])%d+$" or name] = true  -- of several coordinates: y2
+    end
   end
   local hidden = seen.z  -- its force depends on the past: over displacement and velocity it is a loop
   local list = {}
@@ -182,11 +195,24 @@ local function variables(effects)
   return list
 end
 
-local function force_panel(comparison, variable, measured)
-  local x = comparison[variable[1]]
+local function force_panel(x, variable, measured, named)
   return { x = variable[2], y = { name = "force", unit = "N" }, series = {
     { x = x, y = measured, label = "left by the rest of the final model", role = "residual", style = "points" },
-    { x = x, y = comparison.named_force, label = "named effect", role = "effect", style = "points" } } }
+    { x = x, y = named, label = "named effect", role = "effect", style = "points" } } }
+end
+
+--- Of several coordinates: each effect over the motion at its place, which its title tells.
+local function forces_at_places(found)
+  local panels, ends = {}, lead_in(found.comparisons[1])
+  for i, force in ipairs(found.forces) do
+    local effect = found.effects[i]
+    for _, variable in ipairs(variables { effect }) do
+      local panel = force_panel(force[variable[1]], variable, inner(plus(force.left, force.named), ends), force.named)
+      panel.title = effect.label
+      panels[#panels + 1] = panel
+    end
+  end
+  return { columns = math.min(#panels, 2), panels = panels }
 end
 
 local function first_training(found)
@@ -199,9 +225,10 @@ end
 function pictures.named_force(found)
   local train = first_training(found)
   if not train or #found.effects == 0 then return nil end
+  if #found.forces > 0 then return forces_at_places(found) end
   local measured = inner(plus(train.residual_after, train.named_force), lead_in(train))
   local panels = {}
-  for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train, variable, measured) end
+  for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train[variable[1]], variable, measured, train.named_force) end
   return row_of(panels)
 end
 
@@ -210,7 +237,7 @@ local function add_named_force(list, found)
   if not fields then return end
   list[#list + 1] = { name = "named_force", figure = figures.make(fields),
     caption = ("The force of %s, and what the final model would leave unexplained without it, along the measured "
-      .. "motion of %s."):format(#found.effects > 1 and "all that was named" or found.effects[1].name,
+      .. "motion of %s."):format(#found.effects > 1 and "all that was named" or found.effects[1].label or found.effects[1].name,
       first_training(found).record) }
 end
 

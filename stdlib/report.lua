@@ -133,6 +133,20 @@ local function parameter_table(parameters, names, first_guess)
   return html_table(head, parameter_rows(parameters, names, first_guess))
 end
 
+--- The gaps of each of several coordinates.
+local function outputs_table(data)
+  if not data.outputs then return "" end
+  local rows = {}
+  for _, output in ipairs(data.outputs) do
+    for _, part in ipairs { "train", "test" } do
+      local gap = "gap_" .. part
+      rows[#rows + 1] = { ("<code>%s</code>, %s"):format(escape(output.output), part), number(output.baseline[gap], output.baseline.cause),
+        number(output.final[gap], output.final.cause), number(output.noise_floor[gap], output.final.cause) }
+    end
+  end
+  return "<p>Of each coordinate:</p>" .. html_table({ "", "baseline", "final model", "noise alone" }, rows)
+end
+
 local function gap_section(data)
   local floor = data.noise_floor
   return "<h2>The gap</h2>" .. html_table({ "", "baseline", "final model", "noise alone" }, {
@@ -141,13 +155,13 @@ local function gap_section(data)
     { "test record, opened after the verdict", number(data.baseline.gap_test, data.baseline.cause),
       number(data.final.gap_test, data.final.cause), number(floor.gap_test, floor.reason) },
     { "rows of the training record that the fit did not see", number(data.left_out.gap_before, data.left_out.reason),
-      number(data.left_out.gap_after, data.left_out.reason), "" } })
+      number(data.left_out.gap_after, data.left_out.reason), "" } }) .. outputs_table(data)
     .. ('<p class="small">%s. Noise alone is what a perfect model would leave (standard deviation %s).</p>'):format(
       escape(data.method.gap), number(floor.std))
 end
 
 local function effect_section(effect)
-  local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.name), escape(effect.sentence)) }
+  local lines = { ("<h3><code>%s</code>: %s</h3>"):format(escape(effect.label or effect.name), escape(effect.sentence)) }
   local what = effect.is == "physics" and "Adds <code>%s</code> to the restoring force (%s)."
     or "This is " .. effect.is .. ": <code>%s</code> (%s)."
   lines[#lines + 1] = ("<p>" .. what .. " The chance of as large a gain where it is not there (p) is %s.</p>"):format(

@@ -68,12 +68,13 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
     const Eigen::VectorXd& theta = baseline.starts.front();
     imposed_force(*baseline.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian);
     gram += jacobian.transpose() * jacobian;
-    for (const double f : data.record["F"]) force += f * f;
+    force += acting_forces(model, data.record).squaredNorm();
   }
   bool mass_free = false;
   for (Eigen::Index j = 0; j < p; ++j) {
     const auto& name = table[static_cast<std::size_t>(j)].name;
-    mass_free = mass_free || depends_on(model.mass, model.pool->parameter(name));
+    for (int i = 0; i < model.degrees(); ++i)
+      mass_free = mass_free || depends_on(model.coordinate(i).mass, model.pool->parameter(name));
     if (table[static_cast<std::size_t>(j)].fixed) continue;
     if (!(gram(j, j) > 0))
       throw InputError("discover: the data do not excite parameter '" + name +

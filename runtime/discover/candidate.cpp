@@ -31,10 +31,9 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
     if (!model.allFinite() || !jacobian.allFinite()) return INFINITY;
     Eigen::MatrixXd columns(model.size(), p);
     for (Eigen::Index j = 0; j < p; ++j) columns.col(j) = jacobian.col(free[static_cast<std::size_t>(j)]);
-    const auto force = data.record["F"];
-    Eigen::VectorXd error = Eigen::Map<const Eigen::VectorXd>(force.data(), model.size()) - model;
+    Eigen::VectorXd error = acting_forces(system.model(), data.record) - model;
     for (Eigen::Index i = 0; i < error.size(); ++i)
-      if (!data.use[static_cast<std::size_t>(i)]) {
+      if (!data.use[static_cast<std::size_t>(i % data.record.rows())]) {
         error[i] = 0;
         columns.row(i).setZero();
       }
@@ -131,11 +130,11 @@ std::string unit_on(const Record& record, const std::string& unit) {
 }
 
 /// The baseline with the chosen effects added.
-Model extend(const Model& baseline, const Choices& choices, const RecordScales& scales,
+Model extend(const Study& study, const Model& baseline, const Choices& choices,
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
   Model model = baseline;
   for (const auto& c : choices) {
-    const Ranges ranges = c.effect->range ? c.effect->range(scales, c.variant) : Ranges{};
+    const Ranges ranges = c.effect->range ? c.effect->range(scales(study, 0, c.effect->place), c.variant) : Ranges{};
     for (auto p : c.effect->parameters) {
       if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
         p.min = std::max(p.min, limits->second.first);
@@ -166,20 +165,26 @@ std::size_t Candidate::added() const {
 
 std::string Candidate::name() const {
   std::string text;
-  for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->name;
+  for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
   return text.empty() ? "baseline" : text;
 }
 
 std::vector<std::uint8_t> linear_parameters(const Model& model) {
-  const Expr a = model.pool->channel("a");
-  const Expr force = model.mass * a + model.restoring;
+  std::vector<Expr> forces;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    forces.push_back(mass * model.pool->channel(model.channel('a', i)) + restoring);
+  }
   std::vector<std::uint8_t> linear(model.parameters.size(), 0);
   std::vector<Expr> kept;
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const Expr p = model.pool->parameter(model.parameters[i].name);
-    const Expr slope = derivative(force, p);
-    bool is_linear = !depends_on(slope, p);
-    for (const Expr other : kept) is_linear = is_linear && !depends_on(slope, other);
+    bool is_linear = true;
+    for (const Expr force : forces) {
+      const Expr slope = derivative(force, p);
+      is_linear = is_linear && !depends_on(slope, p);
+      for (const Expr other : kept) is_linear = is_linear && !depends_on(slope, other);
+    }
     for (const auto& state : model.states)
       for (const Expr part : {state.rate, state.min, state.max})
         is_linear = is_linear && !(part.valid() && depends_on(part, p));
@@ -216,7 +221,7 @@ bool Candidate::degenerate() const {
 Candidate compile(const Study& study, const Model& baseline, const Choices& choices) {
   Candidate candidate;
   candidate.choices = choices;
-  Model model = extend(baseline, choices, choices.empty() ? RecordScales{} : scales(study, 0), candidate.shown);
+  Model model = extend(study, baseline, choices, candidate.shown);
   for (std::size_t i = baseline.parameters.size(); i < model.parameters.size(); ++i)
     model.parameters[i].unit = unit_on(study.full.front(), model.parameters[i].unit);
   candidate.linear = linear_parameters(model);
@@ -292,9 +297,7 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
 
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-  const auto force = record["F"];
-  return Eigen::Map<const Eigen::VectorXd>(force.data(), record.rows()) -
-         imposed_force(*candidate.force_system, values, record);
+  return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
 }
 
 Model fitted(const Candidate& c) {

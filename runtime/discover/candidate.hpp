@@ -69,7 +69,8 @@ Model fitted(const Candidate& candidate);
 /// Fits on the trajectory from the best start, short free runs first.
 void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 
-/// What a model with these parameters leaves of the force along a record's motion, F - m*a - f [N].
+/// What a model with these parameters leaves of the force along a record's motion, F - m*a - f [N]; of several
+/// coordinates one after another.
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record);
 
 /// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).

@@ -7,6 +7,8 @@
 
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
+#include "discover/places.hpp"
+#include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -18,10 +20,11 @@ struct Feature {
   std::string words;
 };
 
-std::vector<Feature> generic_forces(const Study& study, Model& model) {
+std::vector<Feature> generic_forces(const Study& study, Model& model, const std::optional<Place>& place) {
   Pool& pool = *model.pool;
-  const RecordScales s = scales(study, 1);
-  const Expr u = pool.channel("y") / s.y_std, w = pool.channel("v") / s.v_std, t = pool.channel("t");
+  const RecordScales s = scales(study, 1, place);
+  const Expr u = motion_at(model, place, 'y') / s.y_std, w = motion_at(model, place, 'v') / s.v_std,
+             t = pool.channel("t");
   const double span = study.train.front().record.duration();
   const Expr slow = t / span;
   auto tanh = [&](Expr x) { return pool.apply(Op::tanh, {x}); };
@@ -129,33 +132,46 @@ void fit_closure(const Study& study, const Candidate& candidate, Closure& closur
   closure.fit = fit_trajectory(*closure.system, start, study.train, options);
 }
 
-Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening) {
+namespace {
+
+/// The model with generic forces at a place, all with coefficient zero.
+struct Generic {
   Closure closure;
-  if (!candidate.ran() || candidate.innovations.size() == 0) return closure;
+  std::vector<Feature> features;
+  double left = INFINITY;  ///< squared error beside them
+};
+
+Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place) {
+  Generic out;
+  out.closure.place = place;
   Model model = candidate.system->model();
-  const auto features = generic_forces(study, model);
-  for (std::size_t j = 0; j < features.size(); ++j) {
+  out.features = generic_forces(study, model, place);
+  for (std::size_t j = 0; j < out.features.size(); ++j) {
     const std::string name = "closure_" + std::to_string(j + 1);
-    model.restoring = model.restoring + model.pool->parameter(name) * features[j].force;
+    add_force(model, place, model.pool->parameter(name) * out.features[j].force);
     Parameter row;
     row.name = name;
     row.value = 0;
     model.parameters.push_back(row);
   }
-  closure.system = std::make_shared<const System>(complete(std::move(model)));
-  const System& system = *closure.system;
+  out.closure.system = std::make_shared<const System>(complete(std::move(model)));
+  return out;
+}
+
+void test(const Study& study, const Candidate& candidate, const Whitening& whitening, Generic& generic) {
+  Closure& closure = generic.closure;
   Columns columns;
-  if (!collect(study, candidate, system, whitening, columns)) return closure;
+  if (!collect(study, candidate, *closure.system, whitening, columns)) return;
   const Eigen::MatrixXd &own = columns.own, &extra = columns.extra;
   Eigen::MatrixXd all(own.rows(), own.cols() + extra.cols());
   all << own, extra;
   Eigen::Index rank_own = 0, rank_all = 0;
   const double before = misfit(own, columns.residual, &rank_own);
-  const double after = misfit(all, columns.residual, &rank_all);
+  generic.left = misfit(all, columns.residual, &rank_all);
   const double added = static_cast<double>(rank_all - rank_own);
   const double freedom = static_cast<double>(own.rows() - rank_all);
-  if (added > 0 && freedom > 0 && after > 0)
-    closure.p_value = f_tail((before - after) / added / (after / freedom), added, freedom);
+  if (added > 0 && freedom > 0 && generic.left > 0)
+    closure.p_value = f_tail((before - generic.left) / added / (generic.left / freedom), added, freedom);
   const auto [without, with] = left_out_misfit(all, own.cols(), columns, study.options->blocks);
   closure.gain = 1 - std::sqrt(with / without);
   double best = before;
@@ -165,10 +181,24 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
     const double cost = misfit(one, columns.residual);
     if (cost < best) {
       best = cost;
-      closure.shape = features[static_cast<std::size_t>(j)].words;
+      closure.shape = generic.features[static_cast<std::size_t>(j)].words;
     }
   }
-  return closure;
+}
+
+}  // namespace
+
+Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening) {
+  if (!candidate.ran() || candidate.innovations.size() == 0) return {};
+  std::vector<Generic> all;
+  for (const Place& place : places_of(study.model)) all.push_back(generic_at(study, candidate, place));
+  if (all.empty()) all.push_back(generic_at(study, candidate, {}));
+  parallel_for(static_cast<int>(all.size()), study.options->threads,
+               [&](int i) { test(study, candidate, whitening, all[static_cast<std::size_t>(i)]); });
+  const auto best =
+      std::min_element(all.begin(), all.end(), [](const Generic& a, const Generic& b) { return a.left < b.left; });
+  best->closure.p_value = std::min(1.0, best->closure.p_value * static_cast<double>(all.size()));
+  return best->closure;
 }
 
 }  // namespace lunid

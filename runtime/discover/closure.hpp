@@ -8,13 +8,16 @@ struct Closure {
   double p_value = 1;  ///< that generic forces of y, v, slow time and fading memory explain nothing
   double gain = 0;     ///< relative drop of the RMS of the whitened residual on left-out blocks, <= 1; < 0: none
   std::string shape;   ///< the feature that explains most, in words
+  std::optional<Place> place;  ///< with several coordinates: where these forces act
+  std::string words() const { return place ? shape + ", " + words_of(*place) : shape; }
   std::shared_ptr<const System> system;  ///< the model with the generic forces; null where they could not be run
   FitResult fit;                         ///< filled by fit_closure
 };
 
 /// Adds generic forces (Chebyshev-like products of y and v up to degree 5, saturations, a fading memory of v, slow
 /// changes of stiffness and damping) with coefficient zero to the model and asks what their exact sensitivities explain
-/// of the residual beside the model's own parameters and first states. Changes the pool: main thread only.
+/// of the residual beside the model's own parameters and first states. With several coordinates at each place, of which
+/// the one that explains most is told. Changes the pool: main thread only.
 Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening);
 
 /// Fits the model with its generic forces on the trajectory: a nonparametric closure that can be simulated.

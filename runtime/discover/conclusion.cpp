@@ -31,7 +31,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   out.same_experiment = options;
   out.same_experiment.cancelled = nullptr;  // it outlives the run
   const bool driven = study.imposed || options.limits.force > 0;
-  if (out.verdict != "ambiguous" || !driven) return;
+  if (out.verdict != "ambiguous" || !driven || study.forces.size() > 1) return;
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
   for (const Rival& rival : out.rivals) {
@@ -77,11 +77,11 @@ void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
   const Run reference = simulate(*c.system, theta, part, segment.x0, options);
   out.check_solver = reference.summary.solver;
   if (fast.summary.completed && reference.summary.completed)
-    out.check_error =
-        (shown(*c.system, theta, fast, study.output()) - shown(*c.system, theta, reference, study.output()))
-            .cwiseAbs()
-            .maxCoeff() /
-        study.measured_std();
+    for (const std::string& output : study.outputs())
+      out.check_error = std::max(
+          out.check_error,
+          (shown(*c.system, theta, fast, output) - shown(*c.system, theta, reference, output)).cwiseAbs().maxCoeff() /
+              (study.degrees() == 1 ? study.measured_std() : standard_deviation(record[output])));
   else
     out.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
 }
@@ -92,7 +92,7 @@ std::string sentence(const Round& round, const Discovery& out) {
   char text[160];
   if (out.verdict == "explained" || out.verdict == "ambiguous") {
     std::string names;
-    for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.name;
+    for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.label;
     names += not_physics(found.order);
     const double excess = out.baseline_test.value - out.final_test.floor;
     const double share = excess > 0 ? (out.baseline_test.value - out.final_test.value) / excess : 0;
@@ -104,7 +104,7 @@ std::string sentence(const Round& round, const Discovery& out) {
     if (!std::isfinite(out.baseline_test.value))
       return said + ": the baseline cannot be run on the test record, the final model can";
     if (left.material)
-      said += std::string(text) + "; a small repeatable force is left (" + left.closure.shape + ")";
+      said += std::string(text) + "; a small repeatable force is left (" + left.closure.words() + ")";
     else
       said += text;
     return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
@@ -124,7 +124,7 @@ std::string sentence(const Round& round, const Discovery& out) {
   if (!left.seen)
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;
-  return "something repeatable is missing (" + left.closure.shape + ") that no entry of the catalogue explains" +
+  return "something repeatable is missing (" + left.closure.words() + ") that no entry of the catalogue explains" +
          nearest;
 }
 

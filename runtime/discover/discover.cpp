@@ -9,6 +9,7 @@
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
 #include "discover/naming.hpp"
+#include "discover/places.hpp"
 #include "discover/removable.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
+constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
 
 class Spine {
  public:
@@ -145,7 +147,8 @@ class Spine {
 
   bool force_varies() const {
     for (const auto& data : study_.train)
-      if (standard_deviation(data.record["F"]) > 0) return true;
+      for (const std::string& force : study_.forces)
+        if (standard_deviation(data.record[force]) > 0) return true;
     return false;
   }
 
@@ -226,6 +229,11 @@ class Spine {
     out_.baseline_test = pool_gap(before_test_, share_);
     out_.final_train = pool_gap(after_train_, share_);
     out_.final_test = pool_gap(after_test_, share_);
+    const std::vector<std::string> outputs = study_.outputs();
+    for (std::size_t i = 0; i < outputs.size() && outputs.size() > 1; ++i) {
+      const auto gap = [&](const std::vector<FreeRun>& all) { return pool_gap(of_output(all, outputs[i]), share_); };
+      out_.outputs.push_back({outputs[i], gap(before_train_), gap(before_test_), gap(after_train_), gap(after_test_)});
+    }
     name_steps(found);
   }
 
@@ -248,9 +256,11 @@ class Spine {
       NamedEffect named;
       named.name = effect.name;
       named.family = effect.family;
-      named.formula = effect.formula;
+      named.formula = formula_at(effect.formula, effect.place);
       named.sentence = effect.sentence;
-      named.where = describe_residual(study_, i == 0 ? found.baseline : found.steps[i - 1], found.chosen);
+      named.label = effect.label();
+      if (effect.place) named.place = motion_of(*effect.place);
+      named.where = where(i == 0 ? found.baseline : found.steps[i - 1], found.chosen, effect.place);
       named.parameters = own_parameters(found.chosen, effect);
       const bool last = i + 1 == found.steps.size();
       named.gap_train = last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), share_).value;
@@ -269,14 +279,25 @@ class Spine {
     std::vector<Parameter> out;
     const Model model = fitted(final_model);
     for (const auto& p : effect.parameters) {
-      Parameter row = *model.find(p.name);
-      if (row.name.rfind(effect.name + "_", 0) == 0) row.name = row.name.substr(effect.name.size() + 1);
-      out.push_back(row);
+      out.push_back(*model.find(p.name));
+      out.back().name = own_name(effect, p.name);
     }
     return out;
   }
 
   // ---- show ----
+  std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
+    const std::string text = describe_residual(study_, model, reference, place);
+    return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
+  }
+
+  /// With several coordinates: where the first effect was named, or generic forces see most.
+  std::optional<Place> main_place(const Round& round) const {
+    if (round.names()) return round.found.order.front().effect->place;
+    if (study_.degrees() == 1) return {};
+    return round.left.closure.place.value_or(Place{});
+  }
+
   void show(const Round& round) {
     const SearchResult& found = round.found;
     out_.verdict = round.verdict;
@@ -284,7 +305,8 @@ class Spine {
     out_.gap_left_out_after = found.chosen.left_out_gap;
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
-    out_.where = describe_residual(study_, found.baseline, found.chosen) + sensor_hint(study_, found.baseline);
+    const std::optional<Place> place = main_place(round);
+    out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
@@ -305,13 +327,12 @@ class Spine {
     if (out_.verdict == "ambiguous") progress("design the experiment that would decide", 0.97);
     design_next(study_, found, out_);
     check_by_sundials(study_, found.chosen, out_);
-    for (std::size_t i = 0; i < study_.full.size(); ++i)
-      out_.comparisons.push_back(
-          compare(study_, found.baseline, found.chosen, study_.full[i], before_train_[i], after_train_[i], "train"));
-    for (std::size_t i = 0; i < study_.test.size(); ++i)
-      out_.comparisons.push_back(
-          compare(study_, found.baseline, found.chosen, study_.test[i], before_test_[i], after_test_[i], "test"));
-    out_.map = residual_map(study_, found.baseline, found.chosen);
+    compare_all(found, study_.full, before_train_, after_train_, "train");
+    compare_all(found, study_.test, before_test_, after_test_, "test");
+    out_.map = residual_map(study_, found.baseline, found.chosen, place);
+    if (place) out_.map_place = motion_of(*place);
+    for (const Choice& choice : found.order)
+      if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
     out_.output = study_.output();
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
     out_.solver =
@@ -321,6 +342,15 @@ class Spine {
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
     out_.sentence = sentence(round, out_);
+  }
+
+  void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,
+                   std::span<const FreeRun> after, const std::string& role) {
+    const std::size_t outputs = study_.outputs().size();
+    for (std::size_t i = 0; i < records.size(); ++i)
+      for (Comparison& c : compare(study_, found.baseline, found.chosen, records[i],
+                                   before.subspan(i * outputs, outputs), after.subspan(i * outputs, outputs), role))
+        out_.comparisons.push_back(std::move(c));
   }
 
   const DiscoverOptions& options_;
@@ -351,11 +381,17 @@ void validate(const DiscoverOptions& o) {
 
 void check_baseline(const Model& given) {
   const Model baseline = complete(given);
-  if (baseline.degrees() > 1)
-    throw InputError("discover: expected a model of one degree of freedom, got " + std::to_string(baseline.degrees()));
+  if (baseline.degrees() > most_coordinates)
+    throw InputError("discover: expected a model of no more than " + std::to_string(most_coordinates) +
+                     " coordinates, got " + std::to_string(baseline.degrees()) +
+                     ": take a part of it, or one of its modes");
+  if (baseline.degrees() > 1 && !(baseline.measures.empty() && baseline.acts.empty()))
+    throw InputError(
+        "discover: a baseline of several coordinates whose channels measure or act is not looked at: correct the "
+        "records");
   if (baseline.delay.valid()) throw InputError("discover: a baseline with a delayed force is not looked at: shift F");
   for (const std::string& input : baseline.inputs())
-    if (input != "F")
+    if (input[0] != 'F')
       throw InputError("discover: a baseline driven by " + input +
                        " is not looked at: use relative displacements and F = -m*ab");
 }

@@ -27,7 +27,8 @@ struct DiscoverOptions {
 };
 /// Throws InputError naming option, value and the admissible range.
 void validate(const DiscoverOptions& options);
-/// Throws InputError for a model that discovery does not look at: several coordinates, a delay, inputs other than F.
+/// Throws InputError for a model that discovery does not look at: more than five coordinates, a delay, inputs other
+/// than forces.
 void check_baseline(const Model& baseline);
 
 /// A gap: RMSE of the free-run displacement (velocity or acceleration where that alone was measured) over the standard
@@ -44,10 +45,24 @@ struct Gap {
 /// A measured record beside the free runs of baseline and final model, for figures and reports. All in SI.
 struct Comparison {
   std::string record, role;                         ///< path; "train" or "test"
-  Eigen::VectorXd t, measured, baseline, final;     ///< of Discovery::output; NaN in the lead-in
-  Eigen::VectorXd y, v;                             ///< measured motion, smoothed
+  std::string output;                               ///< the channel, one comparison for each
+  Eigen::VectorXd t, measured, baseline, final;     ///< of the output; NaN in the lead-in
+  Eigen::VectorXd y, v;                             ///< measured motion of its coordinate, smoothed
   Eigen::VectorXd residual_before, residual_after;  ///< force that the model leaves unexplained [N]
   Eigen::VectorXd named_force;                      ///< the named effects' force along the measured motion [N]
+};
+
+/// Of several coordinates: a named effect's force at its place along the first training record [N], and what the final
+/// model leaves there.
+struct PlacedForce {
+  std::string name;
+  Eigen::VectorXd t, y, v, named, left;
+};
+
+/// Of several coordinates: the gaps of one.
+struct OutputGaps {
+  std::string output;
+  Gap baseline_train, baseline_test, final_train, final_test;
 };
 
 /// A rectangle of the (y, v) plane and the mean residual force there, before and after; NaN where there is no data.
@@ -68,6 +83,8 @@ struct Rival {
 
 struct NamedEffect {
   std::string name, family, formula, where, sentence;
+  std::string place;                  ///< of several coordinates: what it is a function of, "y2" or "y1 - y2"
+  std::string label;                  ///< the name, and where
   std::vector<Parameter> parameters;  ///< under the entry's own names, with std
   std::vector<std::string> indistinguishable;
   double gap_train = 0, gap_test = 0;
@@ -104,6 +121,9 @@ struct Discovery {
   std::vector<Rival> rivals;  ///< of the last round, where nothing (more) was named
   std::vector<std::string> warnings;
   std::vector<Comparison> comparisons;
+  std::vector<OutputGaps> outputs;  ///< with several coordinates: of each
+  std::vector<PlacedForce> forces;  ///< with several coordinates: of each named effect
+  std::string map_place;            ///< with several coordinates: what the map's y is, "y2" or "y1 - y2"
   ResidualMap map;
   Naming naming;                      ///< how often resampled records give the same names
   std::vector<Removable> removable;   ///< terms of the baseline that these records do not need

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,21 @@ struct EffectVariant {
   EffectVariant(Expr force) : force(force) {}  // implicit: most are no more than this
 };
 
+/// Where a force acts in a model of several coordinates, counted from 0: on one against the ground, or between two.
+struct Place {
+  int of = 0, from = -1;  ///< from -1: the ground
+  bool joint() const { return from >= 0; }
+  friend bool operator==(const Place&, const Place&) = default;
+};
+/// "at y2", "in y1 - y2"
+std::string words_of(const Place& place);
+/// What the force is a function of there: "y2", "y1 - y2"
+std::string motion_of(const Place& place);
+
 struct Effect {
   std::string name;  ///< contract: EFFECTS.md
+  std::optional<Place>
+      place;  ///< with several coordinates: where its forms, names and states are those of (places.hpp)
   std::string family;
   std::string formula;  ///< as an engineer writes it, e.g. "Fc*sign(v)"
   /// Contribution to f, and its mirror images or signs where the entry has some (one_sided_stop), or the channels whose
@@ -50,8 +64,11 @@ struct Effect {
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, confusers, channels;
   std::string signature, sentence, source;
+  /// Its name, and where it is: "coulomb_friction at y2".
+  std::string label() const { return place ? name + " " + words_of(*place) : name; }
   bool is_special_case(const Effect& general) const {
-    return std::find(special_case_of.begin(), special_case_of.end(), general.name) != special_case_of.end();
+    return place == general.place &&
+           std::find(special_case_of.begin(), special_case_of.end(), general.name) != special_case_of.end();
   }
   /// First guesses of the shape parameters of a variant, several to try; called on the main thread. Empty: all are
   /// linear.

@@ -15,84 +15,110 @@ namespace {
 constexpr double roughest_noise = 0.3;
 constexpr int most_substeps = 32;
 
-/// Squared change of what is shown after the lead-in, under another force or first state; NaN where the run stops.
-double squared_change(const System& system, std::span<const double> theta, const Excitations& excitation,
-                      const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index rows, const std::string& channel,
-                      const SimulateOptions& options) {
-  const Run run = simulate(system, theta, excitation, x0, options);
-  if (!run.summary.completed) return NAN;
-  return (shown(system, theta, run, channel) - shown(system, theta, nominal, channel)).tail(rows).squaredNorm();
+/// A run that others are held against.
+struct Nominal {
+  const System& system;
+  std::span<const double> theta;
+  const FitData& data;
+  const StateEstimate& state;
+  const Run& run;
+  const SimulateOptions& options;
+};
+
+/// Squared change of each output after the lead-in, under another force or first state; none where the run stops.
+std::vector<double> squared_changes(const Nominal& at, const Excitations& excitation, const Eigen::VectorXd& x0,
+                                    const std::vector<FreeRun>& outputs) {
+  const Run run = simulate(at.system, at.theta, excitation, x0, at.options);
+  if (!run.summary.completed) return {};
+  std::vector<double> out;
+  for (const FreeRun& o : outputs)
+    out.push_back((shown(at.system, at.theta, run, o.output) - shown(at.system, at.theta, at.run, o.output))
+                      .tail(o.rows)
+                      .squaredNorm());
+  return out;
 }
 
-/// Mean squared displacement that white noise on the force channel causes, by a run with a noisy force.
-double input_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                           const Eigen::VectorXd& x0, const Run& nominal, Eigen::Index lead,
-                           const SimulateOptions& options) {
-  const Record& record = data.record;
-  const double noise = record.channel("F").noise;
-  // A force that is as rough as that is a random excitation, not a noisy sensor.
-  if (!(noise > 0) || noise > roughest_noise * standard_deviation(record["F"])) return 0;
-  double squares = 0;
+/// Mean squared displacement that white noise on the force channels causes, by runs with noisy forces.
+void add_input_noise(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
+  const Record& record = at.data.record;
   constexpr int draws = 2;
+  std::vector<double> squares(out.size(), 0.0);
   for (int draw = 0; draw < draws; ++draw) {
     Philox random(study.options->seed, static_cast<std::uint64_t>(1000 + draw));
-    Eigen::VectorXd force = Eigen::Map<const Eigen::VectorXd>(record["F"].data(), record.rows());
-    for (auto& f : force) f += noise * random.normal();
-    const Excitation noisy(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
-                           data.excitation.interpolation());
-    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-    squares += squared_change(system, values, data.excitation.replaced("F", noisy), x0, nominal, record.rows() - lead,
-                              study.output(), options);
+    Excitations excitation = at.data.excitation;
+    bool noisy = false;
+    for (const std::string& channel : study.forces) {
+      const double noise = record.channel(channel).noise;
+      // A force that is as rough as that is a random excitation, not a noisy sensor.
+      if (!(noise > 0) || noise > roughest_noise * standard_deviation(record[channel])) continue;
+      Eigen::VectorXd force = Eigen::Map<const Eigen::VectorXd>(record[channel].data(), record.rows());
+      for (auto& f : force) f += noise * random.normal();
+      excitation = excitation.replaced(
+          channel, Excitation(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
+                              at.data.excitation.interpolation()));
+      noisy = true;
+    }
+    if (!noisy) return;
+    const std::vector<double> change = squared_changes(at, excitation, at.state.x0, out);
+    for (std::size_t i = 0; i < out.size(); ++i) squares[i] += change.empty() ? NAN : change[i];
   }
-  return std::isfinite(squares) ? squares / draws : 0;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i].input_squares = std::isfinite(squares[i]) ? squares[i] / draws : 0;
 }
 
 /// What the first state's error makes of the run where slopes do not tell: it grows along the run (several attractors,
 /// chaos, no spring) until the motion itself bounds it.
-void add_drawn_states(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                      const StateEstimate& state, double share, const Run& nominal, const SimulateOptions& options,
-                      FreeRun& out) {
+void add_drawn_states(const Study& study, const Nominal& at, double share, std::vector<FreeRun>& out) {
   constexpr int draws = 16;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(share * state.covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(share * at.state.covariance);
   const Eigen::VectorXd lengths = parts.eigenvalues().cwiseMax(0).cwiseSqrt();
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-  std::vector<double> squares;
+  std::vector<std::vector<double>> squares(out.size());
   for (int draw = 0; draw < draws; ++draw) {
     Philox random(study.options->seed, stream_of("first state") + static_cast<std::uint64_t>(draw));
     Eigen::VectorXd step(lengths.size());
     for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = lengths[i] * random.normal();
-    const double change = squared_change(system, values, data.excitation, state.x0 + parts.eigenvectors() * step,
-                                         nominal, out.rows, study.output(), options);
-    if (!std::isnan(change)) squares.push_back(change);
+    const std::vector<double> change =
+        squared_changes(at, at.data.excitation, at.state.x0 + parts.eigenvectors() * step, out);
+    for (std::size_t i = 0; i < change.size(); ++i)
+      if (!std::isnan(change[i])) squares[i].push_back(change[i]);
   }
-  if (squares.empty()) return;
-  const double deviation = standard_deviation(squares);
-  out.floor_squares += std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size());
-  out.floor_variance = deviation * deviation;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (squares[i].empty()) continue;
+    const double deviation = standard_deviation(squares[i]);
+    out[i].floor_squares +=
+        std::accumulate(squares[i].begin(), squares[i].end(), 0.0) / static_cast<double>(squares[i].size());
+    out[i].floor_variance = deviation * deviation;
+  }
 }
 
-void add_floor(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitData& data,
-               const StateEstimate& state, const Run& run, const SimulateOptions& options, FreeRun& out) {
-  const double noise = data.record.channel(study.output()).noise;
-  out.floor_squares = noise * noise * static_cast<double>(out.rows);
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-  const auto sensitivities = simulate_sensitivities(system, values, data.excitation, state.x0, options);
-  if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
-    const Eigen::MatrixXd d = shown_slopes(system, values, data.excitation, sensitivities, study.output())
-                                  .rightCols(system.states())
-                                  .bottomRows(out.rows);
-    // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
-    const double fitted = state.residual_variance > 0 ? std::min(1.0, noise * noise / state.residual_variance) : 1.0;
-    const Eigen::MatrixXd spread = fitted * (d.transpose() * d) * state.covariance;
-    const bool small = spread.allFinite() && spread.trace() < out.floor_squares;
-    if (small) {
-      out.floor_squares += spread.trace();
-      out.floor_variance = 2 * (spread * spread).trace();  // of a quadratic form of a Gaussian first state
-    } else {
-      add_drawn_states(study, system, theta, data, state, fitted, run, options, out);
-    }
+void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
+  const StateEstimate& state = at.state;
+  const double first_noise = at.data.record.channel(out.front().output).noise;
+  for (FreeRun& o : out) {
+    const double noise = at.data.record.channel(o.output).noise;
+    o.floor_squares = noise * noise * static_cast<double>(o.rows);
   }
-  out.input_squares = input_noise_squares(study, system, theta, data, state.x0, run, out.lead, options);
+  const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
+  if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
+    // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
+    const double fitted =
+        state.residual_variance > 0 ? std::min(1.0, first_noise * first_noise / state.residual_variance) : 1.0;
+    std::vector<Eigen::MatrixXd> spreads;
+    bool small = true;
+    for (const FreeRun& o : out) {
+      const Eigen::MatrixXd d = shown_slopes(at.system, at.theta, at.data.excitation, sensitivities, o.output)
+                                    .rightCols(at.system.states())
+                                    .bottomRows(o.rows);
+      spreads.push_back(fitted * (d.transpose() * d) * state.covariance);
+      small = small && spreads.back().allFinite() && spreads.back().trace() < o.floor_squares;
+    }
+    for (std::size_t i = 0; i < out.size() && small; ++i) {
+      out[i].floor_squares += spreads[i].trace();
+      out[i].floor_variance = 2 * (spreads[i] * spreads[i]).trace();  // of a quadratic form of a Gaussian first state
+    }
+    if (!small) add_drawn_states(study, at, fitted, out);
+  }
+  add_input_noise(study, at, out);
 }
 
 /// How far internal states are from where they start, over the whole record: what a lead-in may find them to be.
@@ -116,6 +142,40 @@ void force_run(const System& system, const Eigen::VectorXd& theta, const Record&
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
 }
 
+void motion_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
+                int substeps, bool floor, std::vector<FreeRun>& out) {
+  const FitData data = fit_data(study, record);
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = substeps;
+  options.cancelled = study.options->cancelled;
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  StateEstimate state;
+  Run run;
+  // A test may go faster than what the substeps were chosen on: shorter ones are tried before a run counts as
+  // stopped.
+  for (; options.substeps <= std::max(substeps, most_substeps); options.substeps *= 2) {
+    const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
+    state = estimate_state(system, theta, data, 0, out.front().lead, options.substeps, spread);
+    run = simulate(system, values, data.excitation, state.x0, options);
+    if (run.summary.completed) break;
+  }
+  for (FreeRun& o : out) {
+    o.model = shown(system, values, run, o.output);
+    if (run.summary.completed) continue;
+    o.stopped_at = run.summary.stopped_at;
+    o.cause = run.summary.cause;
+  }
+  if (run.summary.completed && floor) add_floor(study, {system, values, data, state, run, options}, out);
+}
+
+/// In units of the first output's noise; numbers of a single one stay as they are.
+void weigh(double weight, FreeRun& out) {
+  const double square = weight * weight;
+  for (double* squares : {&out.squares, &out.variance, &out.floor_squares, &out.input_squares}) *squares *= square;
+  out.floor_variance *= square * square;
+}
+
 }  // namespace
 
 Eigen::Index lead_in(const Record& record, double omega) {
@@ -124,45 +184,37 @@ Eigen::Index lead_in(const Record& record, double omega) {
   return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(periods, 0.05 * rows)));
 }
 
-FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
-                 int substeps, bool floor) {
-  FreeRun out;
-  out.lead = lead_in(record, study.omega);
-  out.rows = record.rows() - out.lead;
-  const bool imposed = system.model().imposed_motion;
-  if (imposed) {
-    force_run(system, theta, record, out);
-  } else {
-    const FitData data = fit_data(study, record);
-    SimulateOptions options;
-    options.solver = Solver::fixed;
-    options.substeps = substeps;
-    options.cancelled = study.options->cancelled;
-    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-    StateEstimate state;
-    Run run;
-    // A test may go faster than what the substeps were chosen on: shorter ones are tried before a run counts as
-    // stopped.
-    for (; options.substeps <= std::max(substeps, most_substeps); options.substeps *= 2) {
-      const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
-      state = estimate_state(system, theta, data, 0, out.lead, options.substeps, spread);
-      run = simulate(system, values, data.excitation, state.x0, options);
-      if (run.summary.completed) break;
-    }
-    out.model = shown(system, values, run, study.output());
-    if (!run.summary.completed) {
-      out.stopped_at = run.summary.stopped_at;
-      out.cause = run.summary.cause;
-    } else if (floor) {
-      add_floor(study, system, theta, data, state, run, options, out);
-    }
+std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,
+                              const Record& record, int substeps, bool floor) {
+  std::vector<FreeRun> out;
+  for (const std::string& output : study.outputs()) {
+    out.emplace_back();
+    out.back().output = output;
+    out.back().lead = lead_in(record, study.omega);
+    out.back().rows = record.rows() - out.back().lead;
   }
-  const auto channel = record[study.output()];
-  const Eigen::Map<const Eigen::VectorXd> measured(channel.data(), record.rows());
-  const Eigen::VectorXd tail = measured.tail(out.rows);
-  out.squares = (tail - out.model.tail(out.rows)).squaredNorm();
-  out.variance = (tail.array() - tail.mean()).square().sum();
-  out.model.head(out.lead).setConstant(NAN);
+  if (study.imposed)
+    force_run(system, theta, record, out.front());
+  else
+    motion_run(study, system, theta, record, substeps, floor, out);
+  const std::vector<double> weights = study.weights(record);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    FreeRun& o = out[i];
+    const auto channel = record[o.output];
+    const Eigen::Map<const Eigen::VectorXd> measured(channel.data(), record.rows());
+    const Eigen::VectorXd tail = measured.tail(o.rows);
+    o.squares = (tail - o.model.tail(o.rows)).squaredNorm();
+    o.variance = (tail.array() - tail.mean()).square().sum();
+    o.model.head(o.lead).setConstant(NAN);
+    weigh(weights[i], o);
+  }
+  return out;
+}
+
+std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::string& output) {
+  std::vector<FreeRun> out;
+  for (const FreeRun& run : runs)
+    if (run.output == output) out.push_back(run);
   return out;
 }
 

@@ -7,11 +7,12 @@ namespace lunid {
 /// Rows whose motion gives the first state: two periods or 5 % of the rows, whichever is less, never under 5.
 Eigen::Index lead_in(const Record& record, double omega);
 
-/// One record beside the free run of a model.
+/// One output of a record beside the free run of a model.
 struct FreeRun {
+  std::string output;  ///< the channel
   Eigen::Index lead = 0;
-  Eigen::VectorXd model;      ///< of Study::output; NaN in the lead-in and after a stop
-  double squares = 0;         ///< sum of squared errors after the lead-in; NaN when the run stopped
+  Eigen::VectorXd model;      ///< of the output; NaN in the lead-in and after a stop
+  double squares = 0;         ///< sum of squared errors after the lead-in, weighted; NaN when the run stopped
   double variance = 0;        ///< sum of squared deviations of the measured output from its mean, same rows
   double floor_squares = 0;   ///< what sensor noise and first-state error alone would leave
   double floor_variance = 0;  ///< of floor_squares, from the first state
@@ -20,12 +21,16 @@ struct FreeRun {
   double stopped_at = 0;
   std::string cause;
 };
-/// `floor`: what noise alone would leave is asked too, at the cost of several runs.
-FreeRun free_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
-                 int substeps, bool floor = true);
+/// One run, of which each output is shown. `floor`: what noise alone would leave is asked too, at the cost of several
+/// runs.
+std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,
+                              const Record& record, int substeps, bool floor = true);
 
-/// Pooled gap over records. `input_share`: the part of the force channel's noise that the system did not feel, 0..1.
+/// Pooled gap over records and outputs. `input_share`: the part of the force channel's noise that the system did not
+/// feel, 0..1.
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);
+/// The runs of one output.
+std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::string& output);
 
 /// The share of the force channel's noise that the residual shows (0: the system felt it, or there is none).
 double input_noise_share(const std::vector<FreeRun>& train);

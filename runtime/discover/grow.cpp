@@ -38,8 +38,8 @@ class Grower {
         catalogue_(catalogue),
         known_(known),
         progress_(progress),
-        proposer_(study),
-        plain_(study, false) {}
+        proposer_(study, baseline),
+        plain_(study, baseline, false) {}
 
   Grown run() {
     out_.tried = known_.tried;
@@ -98,12 +98,19 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    const RecordScales scale = scales_beside(study_, baseline_);
+    std::vector<std::pair<std::optional<Place>, RecordScales>> known;
+    const auto scales_at = [&](const std::optional<Place>& place) -> const RecordScales& {
+      for (const auto& [at, scale] : known)
+        if (at == place) return scale;
+      known.emplace_back(place, scales_beside(study_, baseline_, place));
+      return known.back().second;
+    };
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
-        out_.left_aside.push_back(effect.name + " (is in the baseline already)");
+        out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
         continue;
       }
+      const RecordScales& scale = scales_at(effect.place);
       for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
         const Choice choice{&effect, variant};
         if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
@@ -122,8 +129,10 @@ class Grower {
     });
   }
 
-  /// An entry with states that is an element of the baseline has its names there.
+  /// An entry that is an element of the baseline has its names there.
   bool in_baseline(const Effect& effect) const {
+    for (const Parameter& own : effect.parameters)
+      if (model_.find(own.name)) return true;
     return std::any_of(effect.states.begin(), effect.states.end(), [&](const InternalState& own) {
       return std::any_of(model_.states.begin(), model_.states.end(),
                          [&](const InternalState& known) { return known.symbol.name() == own.symbol.name(); });
@@ -186,7 +195,25 @@ class Grower {
     });
     each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
     std::stable_sort(order.begin(), order.end(), by_cost);
-    return fit_list(offers, shortlist(offers, order, size), parents, size);
+    std::vector<std::size_t> list = shortlist(offers, order, size);
+    if (size == 1 && !list.empty()) add_other_places(offers, order, list);
+    return fit_list(offers, list, parents, size);
+  }
+
+  /// The best proposal at other places: a rival of itself.
+  static void add_other_places(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
+                               std::vector<std::size_t>& list) {
+    const Choice& best = offers[list.front()].standing.shape->choice;
+    std::vector<std::optional<Place>> seen;
+    for (const auto i : list)
+      if (const Effect& e = *offers[i].standing.shape->choice.effect; e.name == best.effect->name)
+        seen.push_back(e.place);
+    for (const auto i : order) {
+      const Effect& other = *offers[i].standing.shape->choice.effect;
+      if (other.name != best.effect->name || std::find(seen.begin(), seen.end(), other.place) != seen.end()) continue;
+      seen.push_back(other.place);
+      list.push_back(i);
+    }
   }
 
   /// Entries of many states take longer along the motion than all others together: they are looked at where one of few
@@ -221,7 +248,7 @@ class Grower {
   void leave_aside(const std::vector<Offer>& offers) {
     for (const auto& o : offers) {
       if (o.standing.shape->columns.empty()) continue;  // not looked at
-      const std::string& name = o.standing.shape->choice.effect->name;
+      const std::string name = o.standing.shape->choice.effect->label();
       const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
         return x.standing.shown && x.standing.shape->choice.effect == o.standing.shape->choice.effect;
       });

@@ -16,7 +16,8 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
 /// one.
 int part_of(Eigen::Index row, Eigen::Index rows, int parts);
 
-/// Sum of squares and root mean square of a fit's plain residual [m] ([N] with imposed motion), whatever its whitening.
+/// Sum of squares and root mean square of a fit's plain residual [m] ([N] with imposed motion), whatever its whitening;
+/// of several coordinates weighted (Study::weights).
 double squared_error(const FitResult& fit);
 double rms_error(const FitResult& fit);
 

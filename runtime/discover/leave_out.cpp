@@ -17,7 +17,7 @@ bool left_out(const Study& study, std::size_t r, Eigen::Index row, int part, int
   return own == part && row >= lead_in(record, study.omega);
 }
 
-/// Residuals of free runs, per record; empty where one did not come to its end.
+/// Residuals of free runs, as a fit has them; empty where one did not come to its end.
 using Residuals = std::vector<Eigen::VectorXd>;
 
 /// Of a model fitted again without a part.
@@ -50,13 +50,14 @@ void run_left_out(const Study& study, Candidate& candidate) {
   if (!candidate.ran()) return;
   const int parts = study.options->blocks;
   Residuals residual;
-  for (const auto& data : study.train) residual.push_back(Eigen::VectorXd::Zero(data.record.rows()));
+  const std::size_t records = study.train.size();
+  for (const auto& known : candidate.fit.residual) residual.push_back(Eigen::VectorXd::Zero(known.size()));
   for (int part = 0; part < parts; ++part) {
     const Residuals own = refitted_without(study, candidate, part, parts);
     if (own.empty()) return;
     for (std::size_t r = 0; r < own.size(); ++r)
       for (Eigen::Index i = 0; i < residual[r].size(); ++i)
-        if (left_out(study, r, i, part, parts)) residual[r][i] = own[r][i];
+        if (left_out(study, r % records, i, part, parts)) residual[r][i] = own[r][i];
   }
   candidate.left_out = join(residual);
   candidate.left_out_gap =

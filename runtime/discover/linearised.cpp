@@ -10,15 +10,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// d model / d (theta, first state) of a record; empty where it cannot be run.
-MatrixXd slopes(const Study& study, const System& system, const VectorXd& theta, const FitResult& at,
-                std::size_t record) {
+/// d model / d (theta, first state) of each output of a record, weighted; none where it cannot be run.
+std::vector<MatrixXd> slopes(const Study& study, const System& system, const VectorXd& theta, const FitResult& at,
+                             std::size_t record) {
   const FitData& data = study.train[record];
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-  MatrixXd jacobian;
   if (study.imposed) {
-    imposed_force(system, values, data.record, &jacobian);
-    return jacobian;
+    std::vector<MatrixXd> out(1);
+    imposed_force(system, values, data.record, &out[0]);
+    return out;
   }
   VectorXd x0 = VectorXd::Zero(system.states());
   const VectorXd& fitted = at.segments[record].x0;
@@ -29,43 +29,55 @@ MatrixXd slopes(const Study& study, const System& system, const VectorXd& theta,
   options.cancelled = study.options->cancelled;
   const auto run = simulate_sensitivities(system, values, data.excitation, x0, options);
   if (!run.run.summary.completed) return {};
-  return shown_slopes(system, values, data.excitation, run, study.output()).leftCols(theta.size() + fitted.size());
+  std::vector<MatrixXd> out;
+  const std::vector<double> weights = study.weights(data.record);
+  for (const std::string& output : study.outputs())
+    out.push_back(weights[out.size()] *
+                  shown_slopes(system, values, data.excitation, run, output).leftCols(theta.size() + fitted.size()));
+  return out;
 }
 
 }  // namespace
 
 bool linearise(const Study& study, const System& system, const VectorXd& theta, const FitResult& at,
                const Whitening& whitening, Linearised& out) {
-  std::vector<MatrixXd> parts;
-  std::vector<VectorXd> residual;
+  const std::size_t records = study.train.size();
+  std::vector<MatrixXd> parts(at.residual.size());
+  std::vector<VectorXd> residual(at.residual.size());
+  std::vector<Index> state_of_record;
   Index rows = 0, columns = theta.size();
-  out.row_of_record.clear();
-  for (std::size_t r = 0; r < study.train.size(); ++r) {
-    const MatrixXd jacobian = slopes(study, system, theta, at, r);
-    if (jacobian.size() == 0 || !jacobian.allFinite()) return false;
-    VectorXd column;
-    whiten(at.residual[r], {}, whitening, column);
-    residual.push_back(column);
-    MatrixXd whitened(column.size(), jacobian.cols());
-    for (Index j = 0; j < jacobian.cols(); ++j) {
-      whiten(jacobian.col(j), {}, whitening, column);
-      whitened.col(j) = column;
+  for (std::size_t r = 0; r < records; ++r) {
+    const std::vector<MatrixXd> jacobians = slopes(study, system, theta, at, r);
+    if (jacobians.empty()) return false;
+    for (std::size_t c = 0; c < jacobians.size(); ++c) {
+      const MatrixXd& jacobian = jacobians[c];
+      if (jacobian.size() == 0 || !jacobian.allFinite()) return false;
+      VectorXd column;
+      MatrixXd& whitened = parts[c * records + r];
+      whiten(at.residual[c * records + r], {}, whitening, column);
+      residual[c * records + r] = column;
+      whitened.resize(column.size(), jacobian.cols());
+      for (Index j = 0; j < jacobian.cols(); ++j) {
+        whiten(jacobian.col(j), {}, whitening, column);
+        whitened.col(j) = column;
+      }
     }
+    state_of_record.push_back(columns);
+    columns += parts[r].cols() - theta.size();
+  }
+  out.row_of_record.clear();
+  for (const MatrixXd& part : parts) {
     out.row_of_record.push_back(rows);
-    rows += whitened.rows();
-    columns += whitened.cols() - theta.size();
-    parts.push_back(std::move(whitened));
+    rows += part.rows();
   }
   out.row_of_record.push_back(rows);
   out.residual.resize(rows);
   out.columns.setZero(rows, columns);
-  Index state = theta.size();
-  for (std::size_t r = 0; r < parts.size(); ++r) {
-    const Index first = out.row_of_record[r], n = parts[r].rows(), states = parts[r].cols() - theta.size();
-    out.residual.segment(first, n) = residual[r];
-    out.columns.block(first, 0, n, theta.size()) = parts[r].leftCols(theta.size());
-    out.columns.block(first, state, n, states) = parts[r].rightCols(states);
-    state += states;
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    const Index first = out.row_of_record[s], n = parts[s].rows(), states = parts[s].cols() - theta.size();
+    out.residual.segment(first, n) = residual[s];
+    out.columns.block(first, 0, n, theta.size()) = parts[s].leftCols(theta.size());
+    out.columns.block(first, state_of_record[s % records], n, states) = parts[s].rightCols(states);
   }
   return true;
 }

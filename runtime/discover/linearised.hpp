@@ -5,9 +5,11 @@
 namespace lunid {
 
 struct Linearised {
-  Eigen::VectorXd residual;                 ///< whitened, all records
-  Eigen::MatrixXd columns;                  ///< d model / d (theta, then the first state of each record), whitened
-  std::vector<Eigen::Index> row_of_record;  ///< first row of each record, and behind them the number of rows
+  Eigen::VectorXd residual;  ///< whitened, all records
+  Eigen::MatrixXd columns;   ///< d model / d (theta, then the first state of each record), whitened
+  /// First row of each record, of each record's second output and so on, as residuals of a fit have them; behind them
+  /// the number of rows
+  std::vector<Eigen::Index> row_of_record;
 };
 
 /// Of `system` at theta, with the first states and the residual of `at`; states and parameters that `at` lacks are

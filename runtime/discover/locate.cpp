@@ -21,16 +21,21 @@ int bin_of(double x, double limit) {
   return std::clamp(static_cast<int>((x + limit) / (2 * limit) * cells), 0, cells - 1);
 }
 
-/// What smoothing makes of the reference's own run over a record: a residual force where there is none. `run` is what
-/// it shows of the measured channel; where it has no value (lead-in) the measured one stands in.
+/// What smoothing makes of the reference's own run over a record: a residual force where there is none. `runs` is what
+/// it shows of each output; where it has no value (lead-in) the measured one stands in.
 Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, const Record& record,
-                                const Eigen::VectorXd& run) {
+                                const std::vector<Eigen::VectorXd>& runs) {
   if (study.imposed) return Eigen::VectorXd::Zero(record.rows());
-  Channel shown = record.channel(study.measured);
-  shown.values = column(record, study.measured);
-  for (Eigen::Index i = 0; i < shown.values.size(); ++i)
-    if (std::isfinite(run[i])) shown.values[i] = run[i];
-  const Record moved = with_motion(study, record.with(shown));
+  Record own = record;
+  const std::vector<std::string> outputs = study.outputs();
+  for (std::size_t c = 0; c < outputs.size(); ++c) {
+    Channel shown = record.channel(outputs[c]);
+    shown.values = column(record, outputs[c]);
+    for (Eigen::Index i = 0; i < shown.values.size(); ++i)
+      if (std::isfinite(runs[c][i])) shown.values[i] = runs[c][i];
+    own = own.with(std::move(shown));
+  }
+  const Record moved = with_motion(study, own);
   const Record smooth = smooth_motion(study, moved, smoothing_kernel(study, record));
   return open_force(reference, reference.fit.theta, smooth);
 }
@@ -43,22 +48,29 @@ Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, c
   const Eigen::VectorXd residual = open_force(candidate, candidate.fit.theta, smooth);
   if (study.imposed || !reference.ran()) return residual;
   const Record& record = study.train[index].record;
-  return residual -
-         smoothing_error(study, reference, record, column(record, study.measured) - reference.fit.residual[index]);
+  const std::vector<double> weights = study.weights(record);
+  std::vector<Eigen::VectorXd> runs;
+  for (const std::string& output : study.outputs()) {
+    const std::size_t c = runs.size();
+    runs.push_back(column(record, output) - reference.fit.residual[c * study.train.size() + index] / weights[c]);
+  }
+  return residual - smoothing_error(study, reference, record, runs);
 }
 
-std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference) {
-  const ResidualRows rows = residual_rows(study, candidate, reference);
+std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference,
+                              const std::optional<Place>& place) {
+  const ResidualRows rows = residual_rows(study, candidate, reference, place);
   if (!rows.force.allFinite()) return "the model's force is not finite along the measured motion";
   return map_residual(rows).sentence;
 }
 
-ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after) {
+ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after,
+                         const std::optional<Place>& place) {
   ResidualMap map;
   double y_limit = 0, v_limit = 0;
   for (const auto& record : study.smooth) {
-    y_limit = std::max(y_limit, column(record, "y").cwiseAbs().maxCoeff());
-    v_limit = std::max(v_limit, column(record, "v").cwiseAbs().maxCoeff());
+    y_limit = std::max(y_limit, motion_at(record, place, 'y').cwiseAbs().maxCoeff());
+    v_limit = std::max(v_limit, motion_at(record, place, 'v').cwiseAbs().maxCoeff());
   }
   map.y = Eigen::VectorXd::LinSpaced(cells, -1 + 1.0 / cells, 1 - 1.0 / cells) * y_limit;
   map.v = Eigen::VectorXd::LinSpaced(cells, -1 + 1.0 / cells, 1 - 1.0 / cells) * v_limit;
@@ -66,9 +78,10 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
   map.after.setZero(cells, cells);
   map.count.setZero(cells, cells);
   for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-    const Eigen::VectorXd first = residual_force(study, before, after, k);
-    const Eigen::VectorXd last = residual_force(study, after, after, k);
-    const auto y = column(study.smooth[k], "y"), v = column(study.smooth[k], "v");
+    const Eigen::Index rows = study.smooth[k].rows();
+    const Eigen::VectorXd first = force_at(residual_force(study, before, after, k), rows, place);
+    const Eigen::VectorXd last = force_at(residual_force(study, after, after, k), rows, place);
+    const Eigen::VectorXd y = motion_at(study.smooth[k], place, 'y'), v = motion_at(study.smooth[k], place, 'v');
     for (Eigen::Index i = 0; i < first.size(); ++i) {
       if (!study.force[k].use[static_cast<std::size_t>(i)]) continue;
       const int a = bin_of(y[i], y_limit), b = bin_of(v[i], v_limit);
@@ -85,26 +98,57 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
   return map;
 }
 
-Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
-                   const FreeRun& baseline, const FreeRun& final, const std::string& role) {
-  Comparison out;
-  out.record = record.name();
-  out.role = role;
-  out.t.resize(record.rows());
-  for (Eigen::Index i = 0; i < record.rows(); ++i) out.t[i] = record.time(i);
-  out.measured = column(record, study.output());
-  out.baseline = baseline.model;
-  out.final = final.model;
+std::vector<Comparison> compare(const Study& study, const Candidate& before, const Candidate& after,
+                                const Record& record, std::span<const FreeRun> baseline, std::span<const FreeRun> final,
+                                const std::string& role) {
   const Record smooth = study.imposed ? record : smooth_motion(study, record, smoothing_kernel(study, record));
-  out.y = column(smooth, "y");
-  out.v = column(smooth, "v");
-  const Eigen::VectorXd error = smoothing_error(study, after, record, out.final);
-  out.residual_before = open_force(before, before.fit.theta, smooth) - error;
-  out.residual_after = open_force(after, after.fit.theta, smooth) - error;
+  std::vector<Eigen::VectorXd> runs;
+  for (const FreeRun& run : final) runs.push_back(run.model);
+  const Eigen::VectorXd error = smoothing_error(study, after, record, runs);
+  const Eigen::VectorXd left_before = open_force(before, before.fit.theta, smooth) - error;
+  const Eigen::VectorXd left_after = open_force(after, after.fit.theta, smooth) - error;
   Eigen::VectorXd unnamed = after.fit.theta;
   for (Eigen::Index j = before.parameters(); j < unnamed.size(); ++j)
     if (after.linear[static_cast<std::size_t>(j)]) unnamed[j] = 0;
-  out.named_force = open_force(after, unnamed, smooth) - open_force(after, after.fit.theta, smooth);
+  const Eigen::VectorXd named = open_force(after, unnamed, smooth) - open_force(after, after.fit.theta, smooth);
+  std::vector<Comparison> list;
+  for (std::size_t c = 0; c < final.size(); ++c) {
+    const auto first = static_cast<Eigen::Index>(c) * record.rows();
+    Comparison out;
+    out.record = record.name();
+    out.role = role;
+    out.output = final[c].output;
+    out.t.resize(record.rows());
+    for (Eigen::Index i = 0; i < record.rows(); ++i) out.t[i] = record.time(i);
+    out.measured = column(record, final[c].output);
+    out.baseline = baseline[c].model;
+    out.final = final[c].model;
+    out.y = column(smooth, study.channel('y', static_cast<int>(c)));
+    out.v = column(smooth, study.channel('v', static_cast<int>(c)));
+    out.residual_before = left_before.segment(first, record.rows());
+    out.residual_after = left_after.segment(first, record.rows());
+    out.named_force = named.segment(first, record.rows());
+    list.push_back(std::move(out));
+  }
+  return list;
+}
+
+PlacedForce force_of_effect(const Study& study, const Candidate& final, const Effect& effect, std::size_t index) {
+  const Record& smooth = study.smooth[index];
+  PlacedForce out;
+  out.name = effect.label();
+  out.t.resize(smooth.rows());
+  for (Eigen::Index i = 0; i < smooth.rows(); ++i) out.t[i] = smooth.time(i);
+  out.y = motion_at(smooth, effect.place, 'y');
+  out.v = motion_at(smooth, effect.place, 'v');
+  Eigen::VectorXd unnamed = final.fit.theta;
+  const auto& table = final.system->model().parameters;
+  for (std::size_t j = 0; j < table.size(); ++j)
+    for (const Parameter& own : effect.parameters)
+      if (own.name == table[j].name && final.linear[j]) unnamed[static_cast<Eigen::Index>(j)] = 0;
+  const Eigen::VectorXd named = open_force(final, unnamed, smooth) - open_force(final, final.fit.theta, smooth);
+  out.named = force_at(named, smooth.rows(), effect.place);
+  out.left = force_at(residual_force(study, final, final, index), smooth.rows(), effect.place);
   return out;
 }
 

@@ -9,18 +9,26 @@ namespace lunid {
 // reference, the final model: what the same smoothing makes of the reference's own free run, whose residual is zero, is
 // taken away.
 
-/// Force that a model leaves unexplained along the smoothed measured motion of training record `index` [N].
+/// Force that a model leaves unexplained along the smoothed measured motion of training record `index` [N]; of several
+/// coordinates that on each, one after another.
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
                                std::size_t index);
 
-/// What an engineer would say about it (residual_maps.hpp).
-std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference);
+/// What an engineer would say about it (residual_maps.hpp), at a place.
+std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference,
+                              const std::optional<Place>& place = {});
 
-/// Mean residual force over the (y, v) plane before and after (the reference), cells without data NaN.
-ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after);
+/// Mean residual force over the (y, v) plane of a place before and after (the reference), cells without data NaN.
+ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after,
+                         const std::optional<Place>& place = {});
 
-/// Measured, baseline and final (the reference) runs and forces of one record, for figures.
-Comparison compare(const Study& study, const Candidate& before, const Candidate& after, const Record& record,
-                   const FreeRun& baseline, const FreeRun& final, const std::string& role);
+/// Measured, baseline and final (the reference) runs and forces of one record, for figures: one for each output, with
+/// the motion and the forces of its coordinate. `baseline`, `final`: of each output.
+std::vector<Comparison> compare(const Study& study, const Candidate& before, const Candidate& after,
+                                const Record& record, std::span<const FreeRun> baseline, std::span<const FreeRun> final,
+                                const std::string& role);
+
+/// The named force, and what the rest of the final model leaves, at the place of an effect along a training record.
+PlacedForce force_of_effect(const Study& study, const Candidate& final, const Effect& effect, std::size_t index);
 
 }  // namespace lunid

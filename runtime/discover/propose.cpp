@@ -1,6 +1,7 @@
 #include "discover/propose.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cctype>
@@ -15,7 +16,11 @@ namespace {
 /// Longer records are looked at by their first part.
 constexpr Eigen::Index most_rows = 20000;
 
-Eigen::Map<const Eigen::VectorXd> column(const Record& record, const char* name) {
+// A spring that is not there, or no damping, would make the filter drift or ring through the whole record.
+constexpr double least_frequency = 0.3, least_damping = 0.05;
+constexpr double fastest = 2;  // [rad per row]: modes beyond it follow the force
+
+Eigen::Map<const Eigen::VectorXd> column(const Record& record, const std::string& name) {
   const auto x = record[name];
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
@@ -142,61 +147,140 @@ std::vector<Guess> spread_unknown(const Shape& shape, std::vector<Guess> guesses
 
 }  // namespace
 
-RecordScales scales_beside(const Study& study, const Candidate& model) {
+RecordScales scales_beside(const Study& study, const Candidate& model, const std::optional<Place>& place) {
   double squares = 0, rows = 0;
   for (const auto& record : study.smooth) {
-    squares += open_force(model, model.best_theta(), record).squaredNorm();
+    squares += force_at(open_force(model, model.best_theta(), record), record.rows(), place).squaredNorm();
     rows += static_cast<double>(record.rows());
   }
-  RecordScales scale = scales(study, std::isfinite(squares) ? std::sqrt(squares / rows) : 0);
+  RecordScales scale = scales(study, std::isfinite(squares) ? std::sqrt(squares / rows) : 0, place);
   scale.lines = residual_lines(study, model);
-  scale.modulations = modulation_lines(study, model);
+  scale.modulations = modulation_lines(study, model, place);
   return scale;
 }
 
-Proposer::Proposer(const Study& study, bool weigh) {
+Proposer::Proposer(const Study& study, const Candidate& baseline, bool weigh) : degrees_(study.degrees()) {
   Eigen::Index all = 0;
-  for (const auto& data : study.force) all += data.record.rows();
+  for (const auto& data : study.force) all += degrees_ * data.record.rows();
   for (const auto& data : study.force) {
     const Eigen::Index rows = all > most_rows ? data.record.rows() * most_rows / all : data.record.rows();
     data_.push_back({data.record.slice(0, rows), {}, {data.use.begin(), data.use.begin() + rows}});
-    rows_ += rows;
+    rows_ += degrees_ * rows;
   }
   measured_.resize(rows_);
   Eigen::Index row = 0;
   for (const auto& data : data_) {
-    measured_.segment(row, data.record.rows()) = column(data.record, "F");
-    row += data.record.rows();
+    measured_.segment(row, degrees_ * data.record.rows()) = acting_forces(study.model, data.record);
+    row += degrees_ * data.record.rows();
   }
   if (study.imposed || !weigh) return;
-  // A spring that is not there, or no damping, would make the filter drift or ring through the whole record.
-  constexpr double least_frequency = 0.3, least_damping = 0.05;
+  if (degrees_ > 1) {
+    find_modes(study, baseline);
+    return;
+  }
   const Eigen::Vector3d found = linear_system(study);
   const double m = found[0] > 0 ? found[0] : 1;
   const double w = std::max(std::sqrt(std::max(found[2] / m, 0.0)), least_frequency * study.omega);
-  const double zeta = std::clamp(found[1] / (2 * m * w), least_damping, 1.0);
-  // Impulse invariance: poles exp(s dt).
-  const double dt = study.force.front().record.dt(), decay = std::exp(-zeta * w * dt);
-  const double damped = w * std::sqrt(std::max(1 - zeta * zeta, 1e-6));
-  a_[0] = -2 * decay * std::cos(damped * dt);
-  a_[1] = decay * decay;
-  b_[0] = 0;
-  b_[1] = dt * decay * std::sin(damped * dt) / (m * damped);
+  modes_.push_back(mode(m, w, found[1] / (2 * m * w), study.force.front().record.dt()));
+}
+
+/// Impulse invariance: poles exp(s dt).
+Proposer::Mode Proposer::mode(double mass, double frequency, double damping, double dt) {
+  Mode out;
+  const double zeta = std::clamp(damping, least_damping, 1.0), decay = std::exp(-zeta * frequency * dt);
+  const double damped = frequency * std::sqrt(std::max(1 - zeta * zeta, 1e-6));
+  out.a[0] = -2 * decay * std::cos(damped * dt);
+  out.a[1] = decay * decay;
+  out.b[0] = 0;
+  out.b[1] = dt * decay * std::sin(damped * dt) / (mass * damped);
+  return out;
+}
+
+/// Of the linear system whose force along the motion is nearest to that of the baseline; damping between modes is
+/// left out.
+void Proposer::find_modes(const Study& study, const Candidate& baseline) {
+  const Eigen::Index n = degrees_;
+  const Eigen::VectorXd& theta = baseline.ran() ? baseline.fit.theta : baseline.starts.front();
+  const System& system = *baseline.force_system;
+  Eigen::VectorXd mass = Eigen::VectorXd::Ones(n);
+  std::vector<double> in(static_cast<std::size_t>(system.inertia().inputs()), 0.0), out(static_cast<std::size_t>(n)),
+      scratch(static_cast<std::size_t>(system.inertia().registers()) + 1);
+  std::copy(theta.begin(), theta.end(), in.end() - theta.size());  // at rest
+  system.inertia().run_point(in.data(), out.data(), scratch.data());
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (out[static_cast<std::size_t>(i)] > 0) mass[i] = out[static_cast<std::size_t>(i)];
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(2 * n, 2 * n), right = Eigen::MatrixXd::Zero(2 * n, n);
+  for (const auto& data : data_) {
+    const Eigen::Index rows = data.record.rows();
+    const Eigen::VectorXd force = imposed_force(system, view(theta), data.record);
+    if (!force.allFinite()) continue;
+    Eigen::MatrixXd motion(rows, 2 * n), open(rows, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto coordinate = static_cast<int>(i);
+      motion.col(i) = column(data.record, study.channel('y', coordinate));
+      motion.col(n + i) = column(data.record, study.channel('v', coordinate));
+      open.col(i) = force.segment(i * rows, rows) - mass[i] * column(data.record, study.channel('a', coordinate));
+    }
+    gram += motion.transpose() * motion;
+    right += motion.transpose() * open;
+  }
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd found = scale.asDiagonal() * (scale.asDiagonal() * gram * scale.asDiagonal())
+                                                         .completeOrthogonalDecomposition()
+                                                         .solve(scale.asDiagonal() * right);
+  const Eigen::VectorXd root = mass.cwiseSqrt().cwiseInverse();
+  const auto normal = [&](const Eigen::MatrixXd& part) -> Eigen::MatrixXd {
+    return root.asDiagonal() * (0.5 * (part + part.transpose())) * root.asDiagonal();
+  };
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(normal(found.topRows(n)));
+  const Eigen::MatrixXd damping = normal(found.bottomRows(n));
+  const double dt = study.force.front().record.dt();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::VectorXd shape = modes.eigenvectors().col(k);
+    const double w = std::max(std::sqrt(std::max(modes.eigenvalues()[k], 0.0)), least_frequency * study.omega);
+    modes_.push_back(mode(1, w, shape.dot(damping * shape) / (2 * w), dt));
+    if (w * dt > fastest) modes_.back() = {{1 / (w * w), 0}, {0, 0}, {}};
+    modes_.back().shape = root.asDiagonal() * shape;
+  }
+  for (const auto& data : study.train) {
+    const std::vector<double> weights = study.weights(data.record);
+    weights_.push_back(Eigen::Map<const Eigen::VectorXd>(weights.data(), n));
+  }
+}
+
+Eigen::VectorXd Proposer::Mode::filtered(const FitData& data, const Eigen::VectorXd& force) const {
+  Eigen::VectorXd out(force.size());
+  double last = 0, before = 0, input = 0;
+  for (Eigen::Index i = 0; i < force.size(); ++i) {
+    const double now = data.use[static_cast<std::size_t>(i)] ? force[i] : 0;
+    const double value = b[0] * now + b[1] * input - a[0] * last - a[1] * before;
+    input = now;
+    before = last;
+    last = value;
+    out[i] = value;
+  }
+  return out;
 }
 
 Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
-  Eigen::VectorXd out(force.size());
-  Eigen::Index row = 0;
-  for (const auto& data : data_) {
-    double last = 0, before = 0, input = 0;
-    for (Eigen::Index i = 0; i < data.record.rows(); ++i, ++row) {
-      const double now = data.use[static_cast<std::size_t>(i)] ? force[row] : 0;
-      const double value = b_[0] * now + b_[1] * input - a_[0] * last - a_[1] * before;
-      input = now;
-      before = last;
-      last = value;
-      out[row] = value;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(force.size());
+  Eigen::Index first = 0;
+  for (std::size_t r = 0; r < data_.size(); ++r) {
+    const Eigen::Index rows = data_[r].record.rows();
+    const auto of = [&](auto& column, Eigen::Index i) { return column.segment(first + i * rows, rows); };
+    if (modes_.empty()) {
+      for (Eigen::Index i = 0; i < degrees_; ++i) of(out, i) = Mode{}.filtered(data_[r], of(force, i));
+    } else if (degrees_ == 1) {
+      of(out, 0) = modes_.front().filtered(data_[r], of(force, 0));
+    } else {
+      for (const Mode& mode : modes_) {
+        Eigen::VectorXd part = Eigen::VectorXd::Zero(rows);
+        for (Eigen::Index i = 0; i < degrees_; ++i) part += mode.shape[i] * of(force, i);
+        part = mode.filtered(data_[r], part);
+        for (Eigen::Index i = 0; i < degrees_; ++i) of(out, i) += weights_[r][i] * mode.shape[i] * part;
+      }
     }
+    first += degrees_ * rows;
   }
   return out;
 }
@@ -225,10 +309,10 @@ bool Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eige
   Eigen::Index row = 0;
   for (const auto& data : data_) {
     Eigen::MatrixXd part;
-    force.segment(row, data.record.rows()) =
-        imposed_force(system, view(theta), data.record, jacobian ? &part : nullptr, substeps);
-    if (jacobian) jacobian->middleRows(row, data.record.rows()) = part;
-    row += data.record.rows();
+    const Eigen::Index rows = degrees_ * data.record.rows();
+    force.segment(row, rows) = imposed_force(system, view(theta), data.record, jacobian ? &part : nullptr, substeps);
+    if (jacobian) jacobian->middleRows(row, rows) = part;
+    row += rows;
   }
   return force.allFinite() && (!jacobian || jacobian->allFinite());
 }
@@ -239,8 +323,8 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   shape.choice = choice;
   Model alone;
   alone.pool = model.pool;
-  alone.mass = model.pool->constant(0);
-  alone.restoring = model.pool->constant(0);
+  alone.mass = alone.restoring = model.pool->constant(0);
+  alone.further.assign(model.further.size(), {alone.mass, alone.restoring});
   add_variant(alone, effect, choice.variant);
   alone.imposed_motion = true;
   const Ranges ranges = effect.range ? effect.range(scales, choice.variant) : Ranges{};

@@ -5,6 +5,16 @@
 
 namespace lunid {
 
+namespace {
+
+bool in_a_mass(const Model& model, Expr p) {
+  for (int i = 0; i < model.degrees(); ++i)
+    if (depends_on(model.coordinate(i).mass, p)) return true;
+  return false;
+}
+
+}  // namespace
+
 std::vector<Removable> removable_terms(const Model& baseline, const Candidate& final_model) {
   constexpr double level = 0.05;
   std::vector<Removable> out;
@@ -15,7 +25,7 @@ std::vector<Removable> removable_terms(const Model& baseline, const Candidate& f
     const Parameter& row = model.parameters[j];
     const auto k = static_cast<Eigen::Index>(j);
     const Expr p = model.pool->parameter(row.name);
-    if (!final_model.linear[j] || row.fixed || depends_on(baseline.mass, p)) continue;
+    if (!final_model.linear[j] || row.fixed || in_a_mass(baseline, p)) continue;
     const bool at_zero = j < fit.at_bound.size() && fit.at_bound[j] && fit.theta[k] == 0;
     Removable term;
     term.parameter = row.name;
@@ -24,7 +34,9 @@ std::vector<Removable> removable_terms(const Model& baseline, const Candidate& f
     if (!at_zero && !(term.std > 0)) continue;
     term.p_value = at_zero ? 1 : std::erfc(std::abs(term.value) / term.std / std::sqrt(2.0));
     if (term.p_value < level) continue;
-    term.term = to_text(p * derivative(baseline.restoring, p));
+    for (int i = 0; i < baseline.degrees() && term.term.empty(); ++i)
+      if (const Expr force = baseline.coordinate(i).restoring; depends_on(force, p))
+        term.term = to_text(p * derivative(force, p));
     char text[120];
     if (at_zero)
       std::snprintf(text, sizeof text, "its coefficient sits at its bound of zero");

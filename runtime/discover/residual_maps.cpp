@@ -379,19 +379,21 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   return out;
 }
 
-ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference) {
+ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference,
+                           const std::optional<Place>& place) {
   ResidualRows out;
   std::vector<double> t, y, v, force;
   for (std::size_t k = 0; k < study.smooth.size(); ++k) {
-    const VectorXd residual = residual_force(study, candidate, reference, k);
     const Record& record = study.smooth[k];
+    const VectorXd residual = force_at(residual_force(study, candidate, reference, k), record.rows(), place);
+    const VectorXd motion = motion_at(record, place, 'y'), rate = motion_at(record, place, 'v');
     out.row_of_record.push_back(static_cast<Index>(force.size()));
     for (Index i = 0; i < residual.size(); ++i) {
       const auto row = static_cast<std::size_t>(i);
       if (!study.force[k].use[row]) continue;
       t.push_back(record.time(i));
-      y.push_back(record["y"][row]);
-      v.push_back(record["v"][row]);
+      y.push_back(motion[i]);
+      v.push_back(rate[i]);
       force.push_back(residual[i]);
     }
   }
@@ -407,12 +409,12 @@ ResidualRows residual_rows(const Study& study, const Candidate& candidate, const
   out.omega = study.omega;
   out.block = bootstrap_block(study);
   out.seed = study.options->seed;
-  const auto unit = [&](const char* name, const char* otherwise) {
+  const auto unit = [&](const std::string& name, const char* otherwise) {
     const std::string& given = study.full.front().channel(name).unit;
     return given.empty() ? std::string(otherwise) : given;
   };
-  out.y_unit = unit("y", "m");
-  out.force_unit = unit("F", "N");
+  out.y_unit = unit(study.channel('y', 0), "m");
+  out.force_unit = unit(study.forces.front(), "N");
   return out;
 }
 

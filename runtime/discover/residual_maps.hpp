@@ -59,7 +59,8 @@ ResidualMaps map_residual(const ResidualRows& rows);
 std::string sentence_of(const ResidualMaps& maps, const ResidualRows& rows);
 std::string unseen(const ResidualMaps& maps, const ResidualRows& rows);
 
-/// The residual rows of a model along the smoothed training records (locate.hpp).
-ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference);
+/// The residual rows of a model at a place along the smoothed training records (locate.hpp).
+ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference,
+                           const std::optional<Place>& place = {});
 
 }  // namespace lunid

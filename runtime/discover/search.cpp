@@ -92,6 +92,7 @@ class Search {
         field.push_back(c);
         ++taken;
       }
+      if (size == 1) hear_other_places(sets, field);
       const auto fault = std::find_if(sets.begin(), sets.end(), [&](const Candidate& c) {
         return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
       });
@@ -99,6 +100,18 @@ class Search {
       if (fault != sets.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
     }
     return field;
+  }
+
+  /// The best single effect at the other places where it was fitted.
+  static void hear_other_places(const std::vector<Candidate>& sets, std::vector<Candidate>& field) {
+    if (field.empty()) return;
+    const Effect& best = *field.front().choices.front().effect;
+    for (const auto& c : sets) {
+      const Effect& other = *c.choices.front().effect;
+      if (c.choices.size() != 1 || other.name != best.name || other.place == best.place) continue;
+      const auto heard = [&](const Candidate& f) { return same(f.choices, c.choices); };
+      if (std::none_of(field.begin(), field.end(), heard)) field.push_back(c);
+    }
   }
 
   double corrected(double p) const { return std::min(1.0, p * std::max(1, result_.grown.tried)); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/places.hpp"
 #include "record/spectrum.hpp"
 #include "simulate/measures.hpp"
 
@@ -77,7 +78,12 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
+  std::string of_one;  // coordinate alone
   for (const Effect& effect : catalogue) {
+    if (study.degrees() > 1 && !is_physics(effect)) {
+      of_one += (of_one.empty() ? "" : ", ") + effect.name;
+      continue;
+    }
     const auto lacks = std::find_if(effect.channels.begin(), effect.channels.end(), [&](const std::string& channel) {
       return !all_hold(study.full, channel) || !all_hold(study.test, channel);
     });
@@ -90,14 +96,15 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     else
       out.push_back(effect);
   }
-  return out;
+  if (!of_one.empty()) left.push_back(of_one + " (faults of channels and of the input: with one coordinate alone)");
+  return at_places(study.model, out);
 }
 
 void add_variant(Model& model, const Effect& effect, int variant) {
   const EffectVariant& form = effect.variants[static_cast<std::size_t>(variant)];
   Pool& pool = *model.pool;
   std::vector<Expr> parts{form.force};
-  if (form.force.valid()) model.restoring = model.restoring + form.force;
+  if (form.force.valid()) add_force(model, effect.place, form.force);
   std::vector<std::pair<Expr, Expr>> shown;  // a channel by what the model shows of it already
   for (const auto& [channel, map] : form.measures) {
     parts.push_back(map);
@@ -247,17 +254,19 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
   const auto& all = candidate.fit.residual;
   const auto longest =
       std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  return strongest_lines(*longest, study.train[static_cast<std::size_t>(longest - all.begin())].record.dt());
+  return strongest_lines(*longest,
+                         study.train[static_cast<std::size_t>(longest - all.begin()) % study.train.size()].record.dt());
 }
 
-std::vector<double> modulation_lines(const Study& study, const Candidate& candidate) {
+std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
+                                     const std::optional<Place>& place) {
   const auto longest = std::max_element(study.force.begin(), study.force.end(),
                                         [](const auto& a, const auto& b) { return a.record.rows() < b.record.rows(); });
-  Eigen::VectorXd open = open_force(candidate, candidate.best_theta(), longest->record);
+  Eigen::VectorXd open =
+      force_at(open_force(candidate, candidate.best_theta(), longest->record), longest->record.rows(), place);
   if (!open.allFinite()) return {};
-  const auto y = longest->record["y"];
-  for (Eigen::Index i = 0; i < open.size(); ++i)
-    open[i] *= longest->use[static_cast<std::size_t>(i)] ? y[static_cast<std::size_t>(i)] : 0;
+  const Eigen::VectorXd y = motion_at(longest->record, place, 'y');
+  for (Eigen::Index i = 0; i < open.size(); ++i) open[i] *= longest->use[static_cast<std::size_t>(i)] ? y[i] : 0;
   return strongest_lines(std::move(open), longest->record.dt());
 }
 
@@ -354,6 +363,7 @@ double lag_share(const Study& study, const Candidate& baseline, std::size_t inde
 }  // namespace
 
 std::string sensor_hint(const Study& study, const Candidate& baseline) {
+  if (study.degrees() > 1) return "";
   constexpr double much = 0.5, few_rows = 0.005;
   std::string text;
   double flat = 0, trend = 0, lag = 0;

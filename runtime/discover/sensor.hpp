@@ -13,8 +13,8 @@ bool is_physics(const Effect& effect);
 /// How many of the chosen effects are physics.
 int physics_in(const Choices& choices);
 
-/// The entries whose channels all records hold, and that motion of this kind can show. `left` gets the rest, with the
-/// reason.
+/// The entries whose channels all records hold, and that motion of this kind can show, at each place of the model
+/// (places.hpp). `left` gets the rest, with the reason.
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left);
 
 /// Adds a variant of an entry to a model: its force, or what it makes of a channel after what the model makes of it
@@ -27,7 +27,8 @@ std::vector<double> residual_lines(const Study& study, const Candidate& candidat
 
 /// Those at which a stiffness that goes up and down would explain most of the force that a model leaves open along the
 /// measured motion: the lines of that force times the displacement.
-std::vector<double> modulation_lines(const Study& study, const Candidate& candidate);
+std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
+                                     const std::optional<Place>& place = {});
 
 /// Orders the starts of a candidate whose fault the force along the measured motion does not show (a lag, a limit) by
 /// short fits on the trajectory. `theta`: the parameters of the model without it.

@@ -8,6 +8,7 @@
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
+#include "discover/places.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
@@ -45,6 +46,9 @@ struct Stage {
     validate(options);
     check_baseline(given);
     const Model model = complete(given);
+    if (model.degrees() > 1)
+      throw InputError("locate, propose and rank look at one coordinate, got " + std::to_string(model.degrees()) +
+                       ": lunid.discover takes several");
     study = prepare(model, records, records, options);
     baseline = compile(study, model, {});
     find_starts(study, baseline, VectorXd(), {});
@@ -71,7 +75,7 @@ std::vector<Parameter> own_parameters(const Candidate& candidate, const Effect& 
   for (std::size_t i = table.size() - effect.parameters.size(); i < table.size(); ++i) {
     Parameter row = table[i];
     row.value = theta[static_cast<Index>(i)];
-    if (row.name.rfind(effect.name + "_", 0) == 0) row.name = row.name.substr(effect.name.size() + 1);
+    row.name = own_name(effect, row.name);
     out.push_back(row);
   }
   return out;

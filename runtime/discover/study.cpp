@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "discover/sensor.hpp"
-
+#include "record/derive.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
 
@@ -16,8 +18,15 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
+/// "displacement", with several coordinates "displacement y2".
 std::string words_of(const std::string& channel) {
-  return channel == "y" ? "displacement" : channel == "v" ? "velocity" : "acceleration";
+  const std::string words = channel[0] == 'y' ? "displacement" : channel[0] == 'v' ? "velocity" : "acceleration";
+  return channel.size() > 1 ? words + " " + channel : words;
+}
+
+/// A coordinate of several whose velocity or acceleration stands in the record.
+bool has_motion_of(const Record& record, const std::string& y) {
+  return y[0] == 'y' && y.size() > 1 && (record.has("v" + y.substr(1)) || record.has("a" + y.substr(1)));
 }
 
 /// A force that is predicted from the motion needs all of it: an integral has lost its slow part.
@@ -29,80 +38,135 @@ void refuse_integrated(const Record& record, const SourceSpan& where) {
                    where, Fault::data);
 }
 
-/// What all records hold of the motion; those that hold something else are named.
-std::string measured_in(const std::vector<const Record*>& records) {
-  const std::string first = measured_channel(*records.front());
+/// What stands behind y, v or a in the name of a coordinate's channels.
+std::string suffix_of(const Study& study, int coordinate) { return study.channel('y', coordinate).substr(1); }
+
+/// What all records hold of the motion of all coordinates; those that hold something else are named.
+std::string measured_in(const Study& study, const std::vector<const Record*>& records) {
+  const std::string first = measured_channel(*records.front(), suffix_of(study, 0));
   for (const Record* record : records)
-    if (measured_channel(*record) != first)
-      throw InputError("discover: expected all records to measure one channel of the motion, got " + first + " in " +
-                           records.front()->name() + " and " + measured_channel(*record) + " here",
-                       {record->name(), 0, 0}, Fault::data);
-  return first;
+    for (int i = 0; i < study.degrees(); ++i)
+      if (const std::string own = measured_channel(*record, suffix_of(study, i)); own[0] != first[0])
+        throw InputError("discover: expected all records to measure one channel of the motion, got " + first + " in " +
+                             records.front()->name() + " and " + own + " here",
+                         {record->name(), 0, 0}, Fault::data);
+  return first.substr(0, 1);
 }
 
 /// The lowest frequency [Hz] above which the integrals of what was measured hold little noise, from two periods in the
 /// record up to a third of the motion's own frequency; 0 where y was measured.
 double slow_limit(const Record& record, const std::string& measured) {
-  if (measured == "y") return 0;
+  if (measured[0] == 'y') return 0;
   constexpr double tolerable = 0.02;  // of the displacement
   const double most = dominant_frequency(record[measured], record.dt()) / (2 * M_PI) / 3;
   double below = 2 / record.duration();
   for (; below < most; below *= 1.5) {
     const Record moved = integrate(record, {measured, 1, below});
-    if (moved.channel("y").noise < tolerable * standard_deviation(moved["y"])) break;
+    const std::string y = "y" + measured.substr(1);
+    if (moved.channel(y).noise < tolerable * standard_deviation(moved[y])) break;
   }
   return std::min(below, std::max(most, 2 / record.duration()));
 }
 
-void check_record(const Record& record, bool imposed) {
+void check_moves(const Record& record, const std::string& measured, const SourceSpan& where) {
+  const auto motion = record[measured];
+  const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
+  if (!(*high > *low))
+    throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
+                         (measured[0] == 'y'   ? "m"
+                          : measured[0] == 'v' ? "m/s"
+                                               : "m/s^2") +
+                         " in every row); nothing can be learned from a record without motion",
+                     where, Fault::data);
+}
+
+void check_record(const Study& study, const Record& record) {
   const SourceSpan where{record.name(), 0, 0};
   if (record.rows() < 30)
     throw InputError("discover: expected at least 30 rows in a record, got " + std::to_string(record.rows()) +
                          "; a motion of a few periods is needed to tell one effect from another",
                      where, Fault::data);
-  for (const char* name : {"F", "y"})
-    if (!record.has(name))
-      throw InputError(std::string("discover: the record has no channel '") + name +
-                           "'; name its column, e.g. --columns \"" + name + "=header [unit]\"",
+  std::vector<std::string> needed = study.forces;
+  for (int i = 0; i < study.degrees(); ++i) needed.push_back(study.channel('y', i));
+  for (const std::string& name : needed)
+    if (!record.has(name) && !has_motion_of(record, name))
+      throw InputError("discover: the record has no channel '" + name + "'" +
+                           (name[0] == 'y' && study.degrees() > 1
+                                ? "; the motion of every coordinate of the model has to be measured: name its column, "
+                                  "or take a model without it"
+                                : "; name its column, e.g. --columns \"" + name + "=header [unit]\""),
                        where, Fault::data);
-  if (imposed) refuse_integrated(record, where);
-  const std::string measured = measured_channel(record);
-  const auto motion = record[measured];
-  const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
-  if (!(*high > *low))
-    throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
-                         (measured == "y"   ? "m"
-                          : measured == "v" ? "m/s"
-                                            : "m/s^2") +
-                         " in every row); nothing can be learned from a record without motion",
-                     where, Fault::data);
-  const auto f = record["F"];
+  if (study.imposed) refuse_integrated(record, where);
+  for (int i = 0; i < study.degrees(); ++i) check_moves(record, measured_channel(record, suffix_of(study, i)), where);
+  const auto f = record[study.forces.front()];
   const auto [least, most] = std::minmax_element(f.begin(), f.end());
-  if (imposed && !(*most > *least))
+  if (study.imposed && !(*most > *least))
     throw InputError("discover: imposed motion: the force is constant; it is what the model has to predict", where,
                      Fault::data);
 }
 
-/// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
-Record with_force_of_decay(const Record& record, std::vector<std::string>& warnings) {
-  if (record.has("F") || !record.has("y") || record.rows() < 30) return record;
-  const auto y = record[measured_channel(record)];
-  const std::size_t quarter = y.size() / 4;
-  if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return record;
-  warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
+Channel no_force(const std::string& name, const Record& record) {
   Channel force;
-  force.name = force.source = "F";
+  force.name = force.source = name;
   force.unit = "N";
   force.values = Eigen::VectorXd::Zero(record.rows());
-  return record.with(std::move(force));
+  return force;
+}
+
+bool dies_away(const Study& study, const Record& record) {
+  if (record.rows() < 30) return false;
+  for (int i = 0; i < study.degrees(); ++i) {
+    const std::string channel = measured_channel(record, suffix_of(study, i));
+    if (!record.has(channel)) return false;
+    const auto y = record[channel];
+    const std::size_t quarter = y.size() / 4;
+    if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return false;
+  }
+  return true;
+}
+
+/// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
+Record with_force_of_decay(const Study& study, const Record& record, std::vector<std::string>& warnings) {
+  const auto shown = [&](const std::string& force) { return record.has(force); };
+  if (record.has("F") || std::any_of(study.forces.begin(), study.forces.end(), shown)) return record;
+  if (!dies_away(study, record)) return record;
+  warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
+  Record out = record;
+  for (const std::string& force : study.forces) out = out.with(no_force(force, record));
+  return out;
+}
+
+/// With several coordinates: F is the force of the one that is driven, and a driven coordinate whose force the record
+/// does not hold has none, where it holds that of another.
+Record with_all_forces(const Study& study, const Record& record, std::vector<std::string>& warnings) {
+  if (study.degrees() == 1) return record;
+  const auto& forces = study.forces;
+  const auto shown = [&](const std::string& force) { return record.has(force); };
+  Record out = record;
+  if (std::none_of(forces.begin(), forces.end(), shown)) {
+    if (!record.has("F")) return record;
+    if (forces.size() > 1)
+      throw InputError("discover: the record has one force F, and the model is driven at " +
+                           std::to_string(forces.size()) + " coordinates: name the column " + forces.front() +
+                           " or another of them, or give the model forces = { 1 }",
+                       {record.name(), 0, 0}, Fault::data);
+    Channel force = record.channel("F");
+    force.name = forces.front();
+    return out.with(std::move(force));
+  }
+  for (const std::string& force : forces) {
+    if (record.has(force)) continue;
+    warnings.push_back(record.name() + " has no " + force + ": taken for 0");
+    out = out.with(no_force(force, record));
+  }
+  return out;
 }
 
 /// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
 /// signal (sampling theorem), however few samples a period has.
-double power_at_band_edge(const Record& record) {
-  const auto f = record["F"];
+double power_at_band_edge(std::span<const double> f) {
   Eigen::Index length = 64;
-  while (length * 8 <= record.rows() && length < 4096) length *= 2;
+  while (length * 8 <= static_cast<Eigen::Index>(f.size()) && length < 4096) length *= 2;
   const Eigen::VectorXd density = welch(f, length).density;
   const Eigen::Index edge = density.size() / 10;
   const double total = density.tail(density.size() - 2).sum();
@@ -110,9 +174,8 @@ double power_at_band_edge(const Record& record) {
 }
 
 /// Which straight or curved line through its neighbours predicts a sample of the force best.
-Interpolation guess_interpolation(const Record& record) {
+Interpolation guess_interpolation(std::span<const double> f) {
   double hold = 0, line = 0, cubic = 0;
-  const auto f = record["F"];
   for (std::size_t i = 3; i + 3 < f.size(); ++i) {
     hold += std::pow(f[i] - f[i - 1], 2);
     line += std::pow(f[i] - 0.5 * (f[i - 1] + f[i + 1]), 2);
@@ -121,8 +184,16 @@ Interpolation guess_interpolation(const Record& record) {
   const double power = std::pow(standard_deviation(f), 2) * static_cast<double>(f.size());
   if (!(power > 0)) return Interpolation::linear;
   if (cubic < line && cubic < hold) return cubic > 1e-4 * power ? Interpolation::band_limited : Interpolation::cubic;
-  if (power_at_band_edge(record) < 1e-4) return Interpolation::band_limited;
+  if (power_at_band_edge(f) < 1e-4) return Interpolation::band_limited;
   return line <= hold ? Interpolation::linear : Interpolation::hold;
+}
+
+/// Of the largest of the forces.
+Interpolation guess_interpolation(const Study& study, const Record& record) {
+  const auto smaller = [&](const std::string& a, const std::string& b) {
+    return standard_deviation(record[a]) < standard_deviation(record[b]);
+  };
+  return guess_interpolation(record[*std::max_element(study.forces.begin(), study.forces.end(), smaller)]);
 }
 
 Interpolation between_samples(const Study& study, Interpolation guess) {
@@ -132,9 +203,9 @@ Interpolation between_samples(const Study& study, Interpolation guess) {
 FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
   FitData data{record, {}, {}};
   if (study.imposed) return data;
-  const Excitation force(record.start(), record.dt(), record["F"], interpolation);
-  data.excitation = force;
-  data.excitation.offer("force_rate", rate_of(force));
+  for (const std::string& force : study.forces)
+    data.excitation.add(force, Excitation(record.start(), record.dt(), record[force], interpolation));
+  if (study.degrees() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
   const bool held = interpolation == Interpolation::hold;
   for (const std::string& name : side_channels(record))
     data.excitation.offer(
@@ -153,15 +224,20 @@ FitData force_data(const Record& record, Eigen::Index edge) {
 /// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies
 /// above holds noise alone, and F and y are averaged alike.
 Record thinned(const Study& study, const Record& record) {
-  const double v = standard_deviation(record["v"]);
-  if (!(v > 0)) return record;
-  const double upper = standard_deviation(record["a"]) / v;
+  double upper = 0;
+  for (int i = 0; i < study.degrees(); ++i) {
+    const double v = standard_deviation(record[study.channel('v', i)]);
+    if (v > 0) upper = std::max(upper, standard_deviation(record[study.channel('a', i)]) / v);
+  }
+  if (!(upper > 0)) return record;
   const auto most = std::max<Eigen::Index>(1, record.rows() / 1500);
   const auto rows = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * M_PI / upper / record.dt() / 40), 1, most);
   if (rows == 1) return record;
   std::vector<Channel> channels;
   std::vector<std::string> names = side_channels(record);
-  names.insert(names.begin(), {"F", study.measured});
+  const std::vector<std::string> outputs = study.outputs();
+  names.insert(names.begin(), outputs.begin(), outputs.end());
+  names.insert(names.begin(), study.forces.begin(), study.forces.end());
   for (const std::string& name : names) {
     Channel c = record.channel(name);
     const auto x = record[name];
@@ -182,8 +258,9 @@ void choose_output(Study& study, const std::vector<Record>& train) {
   std::vector<const Record*> all;
   for (const Record& record : train) all.push_back(&record);
   for (const Record& record : study.test) all.push_back(&record);
-  study.measured = measured_in(all);
-  for (const Record& record : train) study.slow = std::max(study.slow, slow_limit(record, study.measured));
+  study.measured = measured_in(study, all);
+  for (const Record& record : train)
+    for (const std::string& output : study.outputs()) study.slow = std::max(study.slow, slow_limit(record, output));
   if (study.measured == "y") return;
   char text[240];
   std::snprintf(
@@ -205,18 +282,41 @@ std::vector<std::string> side_channels(const Record& record) {
 
 Record with_motion(const Study& study, const Record& record) {
   if (study.measured == "y") return derive_motion(record);
-  return derive_motion(integrate(record, {study.measured, 1, study.slow}));
+  Record out = record;
+  for (const std::string& output : study.outputs()) out = integrate(out, {output, 1, study.slow});
+  return derive_motion(out);
 }
 
 SavitzkyGolay smoothing_kernel(const Study& study, const Record& record) {
-  const std::string& from = study.measured;
-  return choose_savitzky_golay(record[from], record.channel(from).noise, from == "y" ? 1 : 0);
+  std::optional<SavitzkyGolay> widest;
+  for (const std::string& from : study.outputs()) {
+    const SavitzkyGolay own =
+        choose_savitzky_golay(record[from], record.channel(from).noise, study.measured == "y" ? 1 : 0);
+    if (!widest || own.half_width > widest->half_width) widest = own;
+  }
+  return *widest;
 }
 
+namespace {
+
+constexpr int difference_accuracy = 8;
+
+/// The derivative of a smooth column.
+Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
+  if (order == 0) return x;
+  return differentiate({x.data(), static_cast<std::size_t>(x.size())}, dt, 0, order,
+                       FiniteDifferences{difference_accuracy, 1})
+      .values;
+}
+
+}  // namespace
+
 /// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms: what lies above the measured channel
-/// are its derivatives, what lies below its integrals, smoothed.
+/// are its derivatives, what lies below its integrals, smoothed. The derivatives of a polynomial window are not quite
+/// those of the smoothed column: with one coordinate its k and c take that up, with several modes nothing does, and it
+/// would look like a missing spring.
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
-  auto channel = [](const char* name, const char* unit, Eigen::VectorXd values) {
+  auto channel = [](const std::string& name, const char* unit, Eigen::VectorXd values) {
     Channel c;
     c.name = c.source = name;
     c.unit = unit;
@@ -224,41 +324,90 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     c.derived = true;
     return c;
   };
-  const char* const names[] = {"y", "v", "a"};
   const char* const units[] = {"m", "m/s", "m/s^2"};
   const int known = study.measured == "y" ? 0 : study.measured == "v" ? 1 : 2;
   std::vector<Channel> channels;
-  channels.push_back(channel("F", "N", savitzky_golay(record["F"], record.dt(), 0, kernel)));
-  for (int rank = 0; rank < 3; ++rank)
-    channels.push_back(
-        channel(names[rank], units[rank],
-                savitzky_golay(record[names[std::min(rank, known)]], record.dt(), std::max(0, rank - known), kernel)));
+  for (const std::string& force : study.forces)
+    channels.push_back(channel(force, "N", savitzky_golay(record[force], record.dt(), 0, kernel)));
+  for (int i = 0; i < study.degrees(); ++i) {
+    const std::string names[] = {study.channel('y', i), study.channel('v', i), study.channel('a', i)};
+    const auto smoothed = [&](int rank, int derivative) {
+      return savitzky_golay(record[names[rank]], record.dt(), derivative, kernel);
+    };
+    for (int rank = 0; rank < 3; ++rank) {
+      const int order = std::max(0, rank - known);
+      if (study.degrees() == 1)
+        channels.push_back(channel(names[rank], units[rank], smoothed(std::min(rank, known), order)));
+      else
+        channels.push_back(
+            channel(names[rank], units[rank], differences(smoothed(std::min(rank, known), 0), record.dt(), order)));
+    }
+  }
   for (const std::string& name : side_channels(record))
     channels.push_back(
-        channel(name.c_str(), record.channel(name).unit.c_str(), savitzky_golay(record[name], record.dt(), 0, kernel)));
+        channel(name, record.channel(name).unit.c_str(), savitzky_golay(record[name], record.dt(), 0, kernel)));
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
-double Study::measured_std() const {
+std::string Study::channel(char quantity, int coordinate) const {
+  return degrees() == 1 ? std::string(1, quantity) : model.channel(quantity, coordinate);
+}
+
+std::vector<std::string> Study::outputs() const {
+  if (imposed) return {"F"};
+  std::vector<std::string> out;
+  for (int i = 0; i < degrees(); ++i) out.push_back(channel(measured[0], i));
+  return out;
+}
+
+std::vector<double> Study::weights(const Record& record) const {
+  if (degrees() == 1) return {1};
+  std::vector<double> out;
+  for (const FittedChannel& fitted : fitted_channels(model, record)) out.push_back(fitted.weight);
+  return out;
+}
+
+namespace {
+
+/// Root mean square of a number of each output and training record, weighted.
+double pooled(const Study& study, const std::function<double(const Record&, const std::string&)>& number) {
   double sum = 0;
   Eigen::Index rows = 0;
-  for (const auto& d : train) {
-    const double s = standard_deviation(d.record[output()]);
-    sum += s * s * static_cast<double>(d.record.rows());
-    rows += d.record.rows();
+  const std::vector<std::string> outputs = study.outputs();
+  for (const auto& d : study.train) {
+    const std::vector<double> weights = study.weights(d.record);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const double s = weights[i] * number(d.record, outputs[i]);
+      sum += s * s * static_cast<double>(d.record.rows());
+      rows += d.record.rows();
+    }
   }
   return std::sqrt(sum / static_cast<double>(rows));
 }
 
+}  // namespace
+
+double Study::measured_std() const {
+  return pooled(*this, [](const Record& r, const std::string& output) { return standard_deviation(r[output]); });
+}
+
 double Study::sensor_noise() const {
-  double sum = 0;
-  Eigen::Index rows = 0;
-  for (const auto& d : train) {
-    const double s = d.record.channel(output()).noise;
-    sum += s * s * static_cast<double>(d.record.rows());
-    rows += d.record.rows();
-  }
-  return std::sqrt(sum / static_cast<double>(rows));
+  return pooled(*this, [](const Record& r, const std::string& output) { return r.channel(output).noise; });
+}
+
+Eigen::VectorXd motion_at(const Record& record, const std::optional<Place>& place, char quantity) {
+  const auto of = [&](int coordinate) {
+    return as_vector(record[place ? quantity + std::to_string(coordinate + 1) : std::string(1, quantity)]);
+  };
+  if (!place) return of(0);
+  if (place->joint()) return of(place->of) - of(place->from);
+  return of(place->of);
+}
+
+Eigen::VectorXd force_at(const Eigen::VectorXd& forces, Eigen::Index rows, const std::optional<Place>& place) {
+  if (!place) return forces;
+  if (place->joint()) return 0.5 * (forces.segment(place->of * rows, rows) - forces.segment(place->from * rows, rows));
+  return forces.segment(place->of * rows, rows);
 }
 
 Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
@@ -267,12 +416,15 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   Study study;
   study.options = &options;
   study.imposed = baseline.imposed_motion;
+  study.model = complete(baseline);
+  if (!study.imposed) study.forces = study.model.inputs();
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed) record = with_force_of_decay(record, study.warnings);
+      if (!study.imposed)
+        record = with_all_forces(study, with_force_of_decay(study, record, study.warnings), study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
-    check_record(record, study.imposed);
+    check_record(study, record);
     if (!test.empty()) {
       kept.push_back(record);
       continue;
@@ -280,35 +432,37 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     const auto rows = static_cast<Eigen::Index>(std::floor(static_cast<double>(record.rows()) * (1 - options.holdout)));
     kept.push_back(record.slice(0, rows));
     study.test.push_back(record.slice(rows, record.rows() - rows));
-    check_record(kept.back(), study.imposed);
+    check_record(study, kept.back());
   }
   if (test.empty())
     study.warnings.push_back("no test record given: the last " +
                              std::to_string(static_cast<int>(std::lround(options.holdout * 100))) +
                              " % of each record is held out and opened once, after the verdict");
   for (const auto& record : test) {
-    check_record(record, study.imposed);
+    check_record(study, record);
     study.test.push_back(record);
   }
   if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {
     const Record moved = with_shaft(with_motion(study, record));
-    study.omega = std::max(study.omega, dominant_frequency(moved[study.measured], moved.dt()));
+    for (int i = 0; i < study.degrees(); ++i)
+      study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));
     study.full.push_back(moved);
     study.train.push_back({study.imposed ? moved : thinned(study, moved), {}, {}});
     const Record& own = study.train.back().record;
     const SavitzkyGolay kernel = smoothing_kernel(study, own);
     study.smooth.push_back(study.imposed ? own : smooth_motion(study, own, kernel));
-    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : kernel.half_width));
+    const Eigen::Index edge = kernel.half_width + (study.degrees() > 1 ? difference_accuracy / 2 : 0);
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge));
   }
   for (auto& record : study.test) record = with_shaft(with_motion(study, record));
-  for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(record));
+  for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(study, record));
   set_interpolation(study, study.guesses.front());
   return study;
 }
 
 FitData fit_data(const Study& study, const Record& record) {
-  return with_force(study, record, between_samples(study, guess_interpolation(record)));
+  return with_force(study, record, between_samples(study, guess_interpolation(study, record)));
 }
 
 void set_interpolation(Study& study, Interpolation interpolation) {
@@ -319,27 +473,31 @@ void set_interpolation(Study& study, Interpolation interpolation) {
 
 double upper_frequency(const Study& study) {
   double highest = 0;
-  for (const auto& record : study.smooth) {
-    const double v = standard_deviation(record["v"]);
-    if (v > 0) highest = std::max(highest, standard_deviation(record["a"]) / v);
-  }
+  for (const auto& record : study.smooth)
+    for (int i = 0; i < study.degrees(); ++i) {
+      const double v = standard_deviation(record[study.channel('v', i)]);
+      if (v > 0) highest = std::max(highest, standard_deviation(record[study.channel('a', i)]) / v);
+    }
   return highest;
 }
 
-RecordScales scales(const Study& study, double residual_std) {
+RecordScales scales(const Study& study, double residual_std, const std::optional<Place>& place) {
   RecordScales s{};
   s.y_max = -INFINITY;
   s.y_min = INFINITY;
   double force = 0, rows = 0, y2 = 0, v2 = 0;
   for (const auto& record : study.smooth) {
-    const auto y = as_vector(record["y"]), v = as_vector(record["v"]), f = as_vector(record["F"]);
+    const Eigen::VectorXd y = motion_at(record, place, 'y'), v = motion_at(record, place, 'v');
     s.y_max = std::max(s.y_max, y.maxCoeff());
     s.y_min = std::min(s.y_min, y.minCoeff());
     s.v_max = std::max(s.v_max, v.cwiseAbs().maxCoeff());
     const auto n = static_cast<double>(y.size());
     y2 += (y.array() - y.mean()).square().sum();
     v2 += v.squaredNorm();
-    force += (f.array() - f.mean()).square().sum();
+    for (const std::string& name : study.forces) {
+      const auto f = as_vector(record[name]);
+      force += (f.array() - f.mean()).square().sum();
+    }
     rows += n;
   }
   s.y_std = std::sqrt(y2 / rows);
@@ -358,9 +516,11 @@ ExperimentOptions same_experiment(const Study& study) {
   out.limits.displacement = 0;
   double time = 0, dt = INFINITY;
   for (const auto& data : study.train) {
-    const auto y = as_vector(data.record["y"]), f = as_vector(data.record["F"]);
-    out.limits.displacement = std::max(out.limits.displacement, y.cwiseAbs().maxCoeff());
-    out.limits.force = std::max(out.limits.force, f.cwiseAbs().maxCoeff());
+    for (int i = 0; i < study.degrees(); ++i)
+      out.limits.displacement =
+          std::max(out.limits.displacement, as_vector(data.record[study.channel('y', i)]).cwiseAbs().maxCoeff());
+    for (const std::string& force : study.forces)
+      out.limits.force = std::max(out.limits.force, as_vector(data.record[force]).cwiseAbs().maxCoeff());
     time = std::max(time, data.record.duration());
     dt = std::min(dt, data.record.dt());
   }

@@ -25,13 +25,21 @@ struct Study {
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
   Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
 
+  Model model;                              ///< the baseline
+  std::vector<std::string> forces = {"F"};  ///< what drives it: F, or F1 ... of the driven coordinates
+
   std::string measured = "y";  ///< what the records hold of the motion: y, or v or a alone
   double slow = 0;             ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
 
-  /// What free runs are held against.
-  const std::string output() const { return imposed ? "F" : measured; }
-  double measured_std() const;                                          ///< of the output, over the training records
-  double sensor_noise() const;                                          ///< of the output, over the training records
+  int degrees() const { return model.pool ? model.degrees() : 1; }
+  std::string channel(char quantity, int coordinate) const;
+  /// What free runs are held against, one channel for each coordinate.
+  std::vector<std::string> outputs() const;
+  const std::string output() const { return outputs().front(); }
+  /// Of the outputs of a record: the noise of the first over their own. All pooled numbers are of weighted outputs.
+  std::vector<double> weights(const Record& record) const;
+  double measured_std() const;                                          ///< of the outputs, over the training records
+  double sensor_noise() const;                                          ///< of the outputs, over the training records
   double noise_gap() const { return sensor_noise() / measured_std(); }  ///< what the sensor alone leaves
 };
 
@@ -62,7 +70,13 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);
 
-RecordScales scales(const Study& study, double residual_std);
+/// y, v or a as an effect at this place sees it: of the coordinate, or the difference of two.
+Eigen::VectorXd motion_at(const Record& record, const std::optional<Place>& place, char quantity);
+/// The force at this place: of the forces on all coordinates, one after another, that on the coordinate; of a joint the
+/// part that acts on both alike and against each other.
+Eigen::VectorXd force_at(const Eigen::VectorXd& forces, Eigen::Index rows, const std::optional<Place>& place);
+
+RecordScales scales(const Study& study, double residual_std, const std::optional<Place>& place = {});
 
 /// An experiment like the study's: its largest force and displacement, its band, rate, time and noise.
 ExperimentOptions same_experiment(const Study& study);

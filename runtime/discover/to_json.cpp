@@ -35,10 +35,14 @@ void put_gap(json& out, const char* key, const Gap& gap) {
   }
 }
 
-json model(const Model& m, const Gap& train, const Gap& test) {
-  json out = {{"equation", m.equation()}, {"parameters", parameters(m.parameters)}};
+void put_gaps(json& out, const Gap& train, const Gap& test) {
   put_gap(out, "gap_train", train);
   put_gap(out, "gap_test", test);
+}
+
+json model(const Model& m, const Gap& train, const Gap& test) {
+  json out = {{"equation", m.equation()}, {"parameters", parameters(m.parameters)}};
+  put_gaps(out, train, test);
   return out;
 }
 
@@ -62,6 +66,10 @@ json effect(const NamedEffect& e) {
               {"gap_test", number(e.gap_test)}};
   if (!std::isfinite(e.gap_train) || !std::isfinite(e.gap_test))
     out["cause"] = "the free run of this step stopped early";
+  if (!e.place.empty()) {
+    out["place"] = e.place;
+    out["label"] = e.label;
+  }
   return out;
 }
 
@@ -141,6 +149,13 @@ json to_json(const Discovery& d) {
                         {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))}};
   if (!std::isfinite(d.final_train.floor) || !std::isfinite(d.final_test.floor))
     out["noise_floor"]["reason"] = "the final model's run stopped early";
+  for (const auto& o : d.outputs) {
+    json row = {{"output", o.output}};
+    put_gaps(row["baseline"], o.baseline_train, o.baseline_test);
+    put_gaps(row["final"], o.final_train, o.final_test);
+    row["noise_floor"] = {{"gap_train", number(o.final_train.floor)}, {"gap_test", number(o.final_test.floor)}};
+    out["outputs"].push_back(std::move(row));
+  }
   out["left_out"] = {{"gap_before", number(d.gap_left_out_before)},
                      {"gap_after", number(d.gap_left_out_after)},
                      {"meaning", "free runs, rows of the training records that the fit did not see"}};

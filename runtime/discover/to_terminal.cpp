@@ -78,12 +78,15 @@ std::string resampled(const Naming& naming) {
 
 std::string to_terminal(const Discovery& d) {
   std::ostringstream out;
-  auto line = [&](const char* head, const std::string& text) {
+  auto line = [&](const char* head, std::string text) {
     char label[16];
     std::snprintf(label, sizeof label, "%-11s", head);
+    for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1))
+      text.insert(at + 1, 11, ' ');
     out << label << text << '\n';
   };
   for (const auto& c : d.comparisons) {
+    if (c.output != d.comparisons.front().output) continue;  // another output of a record that is listed
     const auto rows = c.t.size();
     char text[128];
     std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", c.role.c_str(), static_cast<long>(rows),
@@ -94,11 +97,15 @@ std::string to_terminal(const Discovery& d) {
   line("baseline", list(d.baseline.parameters));
   line("gap", "train " + gap(d.baseline_train) + "   test " + gap(d.baseline_test) + "   (noise alone: train " +
                   number(d.final_train.floor) + ", test " + number(d.final_test.floor) + ")");
+  for (const auto& o : d.outputs)
+    line("", o.output + ": train " + gap(o.baseline_train) + " -> " + gap(o.final_train) + "   test " +
+                 gap(o.baseline_test) + " -> " + gap(o.final_test) + "   (noise alone: train " +
+                 number(o.final_train.floor) + ", test " + number(o.final_test.floor) + ")");
   line("where", d.where);
   if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train after the fit)");
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
-    line("named", e.name + "  " + e.formula + ", " + list(e.parameters));
+    line("named", e.label + "  " + e.formula + ", " + list(e.parameters));
     line("", "gap  train " + number(train) + " -> " + number(e.gap_train) + "   test " + number(test) + " -> " +
                  number(e.gap_test));
     if (!e.indistinguishable.empty()) {

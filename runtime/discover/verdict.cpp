@@ -11,7 +11,9 @@ namespace lunid {
 std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit,
                           const std::vector<Record>& records, bool floor) {
   std::vector<FreeRun> out;
-  for (const auto& r : records) out.push_back(free_run(study, system, fit.theta, r, std::max(1, fit.substeps), floor));
+  for (const auto& r : records)
+    for (FreeRun& run : free_run(study, system, fit.theta, r, std::max(1, fit.substeps), floor))
+      out.push_back(std::move(run));
   return out;
 }
 
@@ -50,7 +52,7 @@ void decide(const Study& study, Round& round) {
     round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
              closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < 0.95) {
-    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.shape);
+    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
@@ -72,12 +74,14 @@ void withdraw(Round& round, const std::string& remark) {
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
   std::vector<double> a, b;
   for (std::size_t r = 0; r < before.size(); ++r) {
-    const auto channel = study.test[r][study.output()];
+    const Record& record = study.test[r / study.outputs().size()];
+    const double weight = study.weights(record)[r % study.outputs().size()];
+    const auto channel = record[before[r].output];
     if (!after[r].cause.empty()) return 1;
     if (!before[r].cause.empty()) return 0;
     for (Eigen::Index i = before[r].lead; i < before[r].model.size(); ++i) {
-      a.push_back(channel[static_cast<std::size_t>(i)] - before[r].model[i]);
-      b.push_back(channel[static_cast<std::size_t>(i)] - after[r].model[i]);
+      a.push_back(weight * (channel[static_cast<std::size_t>(i)] - before[r].model[i]));
+      b.push_back(weight * (channel[static_cast<std::size_t>(i)] - after[r].model[i]));
     }
   }
   return p_value_of_lower_error(a, b, bootstrap_block(study), study.options->seed);

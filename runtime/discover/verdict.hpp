@@ -27,7 +27,8 @@ struct Round {
   bool names() const { return !found.chosen.choices.empty(); }
 };
 
-/// Free runs over whole records. `floor`: with what noise alone would leave of each.
+/// Free runs over whole records, each output of the first record, then those of the second ... `floor`: with what noise
+/// alone would leave of each.
 std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit,
                           const std::vector<Record>& records, bool floor = true);
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,

@@ -383,7 +383,8 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   out.x0 = segments[0].x0;
   out.converged = std::isfinite(normal.cost);
   if (out.converged) {
-    out.residual_variance = normal.cost / std::max<double>(1, static_cast<double>(count - 2));
+    const Eigen::Index used = normal.parts[0].residual.size();  // of all channels
+    out.residual_variance = normal.cost / std::max<double>(1, static_cast<double>(used - 2 * system.degrees()));
     out.covariance = pseudo_inverse(normal.axx[0]) * out.residual_variance;
   }
   return out;

@@ -89,7 +89,8 @@ class FitLayout {
 struct FitResult {
   Eigen::VectorXd theta;  ///< as FitLayout has it
   std::vector<FitSegment> segments;
-  /// per record: measured - model [m] of its first fitted channel (force [N] with imposed motion), rows out of use too
+  /// per record: measured - model [m] of its first fitted channel (force [N] with imposed motion), rows out of use
+  /// too; then of each record's second channel, as it is weighted beside the first, and so on
   std::vector<Eigen::VectorXd> residual;
   double cost = 0;              ///< sum of squared (whitened) residuals
   Eigen::Index rows = 0;        ///< rows in the cost
@@ -149,6 +150,17 @@ struct StateEstimate {
 };
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
                              Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread = {});
+
+/// The forces that a record shows on each coordinate, one coordinate after another; zero where none acts or is shown.
+Eigen::VectorXd acting_forces(const Model& model, const Record& record);
+
+/// Of each coordinate the channel that a fit looks at where no channels are named, and the weight of its residual: the
+/// noise of the first over its own.
+struct FittedChannel {
+  std::string channel;
+  double weight;
+};
+std::vector<FittedChannel> fitted_channels(const Model& model, const Record& record);
 
 /// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);

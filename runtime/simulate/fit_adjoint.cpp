@@ -185,23 +185,27 @@ class Descent {
   double unit_ = 0;  ///< the first cost
 };
 
-/// Measured - model of the first fitted channel, per record.
+/// Measured - model of each record's first fitted channel, then of its second, as they are weighted ...
 void fill_residuals(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                     FitResult& result) {
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   SimulateOptions run_options;
   run_options.solver = Solver::fixed;
   run_options.substeps = result.substeps;
-  for (const FitData& d : data) result.residual.push_back(VectorXd::Constant(d.record.rows(), NAN));
   for (const FitSegment& s : result.segments) {
     const auto record = static_cast<std::size_t>(s.record);
     const FitData& d = data[record];
-    const Output output = outputs_of(system.model(), d.record, options.channels)[0];
+    const std::vector<Output> outputs = outputs_of(system.model(), d.record, options.channels);
+    while (result.residual.size() < outputs.size() * data.size())
+      result.residual.push_back(VectorXd::Constant(data[result.residual.size() % data.size()].record.rows(), NAN));
     const VectorXd own = layout.of_record(result.theta, s.record);
     const std::span<const double> theta(own.data(), static_cast<std::size_t>(own.size()));
     const Run run = simulate(system, theta, d.excitation.part(s.first, s.count), s.x0, run_options);
-    const Eigen::Map<const VectorXd> measured(d.record[output.channel].data() + s.first, s.count);
-    result.residual[record].segment(s.first, s.count) = measured - shown(system, theta, run, output.channel);
+    for (std::size_t c = 0; c < outputs.size(); ++c) {
+      const Eigen::Map<const VectorXd> measured(d.record[outputs[c].channel].data() + s.first, s.count);
+      result.residual[c * data.size() + record].segment(s.first, s.count) =
+          outputs[c].weight * (measured - shown(system, theta, run, outputs[c].channel));
+    }
   }
 }
 

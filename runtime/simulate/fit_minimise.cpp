@@ -72,11 +72,16 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   const Eigen::Index p = result.theta.size();
   result.rows = normal.rows;
   result.outliers = normal.outliers;
-  for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
+  Eigen::Index channels = 1;
+  for (std::size_t s = 0; s < result.segments.size(); ++s)
+    channels = std::max(channels, normal.parts[s].residual.size() / result.segments[s].count);
+  for (Eigen::Index c = 0; c < channels; ++c)
+    for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
   for (std::size_t s = 0; s < result.segments.size(); ++s) {
-    const FitSegment& segment = result.segments[s];
-    result.residual[static_cast<std::size_t>(segment.record)].segment(segment.first, segment.count) =
-        normal.parts[s].residual.head(segment.count);
+    const auto& [record, first, count, x0] = result.segments[s];
+    for (Eigen::Index c = 0; c < normal.parts[s].residual.size() / count; ++c)
+      result.residual[static_cast<std::size_t>(c) * data.size() + static_cast<std::size_t>(record)].segment(
+          first, count) = normal.parts[s].residual.segment(c * count, count);
   }
   result.information = schur(normal);
   Eigen::VectorXd full = normal.a.diagonal();

@@ -56,6 +56,25 @@ std::vector<Output> outputs_of(const Model& model, const Record& record, const s
   return outputs;
 }
 
+std::vector<FittedChannel> fitted_channels(const Model& model, const Record& record) {
+  std::vector<FittedChannel> out;
+  for (const Output& o : outputs_of(model, record, {})) out.push_back({o.channel, o.weight});
+  return out;
+}
+
+Eigen::VectorXd acting_forces(const Model& model, const Record& record) {
+  const Eigen::Index rows = record.rows();
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(rows * model.degrees());
+  for (int i = 0; i < model.degrees(); ++i) {
+    const std::string channel = model.channel('F', i);
+    const bool driven =
+        model.driven.empty() || std::find(model.driven.begin(), model.driven.end(), i) != model.driven.end();
+    if (model.degrees() == 1 || (driven && record.has(channel)))
+      out.segment(i * rows, rows) = Eigen::Map<const Eigen::VectorXd>(record[channel].data(), rows);
+  }
+  return out;
+}
+
 void whiten(const Eigen::VectorXd& column, const std::vector<std::uint8_t>& use, const Whitening& whitening,
             Eigen::VectorXd& out) {
   if (whitening.average == 1 && whitening.ar.empty()) {

@@ -170,10 +170,9 @@ class Problem {
     ++runs;
     const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
     if (imposed()) {
-      const auto force = data.record["F"];
       const Eigen::VectorXd model =
           imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr, run_options_.substeps);
-      error = Eigen::Map<const Eigen::VectorXd>(force.data(), static_cast<Eigen::Index>(force.size())) - model;
+      error = acting_forces(system_.model(), data.record) - model;
       if (!error.allFinite()) return fail(normal, "the model's force is not finite");
       return true;
     }

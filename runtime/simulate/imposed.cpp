@@ -17,18 +17,22 @@ constexpr int max_substeps = 64;
 constexpr double stiff_tolerance = 1e-3;
 constexpr int max_stiff_substeps = 1024;
 
-/// Evaluates the force on each row of the states.
+/// y, v, a of each coordinate along the record.
+using Motion = std::vector<std::span<const double>>;
+
+/// Evaluates the forces on each row of the states: those of the first coordinate, then those of the second ...
 class ForceSink : public RowSink {
  public:
-  ForceSink(const System& system, std::span<const double> theta, const Record& record,
-            const std::array<std::span<const double>, 3>& motion, VectorXd& force, Eigen::MatrixXd* dforce)
+  ForceSink(const System& system, std::span<const double> theta, const Record& record, const Motion& motion,
+            VectorXd& force, Eigen::MatrixXd* dforce)
       : system_(system),
         record_(record),
         motion_(motion),
         force_(force),
         dforce_(dforce),
         tape_(dforce ? system.force_with_derivatives() : system.force()),
-        z_(system.states() - 2),
+        n_(static_cast<std::size_t>(system.degrees())),
+        z_(system.states() - 2 * system.degrees()),
         p_(system.parameters()),
         sides_(side_inputs(system, record)),
         in_(tape_.inputs(), 0.0),
@@ -39,19 +43,25 @@ class ForceSink : public RowSink {
 
   void row(Index row, const double* z, const double*, const double* s) override {
     in_[0] = record_.time(row);
-    in_[1] = motion_[2][row];
-    in_[2] = motion_[0][row];
-    in_[3] = motion_[1][row];
-    std::copy_n(z, z_, in_.begin() + 4);
+    for (std::size_t i = 0; i < n_; ++i) {
+      in_[1 + i] = motion_[3 * i + 2][row];
+      in_[1 + n_ + 2 * i] = motion_[3 * i][row];
+      in_[2 + n_ + 2 * i] = motion_[3 * i + 1][row];
+    }
+    std::copy_n(z, z_, in_.begin() + static_cast<Index>(1 + 3 * n_));
     for (std::size_t i = 0; i < sides_.size(); ++i)
-      in_[4 + static_cast<std::size_t>(z_) + i] = sides_[i][static_cast<std::size_t>(row)];
+      in_[1 + 3 * n_ + static_cast<std::size_t>(z_) + i] = sides_[i][static_cast<std::size_t>(row)];
     tape_.run_point(in_.data(), out_.data(), scratch_.data());
-    force_[row] = out_[0];
-    if (!dforce_) return;
-    for (int c = 0; c < p_; ++c) {
-      double slope = out_[1 + z_ + sides_.size() + c];
-      for (int i = 0; i < z_; ++i) slope += out_[1 + i] * s[i * (p_ + z_) + c];
-      (*dforce_)(row, c) = slope;
+    const double* slopes = out_.data() + n_;
+    for (std::size_t i = 0; i < n_; ++i, slopes += z_ + static_cast<int>(sides_.size()) + p_) {
+      const Index at = static_cast<Index>(i) * record_.rows() + row;
+      force_[at] = out_[i];
+      if (!dforce_) continue;
+      for (int c = 0; c < p_; ++c) {
+        double slope = slopes[z_ + static_cast<int>(sides_.size()) + c];
+        for (int k = 0; k < z_; ++k) slope += slopes[k] * s[k * (p_ + z_) + c];
+        (*dforce_)(at, c) = slope;
+      }
     }
   }
 
@@ -66,10 +76,11 @@ class ForceSink : public RowSink {
 
   const System& system_;
   const Record& record_;
-  const std::array<std::span<const double>, 3>& motion_;
+  const Motion& motion_;
   VectorXd& force_;
   Eigen::MatrixXd* dforce_;
   const Tape& tape_;
+  std::size_t n_;
   int z_, p_;
   std::vector<std::span<const double>> sides_;
   std::vector<double> in_, out_, scratch_;
@@ -96,7 +107,7 @@ VectorXd initial_states(const System& system) {
 
 /// Runs the states on the motion between its samples (a local cubic) with a number of substeps.
 void run_states(const System& system, std::span<const double> theta, const Record& record,
-                const std::array<Excitation, 3>& motion, int substeps, bool sensitivities, RowSink& sink) {
+                const std::vector<Excitation>& motion, int substeps, bool sensitivities, RowSink& sink) {
   FixedProblem problem;
   problem.dynamics = system.imposed();
   problem.theta = theta;
@@ -105,7 +116,7 @@ void run_states(const System& system, std::span<const double> theta, const Recor
   problem.rows = record.rows();
   problem.substeps = substeps;
   problem.sensitivities = sensitivities;
-  for (int i = 0; i < 3; ++i) problem.drive[i] = motion[i].stage_grid(substeps).data();
+  for (std::size_t i = 0; i < motion.size(); ++i) problem.drive[i] = motion[i].stage_grid(substeps).data();
   run_fixed(problem, initial_states(system), sink);
 }
 
@@ -121,18 +132,24 @@ VectorXd force_along(const System& system, std::span<const double> theta, const 
   check(system, theta);
   const Index rows = record.rows();
   const std::vector<double> still(rows, 0.0);
-  const std::span<const double> a = system.needs_acceleration() ? record["a"] : std::span<const double>(still);
-  const std::array<std::span<const double>, 3> motion{record["y"], record["v"], a};
-  VectorXd force = VectorXd::Constant(rows, std::numeric_limits<double>::quiet_NaN());
-  if (dforce) dforce->setConstant(rows, system.parameters(), std::numeric_limits<double>::quiet_NaN());
+  const Model& model = system.model();
+  Motion motion;
+  for (int i = 0; i < model.degrees(); ++i) {
+    motion.push_back(record[model.channel('y', i)]);
+    motion.push_back(record[model.channel('v', i)]);
+    motion.push_back(system.needs_acceleration() ? record[model.channel('a', i)] : std::span<const double>(still));
+  }
+  const Index all = rows * model.degrees();
+  VectorXd force = VectorXd::Constant(all, std::numeric_limits<double>::quiet_NaN());
+  if (dforce) dforce->setConstant(all, system.parameters(), std::numeric_limits<double>::quiet_NaN());
   ForceSink plain(system, theta, record, motion, force, nullptr), full(system, theta, record, motion, force, dforce);
 
-  if (system.model().states.empty()) {
+  if (model.states.empty()) {
     for (Index row = 0; row < rows; ++row) (dforce ? full : plain).row(row, nullptr, nullptr, nullptr);
     return force;
   }
-  std::array<Excitation, 3> between;
-  for (int i = 0; i < 3; ++i) between[i] = Excitation(record.start(), record.dt(), motion[i], Interpolation::cubic);
+  std::vector<Excitation> between;
+  for (const auto& input : motion) between.emplace_back(record.start(), record.dt(), input, Interpolation::cubic);
   if (substeps > 0) {
     run_states(system, theta, record, between, substeps, dforce != nullptr, dforce ? full : plain);
     return force;
@@ -141,7 +158,7 @@ VectorXd force_along(const System& system, std::span<const double> theta, const 
   run_states(system, theta, record, between, substeps, false, plain);
   double last = std::numeric_limits<double>::quiet_NaN();
   for (VectorXd coarse = force; !(last <= (substeps < max_substeps ? tolerance : stiff_tolerance)); coarse = force) {
-    if (substeps == max_stiff_substeps) return VectorXd::Constant(rows, std::numeric_limits<double>::quiet_NaN());
+    if (substeps == max_stiff_substeps) return VectorXd::Constant(all, std::numeric_limits<double>::quiet_NaN());
     substeps *= 2;
     run_states(system, theta, record, between, substeps, false, plain);
     last = change(force, coarse);

@@ -69,6 +69,7 @@ bool can_be_undone(const Model& model) {
 
 Model without_unfelt_states(Model model) {
   std::vector<Expr> felt{model.mass, model.restoring};
+  for (const Coordinate& row : model.further) felt.insert(felt.end(), {row.mass, row.restoring});
   std::vector<std::uint8_t> keep(model.states.size(), 0);
   for (bool again = true; again;) {
     again = false;

@@ -358,8 +358,9 @@ Model complete(Model model) {
     if (!model.coordinate(i).mass.valid()) throw InputError("model: no mass" + which + " is given");
     if (!model.coordinate(i).restoring.valid()) throw InputError("model: no restoring force" + which + " is given");
   }
-  if (model.imposed_motion && model.degrees() > 1)
-    throw InputError("model: motion can be imposed on one coordinate, got " + std::to_string(model.degrees()));
+  if (model.imposed_motion && 3 * model.degrees() > max_inputs)
+    throw InputError("model: motion can be imposed on " + std::to_string(max_inputs / 3) +
+                     " coordinates at most, got " + std::to_string(model.degrees()));
   drop_numbers(model);
   check_driven(model);
   check_states(model);

@@ -92,7 +92,7 @@ struct InertiaRow;
 /// The compiled first-order form; immutable, so that threads may share it. State x = (y, v, z...), with several
 /// coordinates (y1, v1, y2, v2, ..., z...). Tape inputs: (t, u..., x..., theta...) where u are the forces F (F1, F2 ...
 /// of the driven coordinates), then those of yb vb ab that the model holds; with imposed motion (t, y, v, a, z...,
-/// theta...), where the integrated states are z alone.
+/// theta...), where the integrated states are z alone; with several coordinates (t, y1, v1, a1, y2, ...).
 class System {
  public:
   /// Completes the model first (complete()), with its errors. Changes the model's pool.
@@ -125,8 +125,8 @@ class System {
   /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base
   /// motion that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }
-  /// outputs: that force, its derivatives by each z and by each theta; inputs as force(). With imposed motion both are
-  /// of the channels as they show it (undo_measures, undo_acts).
+  /// outputs: these forces, then of each its derivatives by each z and by each theta; inputs as force(). With one
+  /// coordinate, or with imposed motion, where both are of the channels as they show it (undo_measures, undo_acts).
   const Tape& force_with_derivatives() const { return force_with_derivatives_; }
   /// What a channel of the motion shows where it is not its state (Model::measures): the value, its derivatives by each
   /// state and by each theta; inputs (t, x..., theta...). nullptr: it shows its state.

@@ -226,9 +226,9 @@ SensitivityRun simulate_sensitivities(const System& system, std::span<const doub
                                       const Excitations& excitation, const Eigen::VectorXd& x0,
                                       const SimulateOptions& options = {}, std::span<const int> wanted = {});
 
-/// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows), internal states included;
-/// with exact derivatives to theta (rows x p) when `dforce` is given. NaN throughout where the states are too fast for
-/// the samples or diverge; `substeps` 0: as many as the force needs.
+/// Imposed motion: the force m*a + f that the model predicts for measured y, v, a (rows; of several coordinates one
+/// after another), internal states included; with exact derivatives to theta (rows x p) when `dforce` is given. NaN
+/// throughout where the states are too fast for the samples or diverge; `substeps` 0: as many as the force needs.
 Eigen::VectorXd imposed_force(const System& system, std::span<const double> theta, const Record& record,
                               Eigen::MatrixXd* dforce = nullptr, int substeps = 0);
 

@@ -101,8 +101,11 @@ DynamicsSource imposed_motion(const Model& model) {
   Pool& pool = *model.pool;
   DynamicsSource source;
   source.t = pool.channel("t");
-  source.exogenous = {pool.channel("y"), pool.channel("v"), pool.channel("a")};
-  source.exogenous_rates = {pool.channel("v"), pool.channel("a"), Expr()};
+  for (int i = 0; i < model.degrees(); ++i) {
+    const Expr v = pool.channel(model.channel('v', i)), a = pool.channel(model.channel('a', i));
+    for (const Expr& input : {pool.channel(model.channel('y', i)), v, a}) source.exogenous.push_back(input);
+    for (const Expr& rate : {v, a, Expr()}) source.exogenous_rates.push_back(rate);
+  }
   add_internal_states(source, model);
   if (const auto undone = undo_measures(model); model.imposed_motion && !undone.empty()) {
     for (Expr& rate : source.rates) rate = substitute(rate, undone);
@@ -112,11 +115,19 @@ DynamicsSource imposed_motion(const Model& model) {
   return source;
 }
 
-/// True when the states of one coordinate follow more than its motion: F, or the motion of a base.
+/// A displacement, velocity or acceleration of a coordinate.
+bool is_motion(const Model& model, const std::string& channel) {
+  for (int i = 0; i < model.degrees(); ++i)
+    for (const char quantity : {'y', 'v', 'a'})
+      if (channel == model.channel(quantity, i)) return true;
+  return false;
+}
+
+/// True when states follow more than the motion of the coordinates: a force, or the motion of a base.
 bool rates_hold_input(const Model& model) {
   for (const InternalState& z : model.states)
     for (const Expr& symbol : symbols(z.rate, SymbolKind::channel))
-      if (std::string_view("yvat").find(symbol.name()) == std::string_view::npos) return true;
+      if (symbol.name() != "t" && !is_motion(model, symbol.name())) return true;
   return false;
 }
 
@@ -132,7 +143,7 @@ System::System(const Model& given)
   p_ = static_cast<int>(model.parameters.size());
   const std::vector<InertiaRow> rows = inertia_rows(model);
 
-  if (degrees_ == 1 && !rates_hold_input(model))
+  if ((degrees_ == 1 || model.imposed_motion) && !rates_hold_input(model))
     imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
   inputs_ = model.inputs();
   if (!model.imposed_motion) {
@@ -201,17 +212,19 @@ void System::compile_forces(const std::vector<InertiaRow>& rows, const std::vect
       terms.push_back(term);
     }
   }
-  if (model.imposed_motion) {
+  if (model.imposed_motion && degrees_ == 1) {
     const auto undone = undo_measures(model);
     whole[0] = undo_acts(model, undone.empty() ? whole[0] : substitute(whole[0], undone));
   }
   force_ = Tape(whole, inputs);
   inertia_ = Tape(masses, inputs);
   term_values_ = Tape(terms, inputs);
-  if (degrees_ > 1) return;
+  if (degrees_ > 1 && !model.imposed_motion) return;
   std::vector<Expr> outputs = whole;
-  for (std::size_t i = 4; i < inputs.size(); ++i) outputs.push_back(derivative(whole[0], inputs[i]));
+  for (const Expr& force : whole)
+    for (std::size_t i = 1 + 3 * whole.size(); i < inputs.size(); ++i) outputs.push_back(derivative(force, inputs[i]));
   force_with_derivatives_ = Tape(outputs, inputs);
+  if (degrees_ > 1) return;
   const Expr a = model.pool->channel("a");
   needs_acceleration_ = depends_on(whole[0], a);
   for (const InternalState& z : model.states) needs_acceleration_ |= depends_on(z.rate, a);

@@ -148,7 +148,7 @@ figures.define({
   local data = given.discovery.data
   local names, train, test = { "baseline" }, { gap_of(data.baseline.gap_train) }, { gap_of(data.baseline.gap_test) }
   for _, effect in ipairs(data.effects) do
-    names[#names + 1] = effect.name
+    names[#names + 1] = effect.label or effect.name
     train[#names], test[#names] = gap_of(effect.gap_train), gap_of(effect.gap_test)
   end
   names[#names + 1] = "final"
@@ -172,7 +172,7 @@ figures.define({
   local function add(name, value)
     names[#names + 1], values[#values + 1] = name, gap_of(value)
   end
-  for _, effect in ipairs(data.effects) do add(effect.name .. " (named)", effect.gap_train) end
+  for _, effect in ipairs(data.effects) do add((effect.label or effect.name) .. " (named)", effect.gap_train) end
   for i, rival in ipairs(data.rivals) do
     if i <= given.most then add(rival.name, rival.gap) end
   end
@@ -194,7 +194,8 @@ figures.define({
   help = "Measured, baseline and final run over time: the errors over the whole record, the runs where the baseline is worst, "
     .. "and the force that is left.",
   positional = { "discovery" },
-  fields = { found_field, { "record", types.integer { min = 1 }, default = 1, help = "which of the training and test records" } },
+  fields = { found_field, { "record", types.integer { min = 1 }, default = 1,
+    help = "which of the training and test records; of several coordinates each output is one" } },
   example = [[lunid.figure.failures(found):save "failures.png"]],
 }, function(given)
   local comparison = given.discovery.comparisons[given.record]

@@ -2119,7 +2119,7 @@ function lunid.figure.rivals(fields) end
 ---Measured, baseline and final run over time: the errors over the whole record, the runs where the baseline is worst, and the force that is left.
 ---@class lunid.figure.failures.fields
 ---@field discovery lunid.discovery # what was found
----@field record? integer # which of the training and test records
+---@field record? integer # which of the training and test records; of several coordinates each output is one
 ---@field title? string # above the figure
 ---@field theme? "light"|"dark" # of paper and ink
 ---@field width? number # printed; text is legible down to half of 16 cm

@@ -90,6 +90,8 @@ spec.case("syntax", function()
 end)
 
 spec.case("a model that cannot be", function()
+  line_3("local y1, y2 = lunid.displacements(2); lunid.model { mass = { 1, 1 }, restoring = { y1, y2 }, motion = 'imposed' }",
+    "study.lua:3: model: motion can be imposed on one coordinate, got 2")
   line_3("lunid.model { mass = -2, restoring = y }", "study.lua:3: model: mass: expected > 0, got -2 (a mass of 0 needs imposed "
     .. "motion)")
   line_3("lunid.model { mass = { 1, 2 }, restoring = y }",

@@ -70,6 +70,12 @@ spec.case("stages say what is wrong with their fields", function()
     "locate: missing field 'model': a model from lunid.model")
 end)
 
+spec.case("stages look at one coordinate", function()
+  local two = lunid.chain { masses = { 1, 1 }, element = function(d, w) return 10*d + w end }
+  spec.equal(spec.message_of(function() lunid.locate { model = two, record = train } end),
+    "locate, propose and rank look at one coordinate, got 2: lunid.discover takes several")
+end)
+
 -- ---- design_experiment ----
 
 local a = lunid.model { mass = 1, restoring = lunid.parameter { "k", 1 } * y + lunid.parameter { "c", 0.1 } * v

@@ -82,12 +82,5 @@ TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
   EXPECT_TRUE(there.removable.empty());
 }
 
-TEST(DiscoveryRefuses, SeveralCoordinates) {
-  Model model = baseline("k*y1 + c*v1 + k*(y1 - y2)", 1);
-  model.further.push_back({model.pool->constant(1), parse(*model.pool, "k*(y2 - y1)")});
-  EXPECT_EQ(message([&] { discover(model, small_catalogue(*model.pool), {decay(2, 1, "m")}, {}); }),
-            "discover: expected a model of one degree of freedom, got 2");
-}
-
 }  // namespace
 }  // namespace lunid

@@ -34,7 +34,7 @@ struct Case {
   }
 
   Standing best(const Effect& effect, Shape& shape) const {
-    const Proposer proposer(study);
+    const Proposer proposer(study, known);
     shape = proposer.shape(model, {&effect, 0}, scales(study, 0));
     proposer.run(shape);
     return proposer.score(shape, proposer.parent(known, known.starts.front()));

@@ -127,7 +127,7 @@ TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
     const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
     theta[i] = damper ? 12 * truth::scale_named("milli").mass / record.dt() : 1;
   }
-  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1);
+  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1).front();
   EXPECT_EQ(run.cause, "");
   EXPECT_TRUE(std::isfinite(run.squares));
 }

@@ -242,6 +242,8 @@ TEST(FitTrajectory, OfTwoCoordinatesUsesBothSensors) {
   const FitResult fit = fit_progressively(system, Eigen::Map<const Eigen::VectorXd>(start.data(), 4), data);
   ASSERT_TRUE(fit.converged) << fit.stopped;
   EXPECT_EQ(fit.rows, 2 * rows);
+  ASSERT_EQ(fit.residual.size(), 2u);  // of y1, then of y2
+  EXPECT_NEAR(fit.residual[0].squaredNorm() + fit.residual[1].squaredNorm(), fit.cost, 1e-9 * fit.cost);
   for (int i = 0; i < 4; ++i) {
     const double std = std::sqrt(fit.covariance(i, i));
     EXPECT_NEAR(fit.theta[i], expected[i], 4 * std) << system.model().parameters[i].name;

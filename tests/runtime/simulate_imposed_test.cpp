@@ -27,6 +27,19 @@ Record motion(int rows, double dt) {
   return Record("motion", 0, dt, {cy, cv, ca});
 }
 
+/// The same of two coordinates: y1 is that motion, y2 half of it.
+Record two_motions(int rows, double dt) {
+  std::vector<Channel> channels;
+  const Record one = motion(rows, dt);
+  for (const int i : {1, 2})
+    for (const char* quantity : {"y", "v", "a"}) {
+      channels.push_back(one.channel(quantity));
+      channels.back().name += std::to_string(i);
+      channels.back().values = one.channel(quantity).values / i;
+    }
+  return Record("motions", 0, dt, std::move(channels));
+}
+
 TEST(ImposedForce, WithoutStatesIsTheEquation) {
   const System system(model_of("m", "c*v + k*y + b*v*a", {}, true));
   const auto theta = theta_of(system, {{"m", 2}, {"c", 0.5}, {"k", 7}, {"b", 0.1}});
@@ -40,6 +53,35 @@ TEST(ImposedForce, WithoutStatesIsTheEquation) {
     EXPECT_DOUBLE_EQ(slope(i, 1), v);
     EXPECT_DOUBLE_EQ(slope(i, 2), y);
     EXPECT_DOUBLE_EQ(slope(i, 3), v * a);
+  }
+}
+
+// A relaxation in the joint of two masses: that of one coordinate at half the motion, on both with either sign.
+TEST(ImposedForce, OfTwoCoordinatesIsThatOnEachOneAfterAnother) {
+  Model joined = testing::model_of_many({{"m1", "k*y1 + s"}, {"m2", "-s"}}, {{"s", "e*(v1 - v2) - s/tau", "", ""}});
+  joined.imposed_motion = true;
+  const System system(joined), alone(model_of("0", "s", {{"s", "e*v/2 - s/tau", "", ""}}, true));
+  const auto theta = theta_of(system, {{"m1", 2}, {"m2", 3}, {"k", 5}, {"e", 20}, {"tau", 0.3}});
+  const Record record = two_motions(400, 0.005);
+  Eigen::MatrixXd slope;
+  const Eigen::VectorXd force = imposed_force(system, theta, record, &slope);
+  const Eigen::VectorXd s = imposed_force(alone, theta_of(alone, {{"e", 20}, {"tau", 0.3}}), motion(400, 0.005));
+  ASSERT_EQ(force.size(), 800);
+  ASSERT_EQ(slope.rows(), 800);
+  for (Eigen::Index i = 0; i < 400; ++i) {
+    const double y = record["y1"][i], a = record["a1"][i];
+    EXPECT_NEAR(force[i], 2 * a + 5 * y + s[i], 1e-4);
+    EXPECT_NEAR(force[400 + i], 1.5 * a - s[i], 1e-4);
+  }
+  for (int j = 0; j < system.parameters(); ++j) {
+    std::vector<double> up = theta, down = theta;
+    const double h = 1e-5 * theta[static_cast<std::size_t>(j)];
+    up[static_cast<std::size_t>(j)] += h;
+    down[static_cast<std::size_t>(j)] -= h;
+    const Eigen::VectorXd difference =
+        (imposed_force(system, up, record) - imposed_force(system, down, record)) / (2 * h);
+    EXPECT_LT((slope.col(j) - difference).cwiseAbs().maxCoeff(), 1e-5 * (1 + difference.cwiseAbs().maxCoeff()))
+        << system.model().parameters[static_cast<std::size_t>(j)].name;
   }
 }
 

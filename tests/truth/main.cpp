@@ -2,6 +2,7 @@
 //   lunid_truth list
 //   lunid_truth CASE SCALE NOISE_DB SEED OUT_DIR [ROWS] train.csv and test.csv in SI
 //   lunid_truth fault NAME SCALE NOISE_DB SEED OUT_DIR  the same of a faulty sensor or input
+//   lunid_truth chain NAME SCALE NOISE_DB SEED OUT_DIR  the same of several masses
 //   lunid_truth demo OUT_DIR                            the record that the repository ships
 //   (tests/data/README.md)
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <string>
 
+#include "truth/chain.hpp"
 #include "truth/faults.hpp"
 #include "truth/truth.hpp"
 
@@ -20,6 +22,7 @@ void list() {
     std::printf("%-20s baseline %s\n", each.name.c_str(), each.baseline.c_str());
   }
   for (const truth::Fault& each : truth::faults()) std::printf("fault %s\n", each.name.c_str());
+  for (const truth::ChainCase& each : truth::chain_cases()) std::printf("chain %s\n", each.name.c_str());
 }
 
 void write_case(const std::string& name, const std::string& scale_name, double noise_db, long seed,
@@ -55,6 +58,23 @@ void write_fault(const std::string& name, const std::string& scale_name, double 
   std::printf("%s: mass %g kg, baseline %s\n", name.c_str(), scale.mass, records.baseline.c_str());
 }
 
+void write_chain(const std::string& name, const std::string& scale_name, double noise_db, long seed,
+                 const std::string& out) {
+  truth::RecordOptions options;
+  options.rows = 3200;
+  options.noise_db = noise_db;
+  options.seed = static_cast<std::uint64_t>(seed);
+  const truth::Scale& scale = truth::scale_named(scale_name);
+  const truth::ChainCase& which = truth::chain_case(name);
+  const truth::ChainRecords records = truth::make_chain_records(which.chain, scale, options);
+  std::filesystem::create_directories(out);
+  truth::write_csv(records.train, which.chain, out + "/train.csv");
+  truth::write_csv(records.test, which.chain, out + "/test.csv");
+  std::printf("%s: masses of %g kg, stuck %.2f, hidden:", name.c_str(), scale.mass, records.train.stuck_share);
+  for (const std::string& hidden : which.hidden) std::printf(" %s;", hidden.c_str());
+  std::printf("\n");
+}
+
 /// 49 kg on a spring that hardens, as a test rig would record it: millimetres, kilonewtons, few digits.
 void write_demo(const std::string& out) {
   const truth::Scale& scale = truth::scale_named("milli");
@@ -85,14 +105,16 @@ int main(int argc, char** argv) {
       list();
     } else if (first == "demo" && argc == 3) {
       write_demo(argv[2]);
+    } else if (first == "chain" && argc == 7) {
+      write_chain(argv[2], argv[3], std::atof(argv[4]), std::atol(argv[5]), argv[6]);
     } else if (first == "fault" && argc == 7) {
       write_fault(argv[2], argv[3], std::atof(argv[4]), std::atol(argv[5]), argv[6]);
     } else if (argc == 6 || argc == 7) {
       write_case(first, argv[2], std::atof(argv[3]), std::atol(argv[4]), argv[5],
                  argc == 7 ? std::atoi(argv[6]) : 6400);
     } else {
-      std::fprintf(stderr,
-                   "usage: lunid_truth list | demo OUT_DIR | [fault] CASE SCALE NOISE_DB SEED OUT_DIR [ROWS]\n");
+      std::fprintf(
+          stderr, "usage: lunid_truth list | demo OUT_DIR | [fault | chain] CASE SCALE NOISE_DB SEED OUT_DIR [ROWS]\n");
       return 2;
     }
   } catch (const std::exception& error) {

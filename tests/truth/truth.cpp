@@ -1,9 +1,10 @@
 #include "truth/truth.hpp"
 
+#include "truth/noise.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <random>
 #include <stdexcept>
 
 namespace truth {
@@ -17,28 +18,7 @@ double mean(const std::vector<double>& x) {
   return sum / static_cast<double>(x.size());
 }
 
-double deviation(const std::vector<double>& x) {
-  const double centre = mean(x);
-  double sum = 0;
-  for (double value : x) sum += (value - centre) * (value - centre);
-  return std::sqrt(sum / static_cast<double>(x.size()));
-}
-
 double rms(const std::vector<double>& x) { return std::hypot(mean(x), deviation(x)); }
-
-/// x plus Gaussian noise `db` below its own deviation (Box and Muller 1958), white or a first-order autoregression.
-std::vector<double> noisy(const std::vector<double>& x, double db, double colour, std::mt19937_64& bits) {
-  const double sigma = deviation(x) * std::pow(10, -db / 20) * std::sqrt(1 - colour * colour);
-  const auto uniform = [&bits] { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53; };
-  std::vector<double> out(x.size());
-  double noise = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double radius = std::sqrt(-2 * std::log(uniform()));
-    noise = colour * noise + sigma * radius * std::cos(2 * M_PI * uniform());
-    out[i] = x[i] + noise;
-  }
-  return out;
-}
 
 /// The level of the force at which the motion has the wanted rms: coarse runs, each corrected by the last. A
 /// level at which the motion escapes (softening) bounds the search from above.
@@ -59,6 +39,26 @@ double level_for(const Physics& physics, const Signal& signal, double wanted, in
 }
 
 }  // namespace
+
+double deviation(const std::vector<double>& x) {
+  const double centre = mean(x);
+  double sum = 0;
+  for (double value : x) sum += (value - centre) * (value - centre);
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+std::vector<double> noisy(const std::vector<double>& x, double db, double colour, std::mt19937_64& bits) {
+  const double sigma = deviation(x) * std::pow(10, -db / 20) * std::sqrt(1 - colour * colour);
+  const auto uniform = [&bits] { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53; };
+  std::vector<double> out(x.size());
+  double noise = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double radius = std::sqrt(-2 * std::log(uniform()));
+    noise = colour * noise + sigma * radius * std::cos(2 * M_PI * uniform());
+    out[i] = x[i] + noise;
+  }
+  return out;
+}
 
 double Scale::omega() const { return 2 * M_PI * frequency; }
 double Scale::force() const { return mass * omega() * omega() * length; }

@@ -1,0 +1,159 @@
+#include "discover/places.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace lunid {
+
+namespace {
+
+using Replacements = std::vector<std::pair<Expr, Expr>>;
+
+constexpr int all_pairs = 3;  // coordinates up to which a joint may be missing from the baseline altogether
+
+std::string named(char quantity, int coordinate) { return quantity + std::to_string(coordinate + 1); }
+
+/// True when the equation of coordinate i holds the motion of j.
+bool couples(const Model& model, int i, int j) {
+  for (const char quantity : {'y', 'v', 'a'})
+    if (depends_on(model.coordinate(i).restoring, model.pool->channel(model.channel(quantity, j)))) return true;
+  return false;
+}
+
+/// "_2", "_1_2": behind the names of what stands at a place.
+std::string suffix_of(const Place& place) {
+  return "_" + std::to_string(place.of + 1) + (place.joint() ? "_" + std::to_string(place.from + 1) : "");
+}
+
+/// Guesses and ranges speak of the entry's names.
+template <class Values>
+Values renamed(const Values& values, const std::string& suffix) {
+  Values out;
+  for (const auto& [name, value] : values) out[name + suffix] = value;
+  return out;
+}
+
+/// The symbols of an entry by those at a place. Names that the entry holds are made here, once for each place.
+Replacements symbols_at(const Model& model, const Effect& effect, const Place& place, const std::string& suffix) {
+  Pool& pool = *model.pool;
+  Replacements out;
+  for (const char quantity : {'y', 'v', 'a'})
+    out.emplace_back(pool.channel(std::string(1, quantity)), motion_at(model, place, quantity));
+  for (const Parameter& p : effect.parameters)
+    out.emplace_back(pool.parameter(p.name), pool.parameter(p.name + suffix));
+  for (const InternalState& z : effect.states) out.emplace_back(z.symbol, pool.state(z.symbol.name() + suffix));
+  return out;
+}
+
+Effect at_place(const Model& model, const Effect& effect, const Place& place) {
+  const std::string suffix = suffix_of(place);
+  const Replacements symbols = symbols_at(model, effect, place, suffix);
+  const auto move = [&](Expr& part) {
+    if (part.valid()) part = substitute(part, symbols);
+  };
+  Effect out = effect;
+  out.place = place;
+  for (EffectVariant& variant : out.variants) move(variant.force);
+  for (Parameter& p : out.parameters) p.name += suffix;
+  for (InternalState& z : out.states)
+    for (Expr* part : {&z.symbol, &z.rate, &z.min, &z.max}) move(*part);
+  for (Expr& margin : out.margins) move(margin);
+  if (effect.guess)
+    out.guess = [own = effect.guess, suffix](const RecordScales& scales, int variant) {
+      std::vector<Guess> guesses;
+      for (const Guess& guess : own(scales, variant)) guesses.push_back(renamed(guess, suffix));
+      return guesses;
+    };
+  if (effect.range)
+    out.range = [own = effect.range, suffix](const RecordScales& scales, int variant) {
+      return renamed(own(scales, variant), suffix);
+    };
+  return out;
+}
+
+}  // namespace
+
+std::string words_of(const Place& place) { return (place.joint() ? "in " : "at ") + motion_of(place); }
+
+std::string motion_of(const Place& place) {
+  return place.joint() ? named('y', place.of) + " - " + named('y', place.from) : named('y', place.of);
+}
+
+std::vector<Place> places_of(const Model& model) {
+  const int n = model.degrees();
+  std::vector<Place> places;
+  if (n == 1) return places;
+  for (int i = 0; i < n; ++i) places.push_back({i, -1});
+  for (int i = 0; i < n; ++i)
+    for (int j = i + 1; j < n; ++j)
+      if (n <= all_pairs || couples(model, i, j) || couples(model, j, i)) places.push_back({i, j});
+  return places;
+}
+
+std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& catalogue) {
+  if (model.degrees() == 1) return catalogue;
+  std::vector<Effect> out;
+  for (const Effect& effect : catalogue)
+    for (const Place& place : places_of(model)) out.push_back(at_place(model, effect, place));
+  return out;
+}
+
+void add_force(Model& model, const std::optional<Place>& place, Expr force) {
+  const auto row = [&](int coordinate) -> Expr& {
+    return coordinate == 0 ? model.restoring : model.further[static_cast<std::size_t>(coordinate) - 1].restoring;
+  };
+  Expr& first = row(place ? place->of : 0);
+  first = first + force;
+  if (place && place->joint()) row(place->from) = row(place->from) - force;
+}
+
+Expr motion_at(const Model& model, const std::optional<Place>& place, char quantity) {
+  const auto of = [&](int coordinate) { return model.pool->channel(model.channel(quantity, coordinate)); };
+  if (!place) return of(0);
+  return place->joint() ? of(place->of) - of(place->from) : of(place->of);
+}
+
+std::string sizes_at(std::string sentence, const Place& place) {
+  for (const char quantity : {'y', 'v'}) {
+    std::string motion = motion_of(place);
+    std::replace(motion.begin(), motion.end(), 'y', quantity);
+    const std::string size = std::string("|") + quantity + "|";
+    for (std::size_t at = sentence.find(size); at != std::string::npos; at = sentence.find(size, at + 1))
+      sentence.replace(at + 1, 1, motion);
+  }
+  return sentence;
+}
+
+std::string own_name(const Effect& effect, std::string parameter) {
+  if (effect.place) parameter.resize(parameter.size() - suffix_of(*effect.place).size());
+  const bool own = parameter.rfind(effect.name + "_", 0) == 0;
+  return own ? parameter.substr(effect.name.size() + 1) : parameter;
+}
+
+std::string formula_at(const std::string& formula, const std::optional<Place>& place) {
+  if (!place) return formula;
+  std::string out, word;
+  const auto end_word = [&](char next) {
+    const bool motion = word == "y" || word == "v" || word == "a";
+    const bool enclosed = !out.empty() && out.back() == '(' && next == ')';
+    if (motion && place->joint()) {
+      const std::string difference = named(word[0], place->of) + " - " + named(word[0], place->from);
+      out += enclosed ? difference : "(" + difference + ")";
+    } else {
+      out += motion ? named(word[0], place->of) : word;
+    }
+    word.clear();
+  };
+  for (const char c : formula) {
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
+      word += c;
+      continue;
+    }
+    end_word(c);
+    out += c;
+  }
+  end_word(' ');
+  return out;
+}
+
+}  // namespace lunid
