@@ -15,7 +15,7 @@ namespace lunid {
 struct RecordScales {
   double y_max, y_min, y_std;  ///< of the displacement [m]; y_max = max(y), y_min = min(y)
   double v_max, v_std;         ///< of the velocity [m/s]; v_max = max |v|
-  double force_std;            ///< of the force that the model lacks at the outset: F - m*a [N]
+  double force_std;            ///< of the force that acts, of a free decay of m*a [N]
   double residual_std;         ///< of the force that the baseline leaves unexplained [N]
   double omega;                ///< dominant angular frequency of y [rad/s]
   double stiffness;            ///< force_std / y_std [N/m]

@@ -485,8 +485,11 @@ RecordScales scales(const Study& study, double residual_std, const std::optional
   RecordScales s{};
   s.y_max = -INFINITY;
   s.y_min = INFINITY;
-  double force = 0, rows = 0, y2 = 0, v2 = 0;
+  double force = 0, inertia = 0, rows = 0, y2 = 0, v2 = 0;
+  const Expr mass = study.model.coordinate(place ? place->of : 0).mass;
+  const double known_mass = mass.is_constant() ? mass.value() : 1;
   for (const auto& record : study.smooth) {
+    inertia += (known_mass * motion_at(record, place, 'a')).squaredNorm();
     const Eigen::VectorXd y = motion_at(record, place, 'y'), v = motion_at(record, place, 'v');
     s.y_max = std::max(s.y_max, y.maxCoeff());
     s.y_min = std::min(s.y_min, y.minCoeff());
@@ -502,7 +505,7 @@ RecordScales scales(const Study& study, double residual_std, const std::optional
   }
   s.y_std = std::sqrt(y2 / rows);
   s.v_std = std::sqrt(v2 / rows);
-  s.force_std = std::max(std::sqrt(force / rows), residual_std);
+  s.force_std = std::max(std::sqrt((force > 0 ? force : inertia) / rows), residual_std);
   s.residual_std = residual_std;
   s.omega = study.omega;
   s.stiffness = s.force_std / s.y_std;

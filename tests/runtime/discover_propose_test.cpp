@@ -98,6 +98,16 @@ TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   EXPECT_EQ(found.own[4], 0.4);
 }
 
+/// No force acts on a free decay: its size is that of the inertia.
+TEST(Scales, OfAFreeDecay) {
+  const truth::Motion motion = truth::integrate({}, truth::none(), 0, {1, 0, 0}, 1500, spacing, 24);
+  const Record record = testing::noisy_record(motion, "y", motion.x, 1e-4, 3);
+  const Model model = baseline("k*y + c*v", 1);
+  const DiscoverOptions options;
+  const RecordScales s = scales(prepare(model, {record}, {record}, options), 0);
+  EXPECT_NEAR(s.stiffness, 1, 0.05);
+}
+
 /// A stiffness that goes up and down beside a random force leaves no line in the residual, but one in its product with
 /// y.
 TEST(Proposer, HearsTheFrequencyOfAModulatedStiffness) {
