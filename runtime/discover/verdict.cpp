@@ -95,8 +95,10 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (!std::isfinite(first.value)) return "";
   if (!(last.value < (1 - 0.5 * study.options->minimum_gain) * first.value && p_value < 0.2))
     return "did not lower the gap on the test record";
-  // Far above the floor with a good part of the motion still open: the names patch something else.
-  const bool far = far_from_the_floor(last) && last.value - last.floor > 0.2 * (first.value - last.floor);
+  // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
+  // something else.
+  const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
+  const bool far = far_from_the_floor(last) && last.value - last.floor > part * (first.value - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond.

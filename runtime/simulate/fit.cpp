@@ -21,13 +21,15 @@ std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& da
   return segments;
 }
 
-/// Of another fit, where its free runs are the same rows; states that it lacks stay as they are.
+/// Of another fit, where its free runs begin in the same rows; states that it lacks stay as they are. Both in order.
 void take_first_states(const std::vector<FitSegment>& known, std::vector<FitSegment>& segments) {
-  if (known.size() != segments.size()) return;
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    if (known[i].record != segments[i].record || known[i].first != segments[i].first) continue;
-    const Eigen::Index count = std::min(known[i].x0.size(), segments[i].x0.size());
-    segments[i].x0.head(count) = known[i].x0.head(count);
+  auto k = known.begin();
+  for (FitSegment& s : segments) {
+    while (k != known.end() && std::pair(k->record, k->first) < std::pair(s.record, s.first)) ++k;
+    if (k == known.end()) return;
+    if (k->record != s.record || k->first != s.first) continue;
+    const Eigen::Index count = std::min(k->x0.size(), s.x0.size());
+    s.x0.head(count) = k->x0.head(count);
   }
 }
 
@@ -314,14 +316,23 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   Eigen::VectorXd current = theta;
   const Eigen::Index last = options.segment > 0 ? options.segment : longest;
   long runs = 0;
-  for (; length < last; length *= 5) {
-    stage.segment = length;
-    const FitResult fit = fit_trajectory(system, current, data, stage);
+  // From run to run three are joined to one, which begins where the first of them began.
+  std::vector<Eigen::Index> lengths;
+  for (Eigen::Index joined = last / 3; joined >= length; joined /= 3) lengths.push_back(joined);
+  for (auto at = lengths.rbegin(); at != lengths.rend(); ++at) {
+    stage.segment = *at;
+    FitResult fit = fit_trajectory(system, current, data, stage);
     runs += fit.runs;
-    if (std::isfinite(fit.cost)) current = fit.theta;
+    if (!std::isfinite(fit.cost)) continue;
+    current = fit.theta;
+    stage.first_states = std::move(fit.segments);
+    // A record's internal states begin as the model says: a short run may have moved what it could not see.
+    for (FitSegment& s : stage.first_states)
+      if (s.first == 0) s.x0.conservativeResize(2 * system.degrees());
   }
   FitOptions final_stage = chosen;
   final_stage.substeps = substeps;
+  if (!stage.first_states.empty()) final_stage.first_states = stage.first_states;
   FitResult result = fit_trajectory(system, current, data, final_stage);
   result.runs += runs;
   return result;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discover/judge.hpp"
+#include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
 
 namespace lunid {
@@ -61,6 +62,31 @@ TEST(Judge, KeepsBothWhereTheBetterOneIsAboveTheNoiseToo) {
 TEST(Judge, KeepsBothWhereTheyDifferByLittle) {
   const Compared c(noise, 0.01);
   EXPECT_FALSE(fits_worse(c.study, c.other, c.best));
+}
+
+/// The verdict on names whose free run over the test leaves 0.21 of its motion where the baseline left 1.25.
+std::string verdict_on(int names) {
+  DiscoverOptions options;
+  Study study;
+  study.options = &options;
+  const Model model = testing::baseline("k*y", 1);
+  const std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  Round round;
+  for (int i = 0; i < names; ++i) round.found.chosen.choices.push_back({&catalogue[static_cast<std::size_t>(i)], 0});
+  round.left.gap.value = 0.2;
+  round.left.gap.floor = 0.01;
+  FreeRun before, after;
+  before.rows = after.rows = 1000;
+  before.variance = after.variance = 1;
+  before.floor_squares = after.floor_squares = 0.01 * 0.01;
+  before.squares = 1.25 * 1.25;
+  after.squares = 0.21 * 0.21;
+  return refuted(study, round, 0.001, {before}, {after});
+}
+
+TEST(Verdict, AsksMoreOfSeveralNamesThanOfOne) {
+  EXPECT_EQ(verdict_on(1), "");
+  EXPECT_EQ(verdict_on(2), "left much of the gap on the test record open");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "discover/gap.hpp"
 #include "discover_catalogue.hpp"
+#include "truth/law.hpp"
 
 namespace lunid {
 namespace {
@@ -129,6 +130,30 @@ TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
   const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1).front();
   EXPECT_EQ(run.cause, "");
   EXPECT_TRUE(std::isfinite(run.squares));
+}
+
+/// Ninety periods of a motion that forgets its first state slowly and takes one of two branches at a time: fitted from
+/// short runs on, each of which begins where three of the last began.
+TEST(DiscoveryRounds, FollowsAMotionOfSeveralBranches) {
+  truth::Physics physics;
+  physics.zeta = 0.015;
+  physics.law = std::make_shared<const truth::Law>(
+      truth::laws::of_motion([](double x, double) { return 0.37 * std::abs(x) * x; }));
+  const double dt = 2 * M_PI / 38;
+  const auto moved = [&](int rows, std::uint64_t seed) {
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.15, 2.45, 45, seed), 0.074, {}, rows, dt, 12);
+    const Record record = testing::noisy_record(motion, "y", motion.x, 0.015, seed);
+    return derive_motion(Record("r", 0, dt, {record.channel("F"), record.channel("y")}));
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  catalogue.push_back(entry(*model.pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
+                            {row("odd_quadratic_stiffness_k2")}));
+  const Discovery d = discover(model, catalogue, {moved(3470, 3)}, {moved(1200, 4)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "odd_quadratic_stiffness");
+  EXPECT_LT(d.final_train.value, 1.5 * d.final_train.floor);
 }
 
 }  // namespace
