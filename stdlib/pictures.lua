@@ -136,7 +136,7 @@ local function add_histories(list, found)
     list[#list + 1] = { name = ("history_%s_%d%s"):format(comparison.role, seen[which], of_output(comparison)),
       figure = figures.make(pictures.history(found, comparison)),
       caption = ("%s (%s): measured, and the %s of %s; the force that is left unexplained along the measured motion."):format(
-        comparison.record, comparison.role,
+        comparison.record, #comparison.output > 1 and comparison.role .. ", " .. comparison.output or comparison.role,
         found.model.imposed_motion and "forces along the measured motion" or "free runs, never re-initialised,",
         #found.effects > 0 and "baseline and final model" or "the baseline") }
   end

@@ -98,12 +98,11 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    std::vector<std::pair<std::optional<Place>, RecordScales>> known;
     const auto scales_at = [&](const std::optional<Place>& place) -> const RecordScales& {
-      for (const auto& [at, scale] : known)
+      for (const auto& [at, scale] : scales_)
         if (at == place) return scale;
-      known.emplace_back(place, scales_beside(study_, baseline_, place));
-      return known.back().second;
+      scales_.emplace_back(place, scales_beside(study_, baseline_, place));
+      return scales_.back().second;
     };
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
@@ -168,10 +167,16 @@ class Grower {
     std::vector<std::size_t> order(offers.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
-    if (size == 1 && memory_comes_near(offers)) {
-      run_shapes([](const Shape& shape) { return many_states(shape); });
+    if (size == 1) {
+      std::vector<std::optional<Place>> near;
+      for (const auto& [place, scale] : scales_)
+        if (memory_comes_near(offers, place)) near.push_back(place);
+      const auto wanted = [&](const Shape& shape) {
+        return many_states(shape) && std::find(near.begin(), near.end(), shape.choice.effect->place) != near.end();
+      };
+      run_shapes(wanted);
       each(order, [&](Offer& o) {
-        if (many_states(*o.standing.shape)) o.standing = proposer_.score(*o.standing.shape, *o.space);
+        if (wanted(*o.standing.shape)) o.standing = proposer_.score(*o.standing.shape, *o.space);
       });
     }
     if (size == 1) {
@@ -217,17 +222,21 @@ class Grower {
   }
 
   /// Entries of many states take longer along the motion than all others together: they are looked at where one of few
-  /// states comes near to the best.
-  bool memory_comes_near(const std::vector<Offer>& offers) const {
+  /// states comes near to the best, at the same place.
+  bool memory_comes_near(const std::vector<Offer>& offers, const std::optional<Place>& place) const {
     double best = INFINITY, memory = INFINITY;
-    const auto hear = [&](double cost, bool remembers) {
+    const auto hear = [&](double cost, const Effect& effect, bool remembers) {
       best = std::min(best, cost);
-      if (remembers) memory = std::min(memory, cost);
+      if (remembers && effect.place == place) memory = std::min(memory, cost);
     };
     for (const auto& o : offers)
-      if (o.standing.shown) hear(o.standing.cost, !o.standing.shape->system->model().states.empty());
-    for (const auto& c : known_.sets)
-      if (c.choices.size() == 1) hear(c.force_cost, !c.choices.front().effect->states.empty());
+      if (o.standing.shown)
+        hear(o.standing.cost, *o.standing.shape->choice.effect, !o.standing.shape->system->model().states.empty());
+    for (const auto& c : known_.sets) {
+      if (c.choices.size() != 1) continue;
+      const Effect& effect = *c.choices.front().effect;
+      hear(c.force_cost, effect, !effect.states.empty());
+    }
     return memory <= as_good * best;
   }
 
@@ -468,6 +477,7 @@ class Grower {
     Choice choice;
     std::vector<Guess> guesses;
   };
+  std::vector<std::pair<std::optional<Place>, RecordScales>> scales_;  ///< of each place
   std::vector<Shape> shapes_;
   std::vector<ChannelFault> faults_;
   Grown out_;

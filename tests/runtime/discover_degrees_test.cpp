@@ -239,6 +239,22 @@ TEST(Degrees, NameTheSameEffectAtASecondPlace) {
   expect_named(find(chain, "milli", 40, {"cubic_stiffness_k3_1*y1^3"}), "cubic_stiffness", "y1 - y2", 0.15 * unit);
 }
 
+// Of chains with one effect or two the names and the places, no other.
+TEST(Degrees, NameNoOtherPlace) {
+  for (const char* name : {"two_cubic_first", "two_cubic_last", "three_cubic_joint", "two_friction_joint",
+                           "two_dashpot", "two_pair_joint"})
+    for (const double noise : {20.0, 30.0}) {
+      const truth::ChainCase& which = truth::chain_case(name);
+      const Discovery d = find(which.chain, noise > 25 ? "micro" : "metre", noise);
+      std::vector<std::string> labels;
+      for (const NamedEffect& e : d.effects) labels.push_back(e.label);
+      std::sort(labels.begin(), labels.end());
+      std::vector<std::string> expected = which.hidden;
+      std::sort(expected.begin(), expected.end());
+      EXPECT_EQ(labels, expected) << name << " at " << noise << " dB\n" << to_terminal(d);
+    }
+}
+
 // What the catalogue does not hold is said to be there, with its place.
 TEST(Degrees, SayWhereAnUnknownForceActs) {
   const Discovery d = find(truth::chain_case("two_outside").chain, "milli", 40);

@@ -178,31 +178,7 @@ class Run {
   std::vector<int> mode_;  ///< of a link's friction: +1 and -1 slides, 0 sticks
 };
 
-struct Moved {
-  std::vector<std::vector<double>> x, F;
-  double stuck = 0;
-};
-
-Moved run(const Chain& chain, const std::vector<Signal>& signals, double level, int early, int rows, double spacing,
-          int substeps) {
-  Moved out;
-  out.x.resize(chain.masses.size());
-  out.F.resize(chain.driven.size());
-  Run run(chain, signals, level);
-  double tau = 0;
-  for (int row = 0; row < early + rows; ++row) {
-    if (row >= early) {
-      for (std::size_t m = 0; m < out.x.size(); ++m) out.x[m].push_back(run.x(m));
-      for (std::size_t d = 0; d < out.F.size(); ++d) out.F[d].push_back(run.force(d, row * spacing));
-      out.stuck += run.sticks() ? 1.0 / rows : 0;
-    }
-    tau = row * spacing;
-    for (int k = 0; k < substeps; ++k) run.step(tau, spacing / substeps);
-  }
-  return out;
-}
-
-double mean_rms(const Moved& moved) {
+double mean_rms(const ChainMotion& moved) {
   double sum = 0;
   for (const auto& x : moved.x) sum += std::pow(deviation(x), 2) / static_cast<double>(moved.x.size());
   return std::sqrt(sum);
@@ -213,11 +189,11 @@ ChainColumns record(const Chain& chain, const Scale& scale, const std::vector<Si
   const double spacing = scale.omega() * scale.dt();
   double level = 0.3 * wanted;
   for (int pass = 0; pass < 12; ++pass) {
-    const double reached = mean_rms(run(chain, signals, level, early, options.rows, spacing, 4)) / wanted;
+    const double reached = mean_rms(integrate(chain, signals, level, early, options.rows, spacing, 4)) / wanted;
     if (std::abs(reached - 1) < 0.03) break;
     level *= std::clamp(1 / reached, 0.4, 2.5);
   }
-  Moved moved = run(chain, signals, level, early, options.rows, spacing, options.substeps);
+  ChainMotion moved = integrate(chain, signals, level, early, options.rows, spacing, options.substeps);
   ChainColumns out;
   out.stuck_share = moved.stuck;
   for (int i = 0; i < options.rows; ++i) out.t.push_back(i * scale.dt());
@@ -319,6 +295,25 @@ void write_csv(const ChainColumns& record, const Chain& chain, const std::string
   }
   std::fprintf(file, "\n");
   std::fclose(file);
+}
+
+ChainMotion integrate(const Chain& chain, const std::vector<Signal>& signals, double level, int early, int rows,
+                      double spacing, int substeps) {
+  ChainMotion out;
+  out.x.resize(chain.masses.size());
+  out.F.resize(chain.driven.size());
+  Run run(chain, signals, level);
+  double tau = 0;
+  for (int row = 0; row < early + rows; ++row) {
+    if (row >= early) {
+      for (std::size_t m = 0; m < out.x.size(); ++m) out.x[m].push_back(run.x(m));
+      for (std::size_t d = 0; d < out.F.size(); ++d) out.F[d].push_back(run.force(d, row * spacing));
+      out.stuck += run.sticks() ? 1.0 / rows : 0;
+    }
+    tau = row * spacing;
+    for (int k = 0; k < substeps; ++k) run.step(tau, spacing / substeps);
+  }
+  return out;
 }
 
 Chain in_a_row(std::vector<double> masses, double k, double c, bool both_ends) {

@@ -32,6 +32,14 @@ struct Chain {
 /// is one more link than masses.
 Chain in_a_row(std::vector<double> masses, double k, double c, bool both_ends = false);
 
+struct ChainMotion {
+  std::vector<std::vector<double>> x, F;  ///< of each mass, of each driven mass
+  double stuck = 0;                       ///< part of the time in which a friction sticks
+};
+/// From rest under `level` times a signal for each driven mass: after `early` rows, `rows` samples `spacing` apart.
+ChainMotion integrate(const Chain& chain, const std::vector<Signal>& signals, double level, int early, int rows,
+                      double spacing, int substeps);
+
 /// A chain with something hidden: the study knows links of one k and c.
 struct ChainCase {
   std::string name;
@@ -47,7 +55,7 @@ struct ChainColumns {
   std::vector<double> t;
   std::vector<std::vector<double>> F;  ///< of each driven mass
   std::vector<std::vector<double>> y;  ///< of each mass
-  double stuck_share = 0;
+  double stuck_share = 0;              ///< of the time
 };
 struct ChainRecords {
   ChainColumns train, test;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "truth/chain.hpp"
+
 namespace truth {
 namespace {
 
@@ -163,6 +165,61 @@ TEST(Records, scale_with_mass_length_and_time) {
   EXPECT_NEAR(b.t[7], a.t[7] / 2, 1e-12);
   EXPECT_NEAR(b.clean_y[400], 5 * a.clean_y[400], 1e-9);
   EXPECT_NEAR(b.clean_F[400], 60 * a.clean_F[400], 1e-9);  // m omega^2 L = 3 * 4 * 5
+}
+
+// ---- several masses, against the oscillator ----
+
+constexpr int chain_rows = 800;
+constexpr double chain_spacing = 0.1;
+
+Chain one_mass() {
+  Chain chain = in_a_row({1}, 1, 0.06);
+  chain.links[0].k3 = 0.2;
+  chain.links[0].coulomb = 0.3;
+  return chain;
+}
+
+TEST(Chain, of_one_mass_is_the_oscillator_sticking_included) {
+  Physics physics;
+  physics.k3 = 0.2;
+  physics.coulomb = 0.3;
+  const Signal signal = multisine(0.2, 1.5, 10, 3);
+  const Motion expected = integrate(physics, signal, 0.15, {}, chain_rows, chain_spacing, 16);
+  const ChainMotion motion = integrate(one_mass(), {signal}, 0.15, 0, chain_rows, chain_spacing, 16);
+  EXPECT_GT(expected.stuck, 0.05 * chain_rows * chain_spacing);
+  EXPECT_LT(largest_difference(motion.x[0], expected.x), 1e-4);  // of 1: sticking is looked at once in a step
+}
+
+TEST(Chain, of_two_masses_that_cannot_slide_apart_moves_as_one) {
+  Chain chain;
+  chain.masses = {0.5, 0.5};
+  chain.links = {one_mass().links[0], {}};
+  chain.links[1].of = 1;
+  chain.links[1].from = 0;
+  chain.links[1].coulomb = 100;
+  Physics physics;
+  physics.k3 = 0.2;
+  physics.coulomb = 0.3;
+  const Signal signal = multisine(0.2, 1.5, 10, 3);
+  const Motion expected = integrate(physics, signal, 0.15, {}, chain_rows, chain_spacing, 16);
+  const ChainMotion motion = integrate(chain, {signal}, 0.15, 0, chain_rows, chain_spacing, 16);
+  EXPECT_LT(largest_difference(motion.x[0], motion.x[1]), 1e-9);
+  EXPECT_LT(largest_difference(motion.x[0], expected.x), 1e-4);
+}
+
+// Driven alike between two walls, equal masses move alike, and the joint does nothing.
+TEST(Chain, of_equal_masses_driven_alike_is_the_oscillator_whatever_the_joint) {
+  Chain chain = in_a_row({1, 1}, 1, 0.06, true);
+  chain.driven = {0, 1};
+  chain.links[1].k3 = 3;
+  chain.links[1].maxwell_k = 2;
+  chain.links[1].maxwell = 0.5;
+  chain.links[1].bouc_k = 1;
+  const Signal signal = multisine(0.2, 1.5, 10, 3);
+  const Motion expected = integrate({}, signal, 0.15, {}, chain_rows, chain_spacing, 16);
+  const ChainMotion motion = integrate(chain, {signal, signal}, 0.15, 0, chain_rows, chain_spacing, 16);
+  EXPECT_LT(largest_difference(motion.x[0], expected.x), 1e-8);
+  EXPECT_LT(largest_difference(motion.x[1], expected.x), 1e-8);
 }
 
 }  // namespace
