@@ -63,9 +63,23 @@ class Search {
       result_.chosen = result_.baseline;
       return;
     }
+    refit_baseline(field.front());  // a single effect
     std::stable_sort(field.begin(), field.end(),
                      [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
+    refit_baseline(field.front());
     choose(field);
+  }
+
+  /// An effect may look needed only because the baseline's own fit ended in a worse place than that beside it: from
+  /// there the baseline is fitted again.
+  void refit_baseline(const Candidate& beside) {
+    if (!beside.ran()) return;
+    Candidate again = result_.baseline;
+    again.fit = fit_near(study_, again, beside.fit.theta.head(again.parameters()), 20, beside.fit.substeps);
+    const bool ran = result_.baseline.ran();
+    if (!again.ran() || (ran && !(squared_error(again.fit) < 0.98 * squared_error(result_.baseline.fit)))) return;
+    judge(study_, again, result_.whitening);
+    result_.baseline = std::move(again);
   }
 
   /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
