@@ -75,8 +75,8 @@ class Proposer {
   bool scales_with_force(const Shape& shape, const std::vector<int>& powers) const;
 
   std::vector<FitData> data_;
-  Eigen::Index rows_ = 0, degrees_ = 1;   ///< rows: of all coordinates
-  Eigen::VectorXd measured_;              ///< the forces, all coordinates and then all records in a row, not weighted
+  Eigen::Index rows_ = 0, degrees_ = 1;  ///< rows: of all coordinates
+  Eigen::VectorXd measured_;             ///< the forces, all coordinates and then all records in a row, not weighted
   Receptance receptance_;
 };
 

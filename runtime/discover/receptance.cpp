@@ -75,7 +75,8 @@ void Receptance::find_modes(const Study& study, const Candidate& baseline, const
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(2 * n, 2 * n), right = Eigen::MatrixXd::Zero(2 * n, n);
   for (const auto& data : data_of) {
     const Eigen::Index rows = data.record.rows();
-    const Eigen::VectorXd force = imposed_force(system, std::span<const double>(theta.data(), static_cast<std::size_t>(theta.size())), data.record);
+    const Eigen::VectorXd force = imposed_force(
+        system, std::span<const double>(theta.data(), static_cast<std::size_t>(theta.size())), data.record);
     if (!force.allFinite()) continue;
     Eigen::MatrixXd motion(rows, 2 * n), open(rows, n);
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -7,10 +7,10 @@
 namespace lunid {
 
 /// A force that is missing moves the mass through the receptance of the linear system; noise of the sensor,
-/// differentiated twice, becomes white again behind it. Hence forces are compared behind 1/(m s^2 + c s + k), with m, c,
-/// k the regression of the measured force on a, v, y (Steiglitz and McBride 1965, IEEE Trans. Autom. Control 10, 461).
-/// With several coordinates a force on one of them moves all, through the modes of the linear system nearest to the
-/// baseline.
+/// differentiated twice, becomes white again behind it. Hence forces are compared behind 1/(m s^2 + c s + k), with m,
+/// c, k the regression of the measured force on a, v, y (Steiglitz and McBride 1965, IEEE Trans. Autom. Control 10,
+/// 461). With several coordinates a force on one of them moves all, through the modes of the linear system nearest to
+/// the baseline.
 class Receptance {
  public:
   Receptance() = default;  ///< forces stay as they are

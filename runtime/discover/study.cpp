@@ -259,8 +259,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (!study.imposed) study.forces = study.model.inputs();
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed)
-        record = with_known_forces(study, record, study.warnings);
+      if (!study.imposed) record = with_known_forces(study, record, study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(study, record);
