@@ -4,6 +4,7 @@
 #include <map>
 
 #include "discover/candidate.hpp"
+#include "discover/receptance.hpp"
 
 namespace lunid {
 
@@ -38,11 +39,7 @@ RecordScales scales_beside(const Study& study, const Candidate& model, const std
 /// Free runs of such an entry cost more than those of all others together.
 inline bool many_states(std::size_t states) { return states > 4; }
 
-/// Compares forces as the trajectory feels them. A force that is missing moves the mass through the receptance of the
-/// linear system; noise of the sensor, differentiated twice, becomes white again behind it. Hence all columns pass
-/// through 1/(m s^2 + c s + k), with m, c, k the regression of the measured force on a, v, y (Steiglitz and McBride
-/// 1965, IEEE Trans. Autom. Control 10, 461). With several coordinates a force on one of them moves all, through the
-/// modes of the linear system nearest to the baseline.
+/// Compares forces as the trajectory feels them: behind the receptance of the linear system.
 class Proposer {
  public:
   /// `weigh` false: forces as they are, for what a drifting free run would hide.
@@ -77,20 +74,10 @@ class Proposer {
   Eigen::MatrixXd columns_at(Shape& shape, const Guess& guess) const;
   bool scales_with_force(const Shape& shape, const std::vector<int>& powers) const;
 
-  /// A mode's receptance as a filter, b0 + b1/z over 1 + a0/z + a1/z^2.
-  struct Mode {
-    double b[2] = {1, 0}, a[2] = {0, 0};
-    Eigen::VectorXd shape;  ///< its displacement on each coordinate; empty with one
-    Eigen::VectorXd filtered(const FitData& data, const Eigen::VectorXd& force) const;
-  };
-  static Mode mode(double mass, double frequency, double damping, double dt);
-  void find_modes(const Study& study, const Candidate& baseline);
-
   std::vector<FitData> data_;
-  Eigen::Index rows_ = 0, degrees_ = 1;   ///< rows: of all coordinates
-  Eigen::VectorXd measured_;              ///< the forces, all coordinates and then all records in a row, not weighted
-  std::vector<Mode> modes_;               ///< none: forces are taken as they are
-  std::vector<Eigen::VectorXd> weights_;  ///< of the outputs of each record
+  Eigen::Index rows_ = 0, degrees_ = 1;  ///< rows: of all coordinates
+  Eigen::VectorXd measured_;             ///< the forces, all coordinates and then all records in a row, not weighted
+  Receptance receptance_;
 };
 
 }  // namespace lunid

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "discover/accept.hpp"
 #include "discover/sensor.hpp"
 #include "record/derive.hpp"
 #include "record/spectrum.hpp"
@@ -16,150 +17,6 @@ namespace {
 
 Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
-
-/// "displacement", with several coordinates "displacement y2".
-std::string words_of(const std::string& channel) {
-  const std::string words = channel[0] == 'y' ? "displacement" : channel[0] == 'v' ? "velocity" : "acceleration";
-  return channel.size() > 1 ? words + " " + channel : words;
-}
-
-/// A coordinate of several whose velocity or acceleration stands in the record.
-bool has_motion_of(const Record& record, const std::string& y) {
-  return y[0] == 'y' && y.size() > 1 && (record.has("v" + y.substr(1)) || record.has("a" + y.substr(1)));
-}
-
-/// A force that is predicted from the motion needs all of it: an integral has lost its slow part.
-void refuse_integrated(const Record& record, const SourceSpan& where) {
-  if (measured_channel(record) == "y") return;
-  throw InputError("discover: imposed motion: the displacement is known from the " +
-                       words_of(measured_channel(record)) +
-                       " alone: its slow part is lost, and the force needs it; record y too",
-                   where, Fault::data);
-}
-
-/// What stands behind y, v or a in the name of a coordinate's channels.
-std::string suffix_of(const Study& study, int coordinate) { return study.channel('y', coordinate).substr(1); }
-
-/// What all records hold of the motion of all coordinates; those that hold something else are named.
-std::string measured_in(const Study& study, const std::vector<const Record*>& records) {
-  const std::string first = measured_channel(*records.front(), suffix_of(study, 0));
-  for (const Record* record : records)
-    for (int i = 0; i < study.degrees(); ++i)
-      if (const std::string own = measured_channel(*record, suffix_of(study, i)); own[0] != first[0])
-        throw InputError("discover: expected all records to measure one channel of the motion, got " + first + " in " +
-                             records.front()->name() + " and " + own + " here",
-                         {record->name(), 0, 0}, Fault::data);
-  return first.substr(0, 1);
-}
-
-/// The lowest frequency [Hz] above which the integrals of what was measured hold little noise, from two periods in the
-/// record up to a third of the motion's own frequency; 0 where y was measured.
-double slow_limit(const Record& record, const std::string& measured) {
-  if (measured[0] == 'y') return 0;
-  constexpr double tolerable = 0.02;  // of the displacement
-  const double most = dominant_frequency(record[measured], record.dt()) / (2 * M_PI) / 3;
-  double below = 2 / record.duration();
-  for (; below < most; below *= 1.5) {
-    const Record moved = integrate(record, {measured, 1, below});
-    const std::string y = "y" + measured.substr(1);
-    if (moved.channel(y).noise < tolerable * standard_deviation(moved[y])) break;
-  }
-  return std::min(below, std::max(most, 2 / record.duration()));
-}
-
-void check_moves(const Record& record, const std::string& measured, const SourceSpan& where) {
-  const auto motion = record[measured];
-  const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
-  if (!(*high > *low))
-    throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
-                         (measured[0] == 'y'   ? "m"
-                          : measured[0] == 'v' ? "m/s"
-                                               : "m/s^2") +
-                         " in every row); nothing can be learned from a record without motion",
-                     where, Fault::data);
-}
-
-void check_record(const Study& study, const Record& record) {
-  const SourceSpan where{record.name(), 0, 0};
-  if (record.rows() < 30)
-    throw InputError("discover: expected at least 30 rows in a record, got " + std::to_string(record.rows()) +
-                         "; a motion of a few periods is needed to tell one effect from another",
-                     where, Fault::data);
-  std::vector<std::string> needed = study.forces;
-  for (int i = 0; i < study.degrees(); ++i) needed.push_back(study.channel('y', i));
-  for (const std::string& name : needed)
-    if (!record.has(name) && !has_motion_of(record, name))
-      throw InputError("discover: the record has no channel '" + name + "'" +
-                           (name[0] == 'y' && study.degrees() > 1
-                                ? "; the motion of every coordinate of the model has to be measured: name its column, "
-                                  "or take a model without it"
-                                : "; name its column, e.g. --columns \"" + name + "=header [unit]\""),
-                       where, Fault::data);
-  if (study.imposed) refuse_integrated(record, where);
-  for (int i = 0; i < study.degrees(); ++i) check_moves(record, measured_channel(record, suffix_of(study, i)), where);
-  const auto f = record[study.forces.front()];
-  const auto [least, most] = std::minmax_element(f.begin(), f.end());
-  if (study.imposed && !(*most > *least))
-    throw InputError("discover: imposed motion: the force is constant; it is what the model has to predict", where,
-                     Fault::data);
-}
-
-Channel no_force(const std::string& name, const Record& record) {
-  Channel force;
-  force.name = force.source = name;
-  force.unit = "N";
-  force.values = Eigen::VectorXd::Zero(record.rows());
-  return force;
-}
-
-bool dies_away(const Study& study, const Record& record) {
-  if (record.rows() < 30) return false;
-  for (int i = 0; i < study.degrees(); ++i) {
-    const std::string channel = measured_channel(record, suffix_of(study, i));
-    if (!record.has(channel)) return false;
-    const auto y = record[channel];
-    const std::size_t quarter = y.size() / 4;
-    if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return false;
-  }
-  return true;
-}
-
-/// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
-Record with_force_of_decay(const Study& study, const Record& record, std::vector<std::string>& warnings) {
-  const auto shown = [&](const std::string& force) { return record.has(force); };
-  if (record.has("F") || std::any_of(study.forces.begin(), study.forces.end(), shown)) return record;
-  if (!dies_away(study, record)) return record;
-  warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
-  Record out = record;
-  for (const std::string& force : study.forces) out = out.with(no_force(force, record));
-  return out;
-}
-
-/// With several coordinates: F is the force of the one that is driven, and a driven coordinate whose force the record
-/// does not hold has none, where it holds that of another.
-Record with_all_forces(const Study& study, const Record& record, std::vector<std::string>& warnings) {
-  if (study.degrees() == 1) return record;
-  const auto& forces = study.forces;
-  const auto shown = [&](const std::string& force) { return record.has(force); };
-  Record out = record;
-  if (std::none_of(forces.begin(), forces.end(), shown)) {
-    if (!record.has("F")) return record;
-    if (forces.size() > 1)
-      throw InputError("discover: the record has one force F, and the model is driven at " +
-                           std::to_string(forces.size()) + " coordinates: name the column " + forces.front() +
-                           " or another of them, or give the model forces = { 1 }",
-                       {record.name(), 0, 0}, Fault::data);
-    Channel force = record.channel("F");
-    force.name = forces.front();
-    return out.with(std::move(force));
-  }
-  for (const std::string& force : forces) {
-    if (record.has(force)) continue;
-    warnings.push_back(record.name() + " has no " + force + ": taken for 0");
-    out = out.with(no_force(force, record));
-  }
-  return out;
 }
 
 /// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
@@ -251,24 +108,6 @@ Record thinned(const Study& study, const Record& record) {
   const double half = 0.5 * record.dt() * static_cast<double>(rows - 1);
   return with_motion(study, Record(record.name(), record.start() + half, record.dt() * static_cast<double>(rows),
                                    std::move(channels)));
-}
-
-/// What free runs are held against, and what integrals lose.
-void choose_output(Study& study, const std::vector<Record>& train) {
-  std::vector<const Record*> all;
-  for (const Record& record : train) all.push_back(&record);
-  for (const Record& record : study.test) all.push_back(&record);
-  study.measured = measured_in(study, all);
-  for (const Record& record : train)
-    for (const std::string& output : study.outputs()) study.slow = std::max(study.slow, slow_limit(record, output));
-  if (study.measured == "y") return;
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "the records hold the %s alone: free runs are held against it; y is its integral without what lies below "
-      "%.3g Hz, and serves for first guesses and figures",
-      words_of(study.measured).c_str(), study.slow);
-  study.warnings.emplace_back(text);
 }
 
 }  // namespace
@@ -420,8 +259,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (!study.imposed) study.forces = study.model.inputs();
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed)
-        record = with_all_forces(study, with_force_of_decay(study, record, study.warnings), study.warnings);
+      if (!study.imposed) record = with_known_forces(study, record, study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(study, record);
