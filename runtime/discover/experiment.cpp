@@ -105,6 +105,7 @@ class Designer {
   Answer motion_answer(const Rival& rival, const Record& driven) const {
     const Model& model = rival.system->model();
     SimulateOptions options;
+    options.solver = Solver::fixed;  // as rivals are fitted; a stiff solver may take minutes over one of many drives
     options.cancelled = options_.cancelled;
     VectorXd x0 = VectorXd::Zero(rival.system->states());
     for (std::size_t i = 0; i < model.states.size(); ++i)

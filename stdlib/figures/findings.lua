@@ -172,7 +172,7 @@ figures.define({
   local function add(name, value)
     names[#names + 1], values[#values + 1] = name, gap_of(value)
   end
-  for _, effect in ipairs(data.effects) do add((effect.label or effect.name) .. " (named)", effect.gap_train) end
+  for _, effect in ipairs(data.effects) do add("* " .. (effect.label or effect.name), effect.gap_train) end
   for i, rival in ipairs(data.rivals) do
     if i <= given.most then add(rival.name, rival.gap) end
   end
@@ -185,7 +185,8 @@ figures.define({
     lines[#lines + 1] = { value = data.noise_floor.gap_train, vertical = true, role = "measured", style = "dotted",
       label = "noise alone" }
   end
-  return { panels = { { x = { name = "gap on the training record", unit = "", min = 0 }, lines = lines, bars = { names = names,
+  return { panels = { { x = { name = #data.effects > 0 and "gap on the training record (* named)"
+    or "gap on the training record", unit = "", min = 0 }, lines = lines, bars = { names = names,
     sets = { { label = "", value = core.column(values), role = "first" } } } } } }
 end)
 

@@ -82,5 +82,39 @@ TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
   EXPECT_TRUE(there.removable.empty());
 }
 
+/// Two hundred rows of a hysteresis that the baseline knows: its fit ends in a place from which any effect helps, until
+/// it is fitted again from there.
+TEST(Baseline, IsFittedAgainFromWhatWasFoundBesideIt) {
+  truth::RecordOptions options;
+  options.rows = 200;
+  options.noise_db = 20;
+  options.excited = truth::Excited::noise;
+  options.seed = 10323;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = truth::make_records(truth::case_named("null_hysteresis"), scale, options);
+  Model model;
+  model.pool = std::make_shared<Pool>();
+  Pool& pool = *model.pool;
+  const Expr z = pool.state("z");
+  model.mass = pool.constant(scale.mass);
+  model.restoring = parse(pool, "k*y + c*v + kz*z");
+  model.states.push_back({z, parse(pool, "v - abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)"), 0, {}, {}});
+  const auto add = [&](const char* name, double value, double min) {
+    Parameter p = testing::row(name, min);
+    p.value = value;
+    model.parameters.push_back(p);
+  };
+  add("k", NAN, 0);
+  add("c", NAN, 0);
+  add("kz", 0.4 * scale.force() / scale.length, 0);
+  add("zy", 1.2 * scale.length, 0);
+  add("n", 1, 1);
+  add("rho", 0.7, -INFINITY);
+  const Discovery d = discover(model, testing::small_catalogue(pool), {testing::record_of(records.train, "train")},
+                               {testing::record_of(records.test, "test")});
+  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_LT(d.baseline_train.value, 1.5 * d.baseline_train.floor);
+}
+
 }  // namespace
 }  // namespace lunid
