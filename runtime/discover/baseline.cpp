@@ -73,8 +73,7 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
   bool mass_free = false;
   for (Eigen::Index j = 0; j < p; ++j) {
     const auto& name = table[static_cast<std::size_t>(j)].name;
-    for (int i = 0; i < model.degrees(); ++i)
-      mass_free = mass_free || depends_on(model.coordinate(i).mass, model.pool->parameter(name));
+    mass_free = mass_free || in_a_mass(model, model.pool->parameter(name));
     if (table[static_cast<std::size_t>(j)].fixed) continue;
     if (!(gram(j, j) > 0))
       throw InputError("discover: the data do not excite parameter '" + name +

@@ -134,13 +134,10 @@ Model extend(const Study& study, const Model& baseline, const Choices& choices,
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
   Model model = baseline;
   for (const auto& c : choices) {
-    const Ranges ranges = c.effect->range ? c.effect->range(scales(study, 0, c.effect->place), c.variant) : Ranges{};
-    for (auto p : c.effect->parameters) {
-      if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
-        p.min = std::max(p.min, limits->second.first);
-        p.max = std::min(p.max, limits->second.second);
+    const Ranges ranges = c.effect->range ? ranges_of(c, scales(study, 0, c.effect->place)) : Ranges{};
+    for (const Parameter& p : limited(c.effect->parameters, ranges)) {
+      if (const auto limits = ranges.find(p.name); limits != ranges.end())
         shown.push_back({model.parameters.size(), limits->second});
-      }
       model.parameters.push_back(p);
     }
     add_variant(model, *c.effect, c.variant);
@@ -216,6 +213,19 @@ bool Candidate::degenerate() const {
   std::vector<double> scratch(static_cast<std::size_t>(margins.registers()));
   margins.run_point(fit.theta.data(), margin.data(), scratch.data());
   return std::any_of(margin.begin(), margin.end(), [](double m) { return m < 0; });
+}
+
+Ranges ranges_of(const Choice& choice, const RecordScales& scales) {
+  return choice.effect->range ? choice.effect->range(scales, choice.variant) : Ranges{};
+}
+
+std::vector<Parameter> limited(std::vector<Parameter> parameters, const Ranges& ranges) {
+  for (Parameter& p : parameters)
+    if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
+      p.min = std::max(p.min, limits->second.first);
+      p.max = std::min(p.max, limits->second.second);
+    }
+  return parameters;
 }
 
 Candidate compile(const Study& study, const Model& baseline, const Choices& choices) {
@@ -298,6 +308,12 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
   return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
+}
+
+bool in_a_mass(const Model& model, Expr symbol) {
+  for (int i = 0; i < model.degrees(); ++i)
+    if (depends_on(model.coordinate(i).mass, symbol)) return true;
+  return false;
 }
 
 Model fitted(const Candidate& c) {

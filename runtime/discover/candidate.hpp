@@ -51,6 +51,10 @@ struct Candidate {
   std::string name() const;
 };
 
+/// Where a record of these scales can show a choice's shape parameters, and its parameters within that.
+Ranges ranges_of(const Choice& choice, const RecordScales& scales);
+std::vector<Parameter> limited(std::vector<Parameter> parameters, const Ranges& ranges);
+
 /// Compiles baseline + choices, shape parameters limited to what the study's records can show. Changes the pool: main
 /// thread only.
 Candidate compile(const Study& study, const Model& baseline, const Choices& choices);
@@ -72,6 +76,9 @@ void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 /// What a model with these parameters leaves of the force along a record's motion, F - m*a - f [N]; of several
 /// coordinates one after another.
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record);
+
+/// The mass of a coordinate holds this symbol.
+bool in_a_mass(const Model& model, Expr symbol);
 
 /// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).
 std::vector<std::uint8_t> linear_parameters(const Model& model);

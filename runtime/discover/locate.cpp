@@ -17,6 +17,17 @@ Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view 
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
+Eigen::VectorXd times_of(const Record& record) {
+  Eigen::VectorXd t(record.rows());
+  for (Eigen::Index i = 0; i < t.size(); ++i) t[i] = record.time(i);
+  return t;
+}
+
+/// What a model's force loses with the parameters of `without`.
+Eigen::VectorXd force_beyond(const Candidate& model, const Eigen::VectorXd& without, const Record& record) {
+  return open_force(model, without, record) - open_force(model, model.fit.theta, record);
+}
+
 int bin_of(double x, double limit) {
   return std::clamp(static_cast<int>((x + limit) / (2 * limit) * cells), 0, cells - 1);
 }
@@ -110,7 +121,7 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
   Eigen::VectorXd unnamed = after.fit.theta;
   for (Eigen::Index j = before.parameters(); j < unnamed.size(); ++j)
     if (after.linear[static_cast<std::size_t>(j)]) unnamed[j] = 0;
-  const Eigen::VectorXd named = open_force(after, unnamed, smooth) - open_force(after, after.fit.theta, smooth);
+  const Eigen::VectorXd named = force_beyond(after, unnamed, smooth);
   std::vector<Comparison> list;
   for (std::size_t c = 0; c < final.size(); ++c) {
     const auto first = static_cast<Eigen::Index>(c) * record.rows();
@@ -118,8 +129,7 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
     out.record = record.name();
     out.role = role;
     out.output = final[c].output;
-    out.t.resize(record.rows());
-    for (Eigen::Index i = 0; i < record.rows(); ++i) out.t[i] = record.time(i);
+    out.t = times_of(record);
     out.measured = column(record, final[c].output);
     out.baseline = baseline[c].model;
     out.final = final[c].model;
@@ -137,8 +147,7 @@ PlacedForce force_of_effect(const Study& study, const Candidate& final, const Ef
   const Record& smooth = study.smooth[index];
   PlacedForce out;
   out.name = effect.label();
-  out.t.resize(smooth.rows());
-  for (Eigen::Index i = 0; i < smooth.rows(); ++i) out.t[i] = smooth.time(i);
+  out.t = times_of(smooth);
   out.y = motion_at(smooth, effect.place, 'y');
   out.v = motion_at(smooth, effect.place, 'v');
   Eigen::VectorXd unnamed = final.fit.theta;
@@ -146,7 +155,7 @@ PlacedForce force_of_effect(const Study& study, const Candidate& final, const Ef
   for (std::size_t j = 0; j < table.size(); ++j)
     for (const Parameter& own : effect.parameters)
       if (own.name == table[j].name && final.linear[j]) unnamed[static_cast<Eigen::Index>(j)] = 0;
-  const Eigen::VectorXd named = open_force(final, unnamed, smooth) - open_force(final, final.fit.theta, smooth);
+  const Eigen::VectorXd named = force_beyond(final, unnamed, smooth);
   out.named = force_at(named, smooth.rows(), effect.place);
   out.left = force_at(residual_force(study, final, final, index), smooth.rows(), effect.place);
   return out;

@@ -196,14 +196,7 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   alone.further.assign(model.further.size(), {alone.mass, alone.restoring});
   add_variant(alone, effect, choice.variant);
   alone.imposed_motion = true;
-  const Ranges ranges = effect.range ? effect.range(scales, choice.variant) : Ranges{};
-  for (auto p : effect.parameters) {
-    if (const auto limits = ranges.find(p.name); limits != ranges.end()) {
-      p.min = std::max(p.min, limits->second.first);
-      p.max = std::min(p.max, limits->second.second);
-    }
-    alone.parameters.push_back(p);
-  }
+  alone.parameters = limited(effect.parameters, ranges_of(choice, scales));
   shape.linear = linear_parameters(alone);
   shape.system = std::make_shared<const System>(alone);
   if (effect.guess) shape.guesses = effect.guess(scales, choice.variant);

@@ -18,6 +18,14 @@ Eigen::Map<const Eigen::VectorXd> column(const Record& record, const std::string
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
+/// Least squares from the normal equations, columns of length one.
+Eigen::MatrixXd regress(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& right) {
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * (scale.asDiagonal() * gram * scale.asDiagonal())
+                                  .completeOrthogonalDecomposition()
+                                  .solve(scale.asDiagonal() * right);
+}
+
 /// Mass, damping and stiffness of the linear system whose force is nearest to the measured one.
 Eigen::Vector3d linear_system(const Study& study) {
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
@@ -28,10 +36,7 @@ Eigen::Vector3d linear_system(const Study& study) {
     gram += x.transpose() * x;
     right += x.transpose() * column(data.record, "F");
   }
-  const Eigen::Vector3d scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  return scale.asDiagonal() * (scale.asDiagonal() * gram * scale.asDiagonal())
-                                  .completeOrthogonalDecomposition()
-                                  .solve(scale.asDiagonal() * right);
+  return regress(gram, right);
 }
 
 }  // namespace
@@ -63,7 +68,7 @@ Receptance::Mode Receptance::mode(double mass, double frequency, double damping,
 /// left out.
 void Receptance::find_modes(const Study& study, const Candidate& baseline, const std::vector<FitData>& data_of) {
   const Eigen::Index n = study.degrees();
-  const Eigen::VectorXd& theta = baseline.ran() ? baseline.fit.theta : baseline.starts.front();
+  const Eigen::VectorXd& theta = baseline.best_theta();
   const System& system = *baseline.force_system;
   Eigen::VectorXd mass = Eigen::VectorXd::Ones(n);
   std::vector<double> in(static_cast<std::size_t>(system.inertia().inputs()), 0.0), out(static_cast<std::size_t>(n)),
@@ -88,10 +93,7 @@ void Receptance::find_modes(const Study& study, const Candidate& baseline, const
     gram += motion.transpose() * motion;
     right += motion.transpose() * open;
   }
-  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd found = scale.asDiagonal() * (scale.asDiagonal() * gram * scale.asDiagonal())
-                                                         .completeOrthogonalDecomposition()
-                                                         .solve(scale.asDiagonal() * right);
+  const Eigen::MatrixXd found = regress(gram, right);
   const Eigen::VectorXd root = mass.cwiseSqrt().cwiseInverse();
   const auto normal = [&](const Eigen::MatrixXd& part) -> Eigen::MatrixXd {
     return root.asDiagonal() * (0.5 * (part + part.transpose())) * root.asDiagonal();

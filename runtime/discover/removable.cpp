@@ -5,16 +5,6 @@
 
 namespace lunid {
 
-namespace {
-
-bool in_a_mass(const Model& model, Expr p) {
-  for (int i = 0; i < model.degrees(); ++i)
-    if (depends_on(model.coordinate(i).mass, p)) return true;
-  return false;
-}
-
-}  // namespace
-
 std::vector<Removable> removable_terms(const Model& baseline, const Candidate& final_model) {
   constexpr double level = 0.05;
   std::vector<Removable> out;

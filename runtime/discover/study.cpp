@@ -78,14 +78,20 @@ FitData force_data(const Record& record, Eigen::Index edge) {
   return data;
 }
 
+/// The highest angular frequency [rad/s] of a coordinate's motion in a record; 0 of one that rests.
+double upper_frequency(const Study& study, const Record& record) {
+  double highest = 0;
+  for (int i = 0; i < study.degrees(); ++i) {
+    const double v = standard_deviation(record[study.channel('v', i)]);
+    if (v > 0) highest = std::max(highest, standard_deviation(record[study.channel('a', i)]) / v);
+  }
+  return highest;
+}
+
 /// Means over rows down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies
 /// above holds noise alone, and F and y are averaged alike.
 Record thinned(const Study& study, const Record& record) {
-  double upper = 0;
-  for (int i = 0; i < study.degrees(); ++i) {
-    const double v = standard_deviation(record[study.channel('v', i)]);
-    if (v > 0) upper = std::max(upper, standard_deviation(record[study.channel('a', i)]) / v);
-  }
+  const double upper = upper_frequency(study, record);
   if (!(upper > 0)) return record;
   const auto most = std::max<Eigen::Index>(1, record.rows() / 1500);
   const auto rows = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * M_PI / upper / record.dt() / 40), 1, most);
@@ -188,9 +194,7 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
-std::string Study::channel(char quantity, int coordinate) const {
-  return degrees() == 1 ? std::string(1, quantity) : model.channel(quantity, coordinate);
-}
+std::string Study::channel(char quantity, int coordinate) const { return model.channel(quantity, coordinate); }
 
 std::vector<std::string> Study::outputs() const {
   if (imposed) return {"F"};
@@ -311,11 +315,7 @@ void set_interpolation(Study& study, Interpolation interpolation) {
 
 double upper_frequency(const Study& study) {
   double highest = 0;
-  for (const auto& record : study.smooth)
-    for (int i = 0; i < study.degrees(); ++i) {
-      const double v = standard_deviation(record[study.channel('v', i)]);
-      if (v > 0) highest = std::max(highest, standard_deviation(record[study.channel('a', i)]) / v);
-    }
+  for (const auto& record : study.smooth) highest = std::max(highest, upper_frequency(study, record));
   return highest;
 }
 
