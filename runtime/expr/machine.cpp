@@ -87,6 +87,12 @@ class Bytes {
   void put_four(std::uint64_t bits) {
     for (int i = 0; i < 4; ++i) put64(bits);
   }
+  /// By rax, of one number.
+  void number(int to, double value) {
+    put({0x48, 0xB8});  // mov rax, value; vmovq to, rax
+    put64(std::bit_cast<std::uint64_t>(value));
+    put({0xC4, (to < 8 ? 0x80 : 0) | 0x60 | 1, 0xF9, 0x6E, 0xC0 | (to & 7) << 3});
+  }
   void copy(int to, int from) {
     prefix(duplicate, to, 0, from);
     put({0xC0 | (to & 7) << 3 | (from & 7)});
@@ -317,6 +323,7 @@ class Translator {
   bool instruction(const Instruction& i) {
     switch (i.code) {
       case Code::copy: return copy(i);
+      case Code::constant: return constant(i);
       case Code::add: return simple(i, Bytes::sum);
       case Code::sub: return simple(i, Bytes::difference);
       case Code::mul: return simple(i, Bytes::product);
@@ -338,9 +345,21 @@ class Translator {
 
   bool copy(const Instruction& i) {
     const int from = operand(i.a);
+    if (!bytes_.packed && i.dst >= layout_.temporaries) {
+      const int to = take();
+      bytes_.copy(to, from);
+      define(i.dst, to);
+      return true;
+    }
     if (slot_of_[i.dst] >= 0) drop(slot_of_[i.dst]);
     needed_until_[i.dst] = last_read_[at_];
     move(Bytes::store, from, i.dst);
+    return true;
+  }
+  bool constant(const Instruction& i) {
+    const int to = take();
+    bytes_.number(to, static_cast<double>(i.a) - 1);
+    define(i.dst, to);
     return true;
   }
   bool simple(const Instruction& i, Bytes::Operation operation) {
@@ -476,19 +495,31 @@ Machine::Machine(const Program& program) {
   const auto lanes = append(program, program.values, Form::lanes, bytes),
              lanes_less = append(program, program.computed, Form::lanes, bytes),
              rows = append(program, program.values, Form::rows, bytes);
-  // written first, then made executable: never both at once
-  void* const memory = mmap(nullptr, bytes.all.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) return;
+  if (!place(bytes.all)) return;
+  const auto code = [&](std::size_t entry) { return static_cast<std::uint8_t*>(memory_) + entry; };
+  if (one) values = reinterpret_cast<Point>(code(*one));
+  if (one_less) computed = reinterpret_cast<Point>(code(*one_less));
+  if (lanes) lane_values = reinterpret_cast<Lanes>(code(*lanes));
+  if (lanes_less) lane_computed = reinterpret_cast<Lanes>(code(*lanes_less));
+  if (rows) row_values = reinterpret_cast<Lanes>(code(*rows));
+}
+
+Machine::Machine(const Program& program, const Assembly& assembly) {
+  if (!__builtin_cpu_supports("avx")) return;
+  Bytes bytes;
+  bytes.put_four(sign_bit);
+  const auto entry = append(program, assembly, Form::point, bytes);
+  if (entry && place(bytes.all)) values = reinterpret_cast<Point>(static_cast<std::uint8_t*>(memory_) + *entry);
+}
+
+/// Written first, then made executable: never both at once.
+bool Machine::place(const std::vector<std::uint8_t>& bytes) {
+  void* const memory = mmap(nullptr, bytes.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return false;
   memory_ = memory;
-  size_ = bytes.all.size();
-  std::memcpy(memory, bytes.all.data(), size_);
-  if (mprotect(memory, size_, PROT_READ | PROT_EXEC) != 0) return;
-  const auto place = [&](std::size_t entry) { return static_cast<std::uint8_t*>(memory) + entry; };
-  if (one) values = reinterpret_cast<Point>(place(*one));
-  if (one_less) computed = reinterpret_cast<Point>(place(*one_less));
-  if (lanes) lane_values = reinterpret_cast<Lanes>(place(*lanes));
-  if (lanes_less) lane_computed = reinterpret_cast<Lanes>(place(*lanes_less));
-  if (rows) row_values = reinterpret_cast<Lanes>(place(*rows));
+  size_ = bytes.size();
+  std::memcpy(memory, bytes.data(), size_);
+  return mprotect(memory, size_, PROT_READ | PROT_EXEC) == 0;
 }
 
 Machine::~Machine() {
@@ -501,6 +532,7 @@ Machine::~Machine() {
 
 namespace lunid {
 Machine::Machine(const Program&) {}
+Machine::Machine(const Program&, const Assembly&) {}
 Machine::~Machine() = default;
 }  // namespace lunid
 

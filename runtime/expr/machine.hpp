@@ -1,9 +1,11 @@
 #pragma once
 // Machine code of a tape's arithmetic: the instructions of the interpreters, on the same operands in the same order, so
 // with the same bits. It saves their dispatch and the way of each result through memory to its user, which is longer
-// than the operation. Made for x86-64 with AVX on Linux; elsewhere, and for what holds switches, the interpreters run.
+// than the operation. Made for x86-64 with AVX on Linux; elsewhere, and for what holds
+// switches that no mode tells (frozen.hpp), the interpreters run.
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "expr/program.hpp"
 
@@ -16,6 +18,8 @@ class Machine {
 
   Machine() = default;
   explicit Machine(const Program& program);
+  /// Of other code on the registers of a program, as values alone.
+  Machine(const Program& program, const Assembly& assembly);
   ~Machine();
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
@@ -29,6 +33,8 @@ class Machine {
   static constexpr std::uint32_t lane_row = 72;  // 64 lanes, and what keeps rows from falling into one set of a cache
 
  private:
+  bool place(const std::vector<std::uint8_t>& bytes);
+
   void* memory_ = nullptr;
   std::size_t size_ = 0;
 };

@@ -3,6 +3,7 @@
 // (assemble.cpp), which run.cpp runs on a point and columns.cpp over blocks of rows.
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -18,7 +19,7 @@ namespace lunid {
 /// operands; switching instructions hold the switch in d.
 enum class Code : std::uint16_t {
   input,
-  constant,  // no instructions: registers that are set before the run
+  constant,  // no instructions: registers that are set before the run; in decided code (frozen.cpp) the number a - 1
   copy,
   add,
   sub,
@@ -77,6 +78,13 @@ constexpr std::uint32_t switch_operand(std::uint32_t index, bool reversed) { ret
 
 /// The switch operand of a node that has no switch.
 constexpr std::uint32_t no_switch = 0xFFFFFFFF;
+
+/// The branch that a switching instruction is told to take: +1, -1, or 0 for its own.
+inline int told(const std::int8_t* mode, std::uint32_t switch_operand) {
+  if (switch_operand == no_switch) return 0;
+  const int m = mode[switch_operand / 2];
+  return switch_operand % 2 ? -m : m;
+}
 
 /// Lowers expressions to values: powers to products, common values once, switches collected.
 Values lower(std::span<const Expr> outputs, std::span<const Expr> inputs);
@@ -139,6 +147,8 @@ struct Program {
   Assembly switches;  // every g
 
   ~Program();
+  /// Machine code of `complete.rest` in a mode, where there is some; `make` it, where it was not yet.
+  Tape::PointCode find_frozen(const std::vector<std::int8_t>& mode, bool make) const;
   /// Made once, when the tape is first run in place; what it lacks the interpreters run.
   const Machine& machine() const {
     const Machine* made = made_.load(std::memory_order_acquire);
@@ -150,6 +160,8 @@ struct Program {
   mutable std::once_flag making_;
   mutable std::unique_ptr<const Machine> machine_;
   mutable std::atomic<const Machine*> made_{nullptr};
+  mutable std::mutex frozen_use_;
+  mutable std::map<std::vector<std::int8_t>, std::unique_ptr<const Machine>> frozen_;  // null: the interpreter runs it
 };
 
 }  // namespace lunid

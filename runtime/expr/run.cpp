@@ -22,13 +22,6 @@ void load_constant_results(const Layout& layout, double* r) {
   for (const auto& [place, value] : layout.constant_results) r[place] = value;
 }
 
-/// The branch that a switching instruction is told to take: +1, -1, or 0 for its own.
-int told(const std::int8_t* mode, std::uint32_t switch_operand) {
-  if (switch_operand == no_switch) return 0;
-  const int m = mode[switch_operand / 2];
-  return switch_operand % 2 ? -m : m;
-}
-
 /// Runs the instructions over the registers r. Direct threading: every instruction jumps to the next by itself,
 /// which branch predictors learn far better than one common switch.
 template <bool frozen>

@@ -67,6 +67,8 @@ class Tape {
   using PointCode = double (*)(double* scratch);
   PointCode point_code() const noexcept;
   int last_written() const;
+  /// The machine code of run_prepared_frozen in a mode, where there is some; `make` it, where it was not yet.
+  PointCode frozen_code(const std::vector<std::int8_t>& mode, bool make) const;
   int output_place() const;
   int switch_place() const;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <numbers>
@@ -70,20 +71,34 @@ void refine_band_limited(const VectorXd& f, std::span<const double> places, Vect
   }
 }
 
-/// The cubic through the four samples nearest to the interval [row, row + 1] (fewer where there are fewer).
-double local_cubic(const VectorXd& f, Index row, double fraction) {
-  const Index points = std::min<Index>(4, f.size());
-  const Index first = std::clamp<Index>(row - 1, 0, f.size() - points);
-  const double x = static_cast<double>(row - first) + fraction;
-  double value = 0;
-  for (Index i = 0; i < points; ++i) {
-    double weight = 1;
-    for (Index j = 0; j < points; ++j)
-      if (j != i) weight *= (x - static_cast<double>(j)) / static_cast<double>(i - j);
-    value += weight * f[first + i];
+/// The cubic through the four samples nearest to an interval (fewer where there are fewer), at a part of it.
+class LocalCubic {
+ public:
+  explicit LocalCubic(const VectorXd& f) : f_(f), points_(std::min<Index>(4, f.size())) {}
+
+  double operator()(Index row, double fraction) {
+    const Index first = std::clamp<Index>(row - 1, 0, f_.size() - points_);
+    if (const double x = static_cast<double>(row - first) + fraction; x != x_) weigh(x);
+    double value = 0;
+    for (Index i = 0; i < points_; ++i) value += weight_[i] * f_[first + i];
+    return value;
   }
-  return value;
-}
+
+ private:
+  /// Lagrange's weights at x samples from the first; the same in all inner intervals.
+  void weigh(double x) {
+    x_ = x;
+    for (Index i = 0; i < points_; ++i) {
+      weight_[i] = 1;
+      for (Index j = 0; j < points_; ++j)
+        if (j != i) weight_[i] *= (x - static_cast<double>(j)) / static_cast<double>(i - j);
+    }
+  }
+
+  const VectorXd& f_;
+  const Index points_;
+  double weight_[4] = {}, x_ = std::numeric_limits<double>::quiet_NaN();
+};
 
 /// Samples f at `places` (parts of an interval, the first 0) of each interval, then the last one.
 VectorXd interpolate(const VectorXd& f, std::span<const double> places, Interpolation interpolation) {
@@ -94,13 +109,15 @@ VectorXd interpolate(const VectorXd& f, std::span<const double> places, Interpol
     refine_band_limited(f, places, out);
     return out;
   }
-  for (Index row = 0; row + 1 < f.size(); ++row)
-    for (Index i = 1; i < count; ++i) {
+  for (Index i = 1; i < count; ++i) {
+    LocalCubic cubic(f);
+    for (Index row = 0; row + 1 < f.size(); ++row) {
       const double from = f[row], to = f[row + 1];
       out[row * count + i] = interpolation == Interpolation::hold     ? from
                              : interpolation == Interpolation::linear ? from + places[i] * (to - from)
-                                                                      : local_cubic(f, row, places[i]);
+                                                                      : cubic(row, places[i]);
     }
+  }
   return out;
 }
 
@@ -275,7 +292,7 @@ double Excitation::at(double t) const {
   switch (source_->interpolation) {
     case Interpolation::hold: return exact + (fraction < 1 - on_sample ? f[row] : f[row + 1]);
     case Interpolation::linear: return exact + (f[row] + fraction * (f[row + 1] - f[row]));
-    case Interpolation::cubic: return exact + local_cubic(f, row, fraction);
+    case Interpolation::cubic: return exact + LocalCubic(f)(row, fraction);
     case Interpolation::band_limited: return exact + sextic(source_->interpolated_grid(), position * 2 * at_substeps);
   }
   return 0;

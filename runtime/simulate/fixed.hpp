@@ -77,9 +77,12 @@ void sensitivity_rate(int n, int p, const double* jx, const double* jtheta, doub
 inline constexpr double steepest = 2;
 
 inline bool all_finite(const double* x, int n) noexcept {
-  double sum = 0;
-  for (int i = 0; i < n; ++i) sum += x[i] * 0.0;  // NaN for NaN and infinity
-  return sum == 0;
+  double sum[4] = {};  // of x * 0, which is NaN for NaN and infinity; one sum would wait for itself
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; ++k) sum[k] += x[i + k] * 0.0;
+  for (; i < n; ++i) sum[0] += x[i] * 0.0;
+  return sum[0] + sum[1] + (sum[2] + sum[3]) == 0;
 }
 
 }  // namespace lunid

@@ -46,6 +46,8 @@ ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta
       derivative_mode_(dynamics.derivatives.switches(), 0),
       gradient_mode_(dynamics.gradients.switches(), 0),
       free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
+      run_rate_(dynamics.rate),
+      run_derivatives_(dynamics.derivatives),
       rate_r_(std::max(dynamics.rate.registers(), dynamics.inputs()) + 1),
       derivative_r_(std::max(dynamics.derivatives.registers(), dynamics.inputs()) + 1),
       scratch_(dynamics.gradients.registers() + 1),
@@ -82,7 +84,7 @@ void ModeMachine::load(const Drive& drive, const double* x) noexcept {
 
 /// The rate tape on the loaded inputs; leaves g.
 void ModeMachine::run_rate(const std::vector<std::int8_t>& mode, double* out) noexcept {
-  d_.rate.run_prepared_frozen(mode.data(), rate_r_.data());
+  run_rate_(mode, rate_r_.data());
   const double* results = rate_r_.data() + d_.rate.output_place();
   for (std::size_t i = 0; i < out_.size(); ++i) out[i] = results[i];
   ++evaluations;
@@ -256,14 +258,14 @@ const double* ModeMachine::run_derivatives() noexcept {
   double* r = derivative_r_.data();
   const double* in = inputs();
   for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) r[i] = in[i];
-  d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
+  run_derivatives_(derivative_mode_, r);
   ++evaluations;
   const double* results = r + d_.derivatives.output_place();
   const int size = static_cast<int>(full_.size());
   if (!all_finite(results, size)) {
     d_.derivatives.run_prepared_frozen(free_mode_.data(), r);
     // a slope that is infinite on the surface itself is so in every mode, and frozen it has at least a sign
-    if (!all_finite(results, size)) d_.derivatives.run_prepared_frozen(derivative_mode_.data(), r);
+    if (!all_finite(results, size)) run_derivatives_(derivative_mode_, r);
     // that of abs(v)^n at v = 0, which holds for an instant alone, is left out
     double* slopes = r + d_.derivatives.output_place() + d_.n;
     if (all_finite(results, d_.n))

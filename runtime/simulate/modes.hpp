@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "expr/frozen.hpp"
 #include "simulate/dynamics.hpp"
 
 namespace lunid {
@@ -168,6 +169,7 @@ class ModeMachine {
   std::vector<int> sliding_;
   std::vector<std::int8_t> rate_mode_, derivative_mode_, gradient_mode_, free_mode_;  ///< per switch of a tape; free: 0
   bool drifting_ = false;
+  FrozenRun run_rate_, run_derivatives_;
   std::vector<double> rate_r_, derivative_r_;  ///< registers of the tapes, run in place: inputs first
   std::vector<double> scratch_, gradient_;
   const double* g_ = nullptr;                    ///< within rate_r_

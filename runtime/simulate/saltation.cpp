@@ -19,17 +19,19 @@ bool agree(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-Sensitivities::Sensitivities(const Dynamics& d) : columns(d.p + d.n), s(d.n * columns, 0.0), n_(d.n), p_(d.p) {
+Sensitivities::Sensitivities(const Dynamics& d)
+    : columns(d.p + d.n), s(d.n * columns, 0.0), n_(d.n), p_(d.p), moved_(columns) {
   for (int i = 0; i < n_; ++i) s[i * columns + p_ + i] = 1;
 }
 
 void Sensitivities::jump(const double* gx, const double* gtheta, const double* direction) {
-  for (int c = 0; c < columns; ++c) {
-    double moved = c < p_ ? gtheta[c] : 0;
-    for (int i = 0; i < n_; ++i) moved += gx[i] * s[i * columns + c];
-    for (int i = 0; i < n_; ++i)
-      if (direction[i] != 0) s[i * columns + c] += direction[i] * moved;
-  }
+  for (int c = 0; c < columns; ++c) moved_[c] = c < p_ ? gtheta[c] : 0;
+  const auto add = [columns = columns](double factor, const double* __restrict from, double* __restrict to) {
+    if (factor == 0) return;
+    for (int c = 0; c < columns; ++c) to[c] += factor * from[c];
+  };
+  for (int i = 0; i < n_; ++i) add(gx[i], s.data() + i * columns, moved_.data());
+  for (int i = 0; i < n_; ++i) add(direction[i], moved_.data(), s.data() + i * columns);
 }
 
 Saltation::Saltation(ModeMachine& modes, JumpSink* sink)

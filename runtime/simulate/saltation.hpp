@@ -26,6 +26,7 @@ class Sensitivities : public JumpSink {
 
  private:
   const int n_, p_;
+  std::vector<double> moved_;  ///< of a jump: what its surface moves by, per column
 };
 
 /// Decides modes by a ModeMachine and tells a sink the jumps; without a sink only the former.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "expr/frozen.hpp"
 #include "expr/tape.hpp"
 
 #include "expr/sine.hpp"
@@ -150,6 +151,43 @@ TEST_F(TapeTest, frozen_runs_in_place_have_the_bits_of_frozen_runs) {
         ASSERT_TRUE(same_bits(own[static_cast<std::size_t>(tape.switch_place()) + j], g[j]));
     }
   }
+}
+
+// A mode that lasts becomes machine code: branches decided, what they leave out not run.
+TEST_F(TapeTest, code_of_a_mode_has_the_bits_of_frozen_runs) {
+  testing::RandomExpressions random(pool, 21);
+  std::mt19937 noise(22);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  int compiled = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<Expr> outputs{random.next(4), random.next(5), inputs[3],
+                                    pool.apply(Op::where, {pool.apply(Op::greater, {inputs[0], inputs[1]}),
+                                                           pool.apply(Op::abs, {inputs[2]}), random.next(3)})};
+    const std::size_t fixed = static_cast<std::size_t>(i) % (inputs.size() + 1);
+    const Tape tape(outputs, inputs, fixed);
+    const auto registers = static_cast<std::size_t>(tape.registers()) + 1;
+    std::vector<double> own(registers), expected(registers);
+    for (std::size_t k = 0; k < inputs.size(); ++k) own[k] = expected[k] = uniform(noise);
+    tape.prepare_frozen(own.data());
+    tape.prepare_frozen(expected.data());
+    FrozenRun run(tape);
+    std::vector<std::vector<std::int8_t>> modes(3);
+    for (auto& mode : modes)
+      for (int s = 0; s < tape.switches(); ++s) mode.push_back(noise() % 2 ? 1 : -1);
+    for (int repeat = 0; repeat < 100; ++repeat) {
+      const auto& mode = modes[noise() % modes.size()];
+      for (std::size_t k = 0; k + fixed < inputs.size(); ++k) own[k] = expected[k] = uniform(noise);
+      run(mode, own.data());
+      tape.run_prepared_frozen(mode.data(), expected.data());
+      for (std::size_t j = static_cast<std::size_t>(tape.output_place());
+           j < static_cast<std::size_t>(tape.switch_place() + tape.switches()); ++j)
+        ASSERT_TRUE(same_bits(own[j], expected[j])) << i << " " << repeat;
+    }
+    compiled += tape.frozen_code(modes[0], false) != nullptr;
+  }
+#if defined(__x86_64__)
+  EXPECT_GT(compiled, 200);
+#endif
 }
 
 TEST_F(TapeTest, frozen_runs_in_place_leave_out_what_fixed_inputs_make) {
