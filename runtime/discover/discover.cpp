@@ -41,8 +41,12 @@ class Spine {
         options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(catalogue)) : std::ssize(catalogue);
     catalogue_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
     first_ = catalogue_.size();
-    for (Effect& effect : testable(study_, {catalogue.begin() + many, catalogue.end()}, left))
+    std::vector<Effect> others = testable(study_, {catalogue.begin() + many, catalogue.end()}, left);
+    std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
+    for (Effect& effect : others) {
       catalogue_.push_back(std::move(effect));
+      if (!is_physics(catalogue_.back())) with_faults_ = catalogue_.size();
+    }
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
@@ -50,7 +54,10 @@ class Spine {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings);
     Round round = look(first_, {});
-    if (first_ < catalogue_.size() && leaves_open(round)) look_further(round);
+    if (first_ < catalogue_.size() && leaves_open(round))
+      look_further(round, "the whole catalogue", catalogue_.size());
+    else if (with_faults_ > first_ && round.names())
+      look_further(round, "faults of sensors and of the input", with_faults_);
     fit_all_rows(round);
     progress("open the test record", 0.94);
     validate_on_test(round);
@@ -79,9 +86,10 @@ class Spine {
     return round;
   }
 
-  /// What the first entries leave open is held against all. Names that were found stand unless others take their place.
-  void look_further(Round& round) {
-    progress("the whole catalogue", 0.1);
+  /// What the first entries leave open is held against all, what they name against the faults of sensors and of the
+  /// input, without which no physics is named. Names that were found stand unless others take their place.
+  void look_further(Round& round, const std::string& stage, std::size_t entries) {
+    progress(stage, 0.1);
     const Interpolation before = study_.interpolation;
     const Candidate baseline = baseline_;
     if (before != study_.guesses.front()) {  // chosen beside a model that was not the right one
@@ -89,7 +97,7 @@ class Spine {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found.grown.sets.clear();
     }
-    Round further = look(catalogue_.size(), round.found.grown);
+    Round further = look(entries, round.found.grown);
     if (takes_the_place(further, round)) {
       round = std::move(further);
     } else {
@@ -355,7 +363,8 @@ class Spine {
 
   const DiscoverOptions& options_;
   std::vector<Effect> catalogue_;
-  std::size_t first_ = 0;  ///< so many of them are tried first
+  std::size_t first_ = 0;        ///< so many of them are tried first
+  std::size_t with_faults_ = 0;  ///< the same, and the faults of sensors and of the input that come behind them
   std::string untested_;
   Model model_;
   Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search

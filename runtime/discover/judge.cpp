@@ -115,6 +115,20 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
   return f_tail(f, added, freedom);
 }
 
+bool told_from_zero(const Candidate& larger, const Candidate& smaller) {
+  const FitResult& fit = larger.fit;
+  const auto& table = larger.system->model().parameters;
+  bool any = false;
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    if (!larger.linear[j] || smaller.system->model().find(table[j].name)) continue;
+    const auto k = static_cast<Eigen::Index>(j);
+    const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
+    if (!(variance > 0) || fit.theta[k] * fit.theta[k] > 4 * variance) return true;
+    any = true;
+  }
+  return !any;
+}
+
 double vuong_z(const Candidate& a, const Candidate& b) {
   const auto n = static_cast<double>(a.innovations.size());
   // Pointwise log-likelihoods, each model with its own noise variance.

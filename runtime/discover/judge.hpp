@@ -31,6 +31,10 @@ void run_left_out(const Study& study, Candidate& candidate);
 /// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.
 double improvement_p_value(const Candidate& smaller, const Candidate& larger);
 
+/// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero: the
+/// smaller would do as well, had its own fit ended there, whatever the p-value says. True of entries without one.
+bool told_from_zero(const Candidate& larger, const Candidate& smaller);
+
 /// z-score from which on a set is rejected against another: 1 %, one-sided.
 inline constexpr double vuong_level = 2.33;
 /// z-score of "a is closer to the truth than b" from the innovations (Vuong 1989, Econometrica 57, 307), Schwarz'

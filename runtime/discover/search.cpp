@@ -71,11 +71,12 @@ class Search {
   }
 
   /// An effect may look needed only because the baseline's own fit ended in a worse place than that beside it: from
-  /// there the baseline is fitted again.
+  /// there the baseline is fitted again, parameters and first states.
   void refit_baseline(const Candidate& beside) {
     if (!beside.ran()) return;
     Candidate again = result_.baseline;
-    again.fit = fit_near(study_, again, beside.fit.theta.head(again.parameters()), 20, beside.fit.substeps);
+    again.fit = fit_near(study_, again, beside.fit.theta.head(again.parameters()), 20, beside.fit.substeps,
+                         beside.fit.segments);
     const bool ran = result_.baseline.ran();
     if (!again.ran() || (ran && !(squared_error(again.fit) < 0.98 * squared_error(result_.baseline.fit)))) return;
     judge(study_, again, result_.whitening);
@@ -221,6 +222,7 @@ class Search {
 
   bool earns(const Candidate& without, const Candidate& with) const {
     if (!without.ran()) return true;
+    if (!told_from_zero(with, without)) return false;
     if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     return left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05);
@@ -249,6 +251,18 @@ class Search {
     return c;
   }
 
+  /// The first states of a set's fit as far as a part of it has the same states in the same order.
+  static std::vector<FitSegment> first_states_for(const Candidate& part, const Candidate& whole) {
+    const auto &own = part.system->model().states, &all = whole.system->model().states;
+    const auto differ = std::mismatch(own.begin(), own.end(), all.begin(), all.end(),
+                                      [](const auto& a, const auto& b) { return a.symbol.name() == b.symbol.name(); });
+    std::vector<FitSegment> out = whole.fit.segments;
+    for (FitSegment& s : out)
+      s.x0.conservativeResize(
+          std::min<Eigen::Index>(s.x0.size(), 2 * part.system->degrees() + (differ.first - own.begin())));
+    return out;
+  }
+
   void fit_from(Candidate& c, const Candidate& larger) const {
     const auto& table = c.system->model().parameters;
     const auto& known = larger.system->model().parameters;
@@ -258,7 +272,7 @@ class Search {
         if (known[j].name == table[i].name)
           start[static_cast<Eigen::Index>(i)] = larger.fit.theta[static_cast<Eigen::Index>(j)];
     c.starts = {start};
-    c.fit = fit_near(study_, c, start, 20, larger.fit.substeps);
+    c.fit = fit_near(study_, c, start, 20, larger.fit.substeps, first_states_for(c, larger));
     if (!result_.baseline.ran()) return;
     start.head(result_.baseline.fit.theta.size()) = result_.baseline.fit.theta;
     FitResult again = fit_near(study_, c, start, 20, larger.fit.substeps);

@@ -7,7 +7,6 @@
 #include "statistics/statistics.hpp"
 
 namespace lunid {
-
 std::vector<FreeRun> runs(const Study& study, const System& system, const FitResult& fit,
                           const std::vector<Record>& records, bool floor) {
   std::vector<FreeRun> out;
@@ -44,9 +43,18 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.15)); }
 
+bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+  const double first = pool_gap(before, 0).value, last = pool_gap(after, 0).value;
+  return !std::isfinite(first) || last < (1 - 0.5 * study.options->minimum_gain) * first;
+}
+
 void decide(const Study& study, Round& round) {
   SearchResult& found = round.found;
   round.train = runs(study, found.chosen, study.full);
+  if (round.names() && !lowers_the_gap(study, runs(study, found.baseline, study.full, false), round.train)) {
+    withdraw(round, "does not lower the gap of the training record");
+    round.train = runs(study, found.chosen, study.full);
+  }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   if (!round.names()) {
     round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
@@ -93,8 +101,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";
   if (!std::isfinite(first.value)) return "";
-  if (!(last.value < (1 - 0.5 * study.options->minimum_gain) * first.value && p_value < 0.2))
-    return "did not lower the gap on the test record";
+  if (!(lowers_the_gap(study, before, after) && p_value < 0.2)) return "did not lower the gap on the test record";
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());

@@ -41,6 +41,11 @@ bool far_from_the_floor(const Gap& gap);
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
                         const Whitening& whitening);
 
+/// By half the least gain, as a name has to on the training records and on the test records. A sensitive motion is
+/// followed by whatever starts well: left-out blocks, which keep the fit's first states, may then favour a force that
+/// is none.
+bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
+
 /// Fills in what follows from `found`; the test records stay closed.
 void decide(const Study& study, Round& round);
 

@@ -53,9 +53,9 @@ Eigen::Index choose_block_length(std::span<const double> x);
 
 /// Probability of a drop of the mean squared error as large as that from `before` to `after` (errors of two
 /// runs on the same rows) if there were none: studentised block bootstrap of the differences of squares,
-/// one-sided, never below 1e-4. `block_length` is a least length, 0 for none: longer blocks are taken where
-/// the differences are correlated for longer, up to a twentieth of the rows. 1 with fewer than 40 rows. An
-/// error that is not finite is one without bound.
+/// one-sided, never below 1e-4, no draw's deviation taken below half that of the data. `block_length` is a least
+/// length, 0 for none: longer blocks are taken where the differences are correlated for longer, up to a twentieth of
+/// the rows. 1 with fewer than 40 rows. An error that is not finite is one without bound.
 double p_value_of_lower_error(std::span<const double> before, std::span<const double> after, Eigen::Index block_length,
                               std::uint64_t seed);
 

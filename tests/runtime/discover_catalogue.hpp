@@ -37,6 +37,15 @@ inline std::vector<Effect> small_catalogue(Pool& pool) {
           entry(pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)", {row("coulomb_friction_Fc", 0)})};
 }
 
+/// A fault of the displacement's channel that shows `map` of the true one.
+inline Effect sensor(Pool& pool, const std::string& name, const std::string& map, std::vector<Parameter> parameters) {
+  Effect effect = entry(pool, name, map, std::move(parameters));
+  effect.family = "sensor";
+  effect.variants[0].measures = {{"y", effect.variants[0].force}};
+  effect.variants[0].force = {};
+  return effect;
+}
+
 inline Channel channel(const std::string& name, const std::string& unit, const std::vector<double>& values) {
   Channel c;
   c.name = c.source = name;

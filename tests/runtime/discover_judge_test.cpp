@@ -38,12 +38,52 @@ struct Compared {
   }
 
   void fill(Candidate& c, const Model& model, const Eigen::VectorXd& e) const {
-    c = compile(study, model, {});
+    c = compile(study, complete(model), {});
     c.fit.residual = {e};
     c.innovations = e;
     c.likelihood_cost = e.squaredNorm();
   }
 };
+
+/// A model with one force more, whose coefficient came out as `value` with a variance of 1.
+Candidate with_force(const Study& study, double value) {
+  const Model model = testing::baseline("k*y", 1);
+  static std::vector<Effect> kept;
+  kept = {testing::entry(*model.pool, "drag", "drag_c*abs(v)*v", {testing::row("drag_c")})};
+  Candidate c = compile(study, complete(model), {{&kept.front(), 0}});
+  c.fit.theta = Eigen::Vector2d(1, value);
+  c.fit.covariance = Eigen::Matrix2d::Identity();
+  return c;
+}
+
+/// A baseline whose fit ended elsewhere makes the likelihood of any force that started better: the force's own
+/// coefficient knows better.
+TEST(Judge, AForceWhoseCoefficientMayBeZeroIsNone) {
+  const Compared c(noise, 0);
+  EXPECT_FALSE(told_from_zero(with_force(c.study, 1.5), c.best));
+  EXPECT_FALSE(told_from_zero(with_force(c.study, -1.5), c.best));
+  EXPECT_TRUE(told_from_zero(with_force(c.study, -2.5), c.best));
+  EXPECT_TRUE(told_from_zero(c.other, c.best));  // no coefficient of its own
+}
+
+/// A run of ten rows with this squared error, beside a motion of variance 1.
+std::vector<FreeRun> run_with(double squares) {
+  FreeRun run;
+  run.rows = 10;
+  run.squares = squares;
+  run.variance = 10;
+  return {run};
+}
+
+TEST(Judge, ANameLowersTheGap) {
+  Study study;
+  const DiscoverOptions options;
+  study.options = &options;
+  EXPECT_FALSE(lowers_the_gap(study, run_with(1), run_with(1.1)));
+  EXPECT_FALSE(lowers_the_gap(study, run_with(1), run_with(0.9999)));
+  EXPECT_TRUE(lowers_the_gap(study, run_with(1), run_with(0.5)));
+  EXPECT_TRUE(lowers_the_gap(study, run_with(NAN), run_with(0.5)));
+}
 
 /// A passage of forty rows holds all that tells the two apart: one observation to Vuong's test, but beyond the noise.
 TEST(Judge, RejectsWhatStaysAboveTheNoiseInOnePassage) {

@@ -13,6 +13,7 @@ namespace {
 
 using testing::baseline;
 using testing::record_of;
+using testing::sensor;
 
 /// A record of the generator with its further channel.
 Record record_with(const truth::FaultyColumns& made, const char* name) {
@@ -50,14 +51,6 @@ TEST(Shaft, AnglesFromSpeedsAndFromCountersThatWrap) {
       EXPECT_NEAR(r["shaft_speed"][static_cast<std::size_t>(i)], speed[i], 1e-6);
       EXPECT_NEAR(r["shaft_rate"][static_cast<std::size_t>(i)], 6, 1e-4);
     }
-}
-
-Effect sensor(Pool& pool, const std::string& name, const std::string& map, std::vector<Parameter> parameters) {
-  Effect effect = testing::entry(pool, name, map, std::move(parameters));
-  effect.family = "sensor";
-  effect.variants[0].measures = {{"y", effect.variants[0].force}};
-  effect.variants[0].force = {};
-  return effect;
 }
 
 /// One after another: the gain of a channel that is off already.
@@ -103,6 +96,34 @@ TEST(Sensor, AnOffsetIsNoPhysics) {
   EXPECT_NE(d.sentence.find("(the sensor, not the physics)"), std::string::npos) << d.sentence;
   EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
   EXPECT_EQ(d.warnings.back(), "not tried: base_motion (no channel ab)");
+}
+
+/// Under a linear spring an offset of the displacement is a constant force: the faults of sensors are asked before
+/// that is named, even where it leaves nothing open.
+TEST(Sensor, IsAskedBeforePhysicsIsNamed) {
+  truth::RecordOptions options;
+  options.rows = 2000;
+  options.noise_db = 40;
+  options.seed = 3;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const auto records = truth::make_faulty(truth::fault_named("offset"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  DiscoverOptions first;
+  first.first = static_cast<int>(catalogue.size());
+  catalogue.push_back(testing::entry(*model.pool, "quintic_stiffness", "quintic_stiffness_k5*y^5",
+                                     {testing::row("quintic_stiffness_k5")}));
+  catalogue.push_back(
+      sensor(*model.pool, "displacement_offset", "y + displacement_offset_b", {testing::row("displacement_offset_b")}));
+  catalogue.back().guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{{{"displacement_offset_b", 0.0}}};
+  };
+  const Discovery d =
+      discover(model, catalogue, {record_with(records.train, "train")}, {record_with(records.test, "test")}, first);
+  EXPECT_EQ(d.verdict, "ambiguous") << d.sentence;
+  ASSERT_EQ(d.effects.size(), 1u);
+  EXPECT_EQ(d.effects[0].name, "displacement_offset");
+  EXPECT_EQ(d.effects[0].indistinguishable, std::vector<std::string>{"constant_force"});
 }
 
 /// The lines of a residual are found between the bins of its transform, the strongest first.

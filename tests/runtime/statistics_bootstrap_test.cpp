@@ -78,6 +78,14 @@ TEST(LowerError, SeesADropAndNoRise) {
   EXPECT_EQ(p_value_of_lower_error(span_of(before), span_of(before), 10, 1), 1);
 }
 
+/// An error of the same size all along but for the lead-in: resamples without that have no deviation to speak of.
+TEST(LowerError, SeesASteadyDropWithOnePassageUnlikeTheRest) {
+  Eigen::VectorXd after = 0.01 * autoregressive(2000, {0.0}, 3);
+  Eigen::VectorXd before = after.array() + 1;
+  before.head(80) = after.head(80);
+  EXPECT_LT(p_value_of_lower_error(span_of(before), span_of(after), 100, 1), 1e-3);
+}
+
 TEST(LowerError, OfARunThatExploded) {
   const auto [before, after] = two_errors(200, 1, 1, 1);
   Eigen::VectorXd exploded = before;
