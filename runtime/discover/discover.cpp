@@ -226,7 +226,10 @@ class Spine {
     if (round.names()) {
       out_.test_p_value = test_p_value(study_, before_test_, after_test_);
       const std::string fault = refuted(study_, round, out_.test_p_value, before_test_, after_test_);
-      if (!fault.empty()) take_back(round, fault);
+      if (!fault.empty())
+        take_back(round, fault, steps_that_stand(study_, found, before_test_));
+      else if (const std::size_t stand = steps_that_help(study_, found, after_test_); stand < found.steps.size())
+        take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
     } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test_, 0))) {
       round.verdict = "unknown-effect";
     }
@@ -245,16 +248,27 @@ class Spine {
     name_steps(found);
   }
 
-  void take_back(Round& round, const std::string& fault) {
+  /// All names but those of the first steps that stand.
+  void take_back(Round& round, const std::string& fault, std::size_t stand) {
     SearchResult& found = round.found;
-    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": the name is withdrawn");
+    const std::vector<Candidate> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
+    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " +
+                            (stand == 0 ? "the name is withdrawn" : "only " + steps.back().name() + " stands"));
     const bool patched = round.left.seen;
     withdraw(round, "not confirmed by the test record");
-    before_test_ = after_test_ = runs(study_, found.baseline, study_.test);
-    round.train = runs(study_, found.baseline, study_.full);
-    round.left = look_for_structure(study_, found.baseline, round.train, found.whitening);
+    found.order.resize(stand);
+    if (stand > 0) {
+      found.steps = steps;
+      found.chosen = steps.back();
+      if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
+    }
+    before_test_ = runs(study_, found.baseline, study_.test, stand == 0);
+    after_test_ = stand == 0 ? before_test_ : runs(study_, found.chosen, study_.test);
+    if (stand > 0) out_.test_p_value = test_p_value(study_, before_test_, after_test_);
+    round.train = runs(study_, found.chosen, study_.full);
+    round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test_, 0));
-    round.verdict = open ? "unknown-effect" : "nothing-missing";
+    round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
   }
 
   void name_steps(const SearchResult& found) {

@@ -109,13 +109,37 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond.
-  const bool patchwork = round.found.chosen.choices.size() > 1 && last.value > 1.5 * last.floor;
+  const bool patchwork = round.found.chosen.choices.size() > 1 && last.value > 1.5 * last.floor &&
+                         closed_share(first.value, last.value, last.floor) < 0.998;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole) return "left a force that is repeatable";
   const Gap generic = pool_gap(runs(study, *left.closure.system, left.closure.fit, study.test), 0);
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
+}
+
+std::size_t steps_that_stand(const Study& study, const SearchResult& found, const std::vector<FreeRun>& before) {
+  const Gap first = pool_gap(before, 0);
+  for (std::size_t count = found.steps.size(); count-- > 1;) {
+    const std::vector<FreeRun> after = runs(study, found.steps[count - 1], study.test);
+    const Gap last = pool_gap(after, 0);
+    const bool stands = std::isfinite(first.value) && std::isfinite(last.value) &&
+                        closed_share(first.value, last.value, last.floor) > 0.95 &&
+                        test_p_value(study, before, after) < 0.05;
+    if (stands) return count;
+  }
+  return 0;
+}
+
+std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after) {
+  std::size_t count = found.steps.size();
+  for (std::vector<FreeRun> with = after; count > 1; --count) {
+    std::vector<FreeRun> without = runs(study, found.steps[count - 2], study.test, false);
+    if (!(lowers_the_gap(study, with, without) && test_p_value(study, with, without) < 0.05)) break;
+    with = std::move(without);
+  }
+  return count;
 }
 
 }  // namespace lunid

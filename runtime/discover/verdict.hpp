@@ -59,4 +59,12 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after);
 
+/// How many of the first steps the test records confirm for themselves where they do not confirm all: what a single
+/// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
+/// gap. `before`: the baseline's runs over the test records.
+std::size_t steps_that_stand(const Study& study, const SearchResult& found, const std::vector<FreeRun>& before);
+/// The same where they confirm all together: without the last ones whose step has clearly raised the gap. `after`: the
+/// final model's runs over the test records.
+std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after);
+
 }  // namespace lunid

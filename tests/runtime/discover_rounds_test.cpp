@@ -1,6 +1,7 @@
 // Common entries first, the others where these leave something open; and what keeps a candidate out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "discover/gap.hpp"
@@ -58,6 +59,22 @@ TEST(DiscoveryRounds, NothingIsNamedWhereNothingIsMissing) {
   const Discovery d = find(made("null_linear", 20), quintic);
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
   EXPECT_EQ(d.verdict, "nothing-missing");
+}
+
+/// The gauge's zero was off during training alone: the constant force that shows there is not confirmed, the spring is.
+TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
+  truth::Records records = made("cubic_hardening", 40);
+  for (double& force : records.train.F) force += 0.3 * truth::scale_named("milli").force();
+  const Discovery d = find(records, quintic);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_LT(d.test_p_value, 0.05);
+  EXPECT_LT(d.final_test.value, 0.2 * d.baseline_test.value);
+  const auto said = std::find_if(d.warnings.begin(), d.warnings.end(), [](const std::string& w) {
+    return w.find("only cubic_stiffness stands") != std::string::npos;
+  });
+  EXPECT_NE(said, d.warnings.end());
 }
 
 Candidate with_parameters(double first, double second) {
