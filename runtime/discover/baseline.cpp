@@ -56,26 +56,37 @@ void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::v
   }
 }
 
+/// J'J of the baseline's force along the training records.
+Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& baseline, const Eigen::VectorXd& theta) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(theta.size(), theta.size());
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    imposed_force(*baseline.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.record,
+                  &jacobian);
+    gram += jacobian.transpose() * jacobian;
+  }
+  return gram;
+}
+
 /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
 void check_excitation(const Study& study, const Model& model, const Candidate& baseline,
                       std::vector<std::string>& warnings) {
   const auto& table = baseline.system->model().parameters;
   const Eigen::Index p = baseline.parameters();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+  const Eigen::MatrixXd gram = gram_of_force(study, baseline, baseline.starts.front());
+  // the regression may have put the factor of a term at zero, which hides what is within it
+  Eigen::VectorXd guess = baseline.starts.front();
+  for (Eigen::Index j = 0; j < p; ++j)
+    if (std::isfinite(table[static_cast<std::size_t>(j)].value)) guess[j] = table[static_cast<std::size_t>(j)].value;
+  const Eigen::MatrixXd given = gram_of_force(study, baseline, guess);
   double force = 0;
-  for (const auto& data : study.force) {
-    Eigen::MatrixXd jacobian;
-    const Eigen::VectorXd& theta = baseline.starts.front();
-    imposed_force(*baseline.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian);
-    gram += jacobian.transpose() * jacobian;
-    force += acting_forces(model, data.record).squaredNorm();
-  }
+  for (const auto& data : study.force) force += acting_forces(model, data.record).squaredNorm();
   bool mass_free = false;
   for (Eigen::Index j = 0; j < p; ++j) {
     const auto& name = table[static_cast<std::size_t>(j)].name;
     mass_free = mass_free || in_a_mass(model, model.pool->parameter(name));
     if (table[static_cast<std::size_t>(j)].fixed) continue;
-    if (!(gram(j, j) > 0))
+    if (!(gram(j, j) > 0) && !(given(j, j) > 0))
       throw InputError("discover: the data do not excite parameter '" + name +
                            "': its term is zero on every row of the training records; fix it, leave it out, or use a "
                            "record that reaches it",

@@ -44,6 +44,22 @@ TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
   EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
 }
 
+/// q's column is zero where p is, and the regression puts p there: its bound holds it off the truth's negative value.
+/// From the values that p and q were given both are seen.
+TEST(DiscoveryTakes, ATermWhoseFactorTheRegressionPutsAtZero) {
+  Model model = baseline("k*y + c*v + p*tanh(q*y)", 1);
+  Parameter p, q;
+  p.name = "p";
+  p.value = 0.1;
+  p.min = 0;
+  q.name = "q";
+  q.value = 3;
+  model.parameters = {p, q};
+  const Discovery d = discover(model, small_catalogue(*model.pool), {decay(2, 1, "m")}, {decay(1.4, 2, "m")});
+  EXPECT_FALSE(d.sentence.empty());
+  EXPECT_TRUE(std::isfinite(d.final_test.value));
+}
+
 /// Record of a case at the "milli" scale.
 truth::Records made(const char* name) {
   truth::RecordOptions options;
