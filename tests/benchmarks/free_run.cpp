@@ -28,7 +28,8 @@ void compare(const char* name, const Eigen::MatrixXd& ours, const std::vector<do
 }
 
 template <class Hand>
-Work free_run(const std::string& name, const std::string& restoring, std::vector<double> theta, double amplitude) {
+Work free_run(const std::string& name, const std::string& restoring, std::vector<double> theta, double amplitude,
+              double limit = 2) {
   auto pool = std::make_shared<lunid::Pool>();
   lunid::Model model;
   model.pool = pool;
@@ -46,7 +47,7 @@ Work free_run(const std::string& name, const std::string& restoring, std::vector
 
   dormand_prince(Hand{}, *force, dt, *hand);
   compare(name.c_str(), lunid::simulate(*system, theta, excitation, x0, options).x, *hand);
-  return {name, 2, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
+  return {name, limit, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
           [=] {
             dormand_prince(Hand{}, *force, dt, *hand);
             benchmark::DoNotOptimize(hand->data());
@@ -58,7 +59,9 @@ Work free_run(const std::string& name, const std::string& restoring, std::vector
 std::vector<Work> free_run_works() {
   return {free_run<Duffing>("free-run-duffing", "k*y + c*v + k3*y^3", {2e4, 10, 1e6}, 100),
           free_run<TanhYield>("free-run-tanh", "c*v + e1*tanh(e2*y)", {10, 250, 80}, 60),
-          free_run<VanDerPol>("free-run-van-der-pol", "k*y + (beta*y^2 - mu)*v", {2e4, 5e4, 10}, 100)};
+          free_run<VanDerPol>("free-run-van-der-pol", "k*y + (beta*y^2 - mu)*v", {2e4, 5e4, 10}, 100),
+          // beside a run that does not look where the contact begins and ends
+          free_run<Stop>("free-run-stop", "k*y + c*v + ks*max(y - g, 0)", {2e4, 10, 2e4, 2e-3}, 30, 10)};
 }
 
 }  // namespace bench

@@ -21,6 +21,14 @@ struct VanDerPol {
   double operator()(double y, double v, double force) const { return force - k * y - (beta * y * y - mu) * v; }
 };
 
+/// A stop on one side, stepped over as if the force had no kink.
+struct Stop {
+  double k = 2e4, c = 10, ks = 2e4, gap = 2e-3;
+  double operator()(double y, double v, double force) const {
+    return force - k * y - c * v - (y > gap ? ks * (y - gap) : 0);
+  }
+};
+
 /// `rows` samples of three cosines at 800 Hz.
 inline std::vector<double> sampled_force(int rows, double amplitude) {
   std::vector<double> force(rows);
