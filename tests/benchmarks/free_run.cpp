@@ -47,7 +47,8 @@ Work free_run(const std::string& name, const std::string& restoring, std::vector
 
   dormand_prince(Hand{}, *force, dt, *hand);
   compare(name.c_str(), lunid::simulate(*system, theta, excitation, x0, options).x, *hand);
-  return {name, limit, [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
+  return {name, limit,
+          [=] { benchmark::DoNotOptimize(lunid::simulate(*system, theta, excitation, x0, options).x.data()); },
           [=] {
             dormand_prince(Hand{}, *force, dt, *hand);
             benchmark::DoNotOptimize(hand->data());
