@@ -36,7 +36,7 @@ void check_baseline(const Model& baseline);
 /// exploded (stopped_at, cause).
 struct Gap {
   double value = 0;
-  double floor = 0;  ///< what sensor noise, input noise and first-state error alone leave
+  double floor = 0;  ///< what sensor noise, input noise and first-state error alone leave, as far as it is known
   double floor_std = 0;
   double stopped_at = 0;
   std::string cause;

@@ -238,6 +238,9 @@ Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   // draw of its error: std of a root is half the relative std of its square.
   const double state = floor > 0 ? 0.25 * floor_variance / (floor * floor) : 0;
   gap.floor_std = gap.floor * std::sqrt(0.05 * 0.05 + 0.5 / std::max(1.0, rows) + state);
+  // Where it hangs on the first state it is known badly, and a run that comes nearer to the data bounds it.
+  const bool vague = gap.floor_std > 0.2 * gap.floor || gap.floor - gap.value > 3 * gap.floor_std;
+  if (vague && gap.value < gap.floor) gap.floor = gap.value;
   return gap;
 }
 

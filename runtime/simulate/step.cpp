@@ -168,6 +168,7 @@ Halving::Halving(const System& system, std::span<const double> theta, const Exci
     choice_.finer.summary.cause =
         "steps of 1/" + std::to_string(limit) + " sample are unstable: the model is stiff; " + take_implicit;
     done_ = true;
+    return;
   }
   while (choice_.substeps < least) choice_.substeps *= 2;
 }

@@ -75,6 +75,19 @@ std::vector<FreeRun> run_with(double squares) {
   return {run};
 }
 
+/// The first state may carry nearly all of a floor: no reported gap lies below such a guess.
+TEST(Judge, AFloorThatIsKnownBadlyIsBoundedByTheRun) {
+  std::vector<FreeRun> run = run_with(0.1);
+  run[0].rows = 1000;
+  run[0].floor_squares = 0.105;
+  EXPECT_NEAR(pool_gap(run, 0).floor, std::sqrt(0.0105), 1e-12);  // within its own deviation: chance
+  run[0].floor_squares = 10;
+  run[0].floor_variance = 400;
+  EXPECT_EQ(pool_gap(run, 0).floor, pool_gap(run, 0).value);
+  run[0].floor_squares = 0.01;
+  EXPECT_NEAR(pool_gap(run, 0).floor, std::sqrt(0.001), 1e-12);
+}
+
 TEST(Judge, ANameLowersTheGap) {
   Study study;
   const DiscoverOptions options;

@@ -263,6 +263,13 @@ TEST(FreeRun, ChoosesSubstepsByTheFastestMotion) {
   EXPECT_LT(run.summary.error, 1e-5);
 }
 
+/// No number of substeps would do; what is at the limit is run, and says so itself.
+TEST(FreeRun, ChoosesTheMostSubstepsForAMotionWithoutBound) {
+  const System system(model_of("1", "1e40*y"));
+  const Excitation force = force_of(5, 0.01, [](double) { return 0.0; });
+  EXPECT_EQ(choose_substeps(system, {}, force, state({0.1, 0})), 64);
+}
+
 TEST(FreeRun, RepeatsBitForBit) {
   const System system(model_of("1", "90*y + 0.5*v + 0.8*sign(v)"));
   const Excitation force = force_of(3, 0.01, [](double t) { return 4 * std::sin(6 * t); });
