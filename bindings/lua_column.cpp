@@ -1,4 +1,5 @@
 // Columns of numbers: shared, read-only, 1-based.
+#include <algorithm>
 #include <cmath>
 
 #include "types.hpp"
@@ -7,6 +8,10 @@ namespace lunid::lua {
 
 void push_column(lua_State* L, const Eigen::VectorXd& values) {
   push<Column>(L, {std::make_shared<const Eigen::VectorXd>(values)});
+  // The collector sees a few bytes of it. Told of the rest, it keeps up with loops that take a column in every row.
+  if (const auto kilobytes = values.size() * static_cast<Eigen::Index>(sizeof(double)) / 1024; kilobytes > 0) {
+    lua_gc(L, LUA_GCSTEP, static_cast<int>(std::min<Eigen::Index>(kilobytes, 1 << 20)));
+  }
 }
 
 Eigen::VectorXd check_column(lua_State* L, int index) {

@@ -85,11 +85,12 @@ end
 
 -- ---- published expressions ----
 
+local f1 = (y + 0.0056)*(1 + lunid.tanh(2*(y + 0.0056)))/2
+
 --- The equations of motion that table A.1 makes: shaft and tip per unit of mass, times the mass.
 local function published_models(mass)
   local p = published.pile
   local function polynomial(each) return published.polynomial(each.polynomial, mass) end
-  local f1 = (y + 0.0056)*(1 + lunid.tanh(2*(y + 0.0056)))/2
   local function model(restoring) return lunid.model { mass = mass, restoring = restoring } end
   local function rename(each, prefix)  -- two expressions in one model need names of their own
     local sum = 0
@@ -103,6 +104,30 @@ local function published_models(mass)
     { "Shaft Force 2 + Tip Force 2 (PySINDy)", model(rename(p.shaft2, "s") + rename(p.tip2, "t")) },
     { "Combined (3.2, Chebyshev, the stable one)", model(polynomial(p.combined) + published.chebyshev(p.combined.chebyshev, mass)) },
   }
+end
+
+--- Every expression of table A.1 along the vibration of a test, beside that test's own force: a figure and a table.
+local function along_the_motion(report, test, mass)
+  local p, panels, rows = published.pile, {}, {}
+  local function show(name, part, restoring)
+    local record = driving.force_record(test, part, mass, 5, 5 + 3/test.frequency)
+    local force = lunid.model { mass = 0, restoring = restoring, motion = "imposed" }:force(record)
+    local t, measured = record:column "t", record:column "F"
+    rows[#rows + 1] = { name, part, measured:std(), force:std(), statistics.r2(measured, force) }
+    panels[#panels + 1] = lines { title = name, x = "time [s]", y = part .. " force [N]", series = { series { t, measured, label = "rig", role = "measured" },
+      series { t, force, label = "table A.1", role = "baseline", style = "dashed" } } }
+  end
+  local function polynomial(each) return published.polynomial(each.polynomial, mass) end
+  local function with_series(each) return polynomial(each) + published.chebyshev(each.chebyshev, mass) end
+  show("Shaft Force 1", "shaft", polynomial(p.shaft1))
+  show("Shaft Force 2", "shaft", polynomial(p.shaft2))
+  show("Shaft Force 3", "shaft", with_series(p.shaft3))
+  show("Tip Force 1, f1 assumed", "tip", polynomial(p.tip1) + mass*p.tip1.f1[1]*f1)
+  show("Tip Force 2", "tip", polynomial(p.tip2))
+  show("Combined, Tip Force 3", "combined", with_series(p.combined))
+  report:figure("table_a1", lunid.figure.grid { panels, columns = 3, width = 20 }, "The expressions of table A.1 along the vibration of " .. test.name)
+  report:table { head = { "expression", "force", "deviation in the rig [N]", "of the expression [N]", "R2" }, rows = rows,
+    caption = "The expressions of table A.1 along the vibration of " .. test.name .. ": another pile than theirs, moved in the same way" }
 end
 
 --- The model under the vibrating part of a test's head force: how its linear part stands, and what its free run does.
@@ -183,6 +208,7 @@ end
 --- The published expressions and RX made again as equations of motion, run freely under tests 1 and 3. Gives the table's rows.
 function approach.run(report, tests, mass)
   report:section "The published expressions and RX made again, run freely"
+  along_the_motion(report, tests[1], mass)
   local rows = {}
   for i, each in ipairs(published_models(mass)) do rows[i] = free_row(each[1], each[2], tests[1], tests[3]) end
   rows[#rows + 1] = free_row("RX made again, combined force of test 1", lunid.model { mass = mass,

@@ -232,7 +232,7 @@ local function is_driven(site)
 end
 
 --- A site where the pile can be driven: drawn until it can. `seed` is all that a study knows of it, and what one would read off the
---- pile before the test: mass, length and how deep it stands.
+--- pile and its vibrator before the test: masses, length and how deep it stands.
 function rig.site(seed)
   local draw = random(seed)
   while true do
@@ -249,7 +249,7 @@ end
 function rig.test(site, test)
   local exact = motion(site, { frequency = test.frequency, lowering = test.lowering, duration = test.duration, rise = test.rise or 1.5 })
   local draw = random(site.seed * 1000 + test.number)
-  return { dt = dt, exact = exact, embedded = site.embedded, t = exact.t, head = sensed(exact.head, draw, site.gain, 2, site.drift, 0.003),
+  return { dt = dt, exact = exact, embedded = site.embedded, vibrator = site.vibrator, t = exact.t, head = sensed(exact.head, draw, site.gain, 2, site.drift, 0.003),
     tip = sensed(exact.tip, draw, 1, 2, 0.5 * site.drift, 0.003), a = sensed(exact.a, draw, 1, 0, 0, 0.01),
     v = sensed(exact.v, draw, 1, 0, 0, 0.005), y = sensed(exact.y, draw, 1, 0, 0, 0.0005) }
 end

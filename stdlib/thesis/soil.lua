@@ -12,15 +12,12 @@ local function rows_of(list, from, to)
   return out
 end
 
---- The shaft force of the first and the third test with what was found of mass and delay put right, for discovery.
+--- The shaft force of the first and the third test with what was found of mass and gauges put right, for discovery.
 function soil.shaft_records(tests, best, from, to)
   local records, mass = {}, best.mb
   for i, test in ipairs { tests[1], tests[3] } do
-    local gauges, force = test.gauges, {}
-    for k = 1, #gauges.t do
-      local at = math.min(#gauges.t, k + best.delay)
-      force[k] = gauges.head[at] - gauges.tip[at] - mass*(gauges.a[k] - g)
-    end
+    local gauges, force, head, tip = test.gauges, {}, ground.forces(test, best.faults)
+    for k = 1, #gauges.t do force[k] = head[k] - tip[k] - mass*(gauges.a[k] - g) end
     local vibration = lunid.record { channels = { { "y", gauges.y } }, dt = gauges.dt }:filter { from = 5 }
     records[i] = lunid.record { name = test.name, dt = gauges.dt, channels = { { "F", force }, { "y", vibration:column "y" }, { "v", gauges.v },
       { "a", gauges.a } } }:window(from, to)
@@ -64,10 +61,11 @@ local function scores(predicted, velocity, true_force, true_velocity, dt, freque
   return { r2 = statistics.r2(true_force, predicted), work = work(predicted, velocity, dt)/work(true_force, true_velocity, dt), harmonics = off }
 end
 
---- Runs a model { whole, shaft, tip } freely under the head's force of a test; its shaft and tip forces with their scores, over the
---- second half. how: solver, rtol.
-function soil.run_freely(model, delay, test, from, to, how)
-  local drive = ground.part_of(test, "head", from, to, delay)
+--- Runs a model { whole, shaft, tip } freely under the exciter's force of a test, from the deepest place after a time; its shaft and tip
+--- forces with their scores, over the second half. how: solver, rtol.
+function soil.run_freely(model, faults, test, from, to, how)
+  from = ground.deepest(test, from)
+  local drive = ground.part_of(test, "exciter", from, to, faults)
   how = how or { solver = "rk45" }
   local run = lunid.simulate { model = model.whole, excitation = drive, from = "record", solver = how.solver, rtol = how.rtol }
   local out = { name = test.name, completed = run.summary.completed, stopped_at = run.summary.stopped_at }
@@ -94,11 +92,11 @@ end
 
 --- The check of the step size (section 3.2, where the thesis' runs changed with it and were smoothed afterwards): a free run by other
 --- methods and tolerances.
-function soil.steps(report, model, delay, test)
+function soil.steps(report, model, faults, test)
   local rows = {}
   for i, how in ipairs { { solver = "rk45", rtol = 1e-6 }, { solver = "rk45", rtol = 1e-8 }, { solver = "rk45", rtol = 1e-10 }, { solver = "bdf", rtol = 1e-8 },
     { solver = "fixed" } } do
-    local free = soil.run_freely(model, delay, test, 2, 10, how)
+    local free = soil.run_freely(model, faults, test, 2, 10, how)
     rows[i] = { how.solver, how.rtol and ("%.0e"):format(how.rtol) or "steps halved until they are small enough" }
     if free.completed then
       table.move({ free.shaft.r2, free.shaft.work, free.tip.r2, free.tip.work, free.rate/free.true_rate }, 1, 5, 3, rows[i])
@@ -133,23 +131,23 @@ function soil.show(report, free, test)
     residuals[#residuals + 1] = series { t, residual, label = part, style = part == "tip" and "dashed" or "line" }
   end
   report:figure("free_residual", lines { x = "time [s]", y = "rig - free run [N]", series = residuals }, "Residual of the free run")
-  local true_depth, start = {}, test.gauges.y[offset + 1]
-  for i = 1, record.rows do true_depth[i] = test.gauges.y[offset + i] - start + record:column("y")[1] end
+  local true_depth, start = {}, test.gauges.y[offset + 1] - record:column("y")[1]
+  for i = 1, record.rows do true_depth[i] = test.gauges.y[offset + i] - start end
   report:figure("free_penetration", over_time(record:column "t", true_depth, record:column "y", "penetration [m]"), "Penetration in the sealed test")
 end
 
 --- A row for one soil: identified from its tests 1 to 3, run freely on its last one; and whether it meets the aims.
 function soil.of_soil(number, tests, cells)
   local found = ground.identify(nil, tests)
-  local free = soil.run_freely(ground.model(found, ground.path(tests[4], 2)), found.delay, tests[4], 2, 10)
-  local name = ("%d (delay %d, mb %.1f kg)"):format(number, found.delay, found.mb)
+  local free = soil.run_freely(ground.model(found, ground.path(tests[4], 2)), found.faults, tests[4], 2, 10)
+  local name = ("%d (gain %.3f, mb %.1f kg)"):format(number, found.faults.gain, found.mb)
   if not free.completed then return { name .. (", stops at %.3g s"):format(free.stopped_at) } end
   return cells(name, free.shaft, free.tip, free.rate/free.true_rate)
 end
 
---- The model under three pure harmonics of the head's force (figures 3.24 to 3.26): motion and both forces.
+--- The model under three pure harmonics of the exciter's force (figures 3.24 to 3.26): motion and both forces.
 function soil.frequencies(report, found, test)
-  local amplitude = test.whole:window(4, 8):column("F"):std()*math.sqrt(2)
+  local amplitude = ground.part_of(test, "exciter", 4, 8, found.faults):column("F"):std()*math.sqrt(2)
   local rows, shown = {}, { y = {}, shaft = {}, tip = {} }
   local styles = { "line", "dashed", "dotted" }
   for i, frequency in ipairs { 20, 40, 80 } do
@@ -161,7 +159,7 @@ function soil.frequencies(report, found, test)
     local few = late:window(3, 3 + 3/frequency)
     rows[i] = { frequency, run.summary.completed and "runs" or "stops", 500*(late:column("y"):max() - late:column("y"):min()) }
     local phase = {}
-    for k = 1, few.rows do phase[k] = (few:column("t")[k] - 3)*frequency end
+    for k, t in ipairs(few:column("t"):list()) do phase[k] = (t - 3)*frequency end
     for _, part in ipairs { "y", "shaft", "tip" } do
       local values = part == "y" and late:column "y" or model[part]:force(late)
       if part ~= "y" then rows[i][#rows[i] + 1] = (values:max() - values:min())/2 end
@@ -170,7 +168,7 @@ function soil.frequencies(report, found, test)
     end
   end
   for _, each in ipairs { { "y", "harmonics", "displacement [m]" }, { "tip", "harmonics_tip", "tip force [N]" }, { "shaft", "harmonics_shaft", "shaft force [N]" } } do
-    report:figure(each[2], lines { x = "cycles", y = each[3], series = shown[each[1]] }, "Three harmonics of the head's force (figures 3.24 to 3.26): "
+    report:figure(each[2], lines { x = "cycles", y = each[3], series = shown[each[1]] }, "Three harmonics of the exciter's force (figures 3.24 to 3.26): "
       .. each[3]:match "^[^%[]+")
   end
   report:table { head = { "frequency [Hz]", "", "amplitude [mm]", "shaft force [N]", "tip force [N]" }, rows = rows,
@@ -192,12 +190,8 @@ end
 function soil.rivals(tests, test, found, fits, oracle, from, to)
   local list = {}
   local function measured(which, part)
-    local gauges, out = which.gauges, {}
-    for k = 1, #gauges.t do
-      local at = math.min(#gauges.t, k + found.delay)
-      out[k] = part == "tip" and gauges.tip[at] - found.mt*gauges.a[k]
-        or gauges.head[at] - gauges.tip[at] - found.mb*gauges.a[k]
-    end
+    local out, head, tip = {}, ground.forces(which, found.faults)
+    for k, a in ipairs(which.gauges.a) do out[k] = part == "tip" and tip[k] - found.mt*a or head[k] - tip[k] - found.mb*a end
     return out
   end
   local function regressed(part, signal)  -- least squares on one signal, over test 1
@@ -232,7 +226,7 @@ function soil.rivals(tests, test, found, fits, oracle, from, to)
     rx[part] = soil.score_along(test, lunid.model { mass = 0, restoring = fits[part], motion = "imposed" }:force(motion):list(), part, from, to)
     noise[part] = soil.score_along(test, measured(test, part), part, from, to)
   end
-  local smith = soil.run_freely(ground.smith_model(found), found.delay, test, from, to)
+  local smith = soil.run_freely(ground.smith_model(found), found.faults, test, from, to)
   list[#list + 1] = rx
   if smith.completed then
     list[#list + 1] = { "Smith's elements, run freely", shaft = smith.shaft, tip = smith.tip, rate = smith.rate/smith.true_rate }

@@ -78,7 +78,7 @@ TEST_F(FigureModuleTest, draws_every_kind_of_figure_in_every_format) {
 
 TEST_F(FigureModuleTest, the_same_figure_gives_the_same_bytes) {
   FigureModule another(module_file());
-  for (const std::string extension : {".png", ".svg"}) {
+  for (const std::string extension : {".png", ".svg", ".pdf"}) {
     module.render(forces(), folder / ("a" + extension));
     another.render(forces(), folder / ("b" + extension));
     EXPECT_EQ(content(folder / ("a" + extension)), content(folder / ("b" + extension))) << extension;
