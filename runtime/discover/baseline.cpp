@@ -56,18 +56,6 @@ void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::v
   }
 }
 
-/// J'J of the baseline's force along the training records.
-Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& baseline, const Eigen::VectorXd& theta) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(theta.size(), theta.size());
-  for (const auto& data : study.force) {
-    Eigen::MatrixXd jacobian;
-    imposed_force(*baseline.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.record,
-                  &jacobian);
-    gram += jacobian.transpose() * jacobian;
-  }
-  return gram;
-}
-
 /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
 void check_excitation(const Study& study, const Model& model, const Candidate& baseline,
                       std::vector<std::string>& warnings) {

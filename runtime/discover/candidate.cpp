@@ -310,6 +310,18 @@ Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& th
   return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
 }
 
+Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
+                              int substeps) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(theta.size(), theta.size());
+  for (const auto& data : study.force) {
+    Eigen::MatrixXd jacobian;
+    imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.record,
+                  &jacobian, substeps);
+    gram += jacobian.transpose() * jacobian;
+  }
+  return gram;
+}
+
 bool in_a_mass(const Model& model, Expr symbol) {
   for (int i = 0; i < model.degrees(); ++i)
     if (depends_on(model.coordinate(i).mass, symbol)) return true;

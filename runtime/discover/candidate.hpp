@@ -77,6 +77,10 @@ void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 /// coordinates one after another.
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record);
 
+/// J'J of a model's force along the training records at these parameters; `substeps` 0: as many as the force needs.
+Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
+                              int substeps = 0);
+
 /// The mass of a coordinate holds this symbol.
 bool in_a_mass(const Model& model, Expr symbol);
 

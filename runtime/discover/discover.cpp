@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 #include "discover/baseline.hpp"
 #include "discover/conclusion.hpp"
@@ -42,11 +43,10 @@ class Spine {
     catalogue_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
     first_ = catalogue_.size();
     std::vector<Effect> others = testable(study_, {catalogue.begin() + many, catalogue.end()}, left);
-    std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
-    for (Effect& effect : others) {
-      catalogue_.push_back(std::move(effect));
-      if (!is_physics(catalogue_.back())) with_faults_ = catalogue_.size();
-    }
+    const auto physics =
+        std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
+    with_faults_ = first_ + static_cast<std::size_t>(physics - others.begin());
+    std::move(others.begin(), others.end(), std::back_inserter(catalogue_));
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
@@ -262,9 +262,11 @@ class Spine {
       found.chosen = steps.back();
       if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
     }
-    before_test_ = runs(study_, found.baseline, study_.test, stand == 0);
-    after_test_ = stand == 0 ? before_test_ : runs(study_, found.chosen, study_.test);
-    if (stand > 0) out_.test_p_value = test_p_value(study_, before_test_, after_test_);
+    after_test_ = runs(study_, found.chosen, study_.test);
+    if (stand > 0)
+      out_.test_p_value = test_p_value(study_, before_test_, after_test_);
+    else
+      before_test_ = after_test_;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test_, 0));

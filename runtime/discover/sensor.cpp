@@ -196,14 +196,7 @@ bool shows_beside(const Study& study, const Candidate& candidate, const Candidat
   if (!candidate.seen_by_force) return true;
   constexpr double least = 1e-6;  // of a column's square: rounding of what the parent holds already
   const Eigen::Index before = parent.parameters(), p = candidate.parameters();
-  const Eigen::VectorXd& theta = candidate.starts.front();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
-  for (const auto& data : study.force) {
-    Eigen::MatrixXd jacobian;
-    imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(p)}, data.record, &jacobian,
-                  start_substeps);
-    gram += jacobian.transpose() * jacobian;
-  }
+  const Eigen::MatrixXd gram = gram_of_force(study, candidate, candidate.starts.front(), start_substeps);
   if (!gram.allFinite()) return true;  // the trajectory will tell
   const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();

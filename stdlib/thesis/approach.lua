@@ -87,10 +87,15 @@ end
 
 local f1 = (y + 0.0056)*(1 + lunid.tanh(2*(y + 0.0056)))/2
 
+--- An expression of table A.1, per unit of mass, times the mass: its polynomial, and the series where it has one.
+local function expression(each, mass)
+  local sum = published.polynomial(each.polynomial, mass)
+  return each.chebyshev and sum + published.chebyshev(each.chebyshev, mass) or sum
+end
+
 --- The equations of motion that table A.1 makes: shaft and tip per unit of mass, times the mass.
 local function published_models(mass)
   local p = published.pile
-  local function polynomial(each) return published.polynomial(each.polynomial, mass) end
   local function model(restoring) return lunid.model { mass = mass, restoring = restoring } end
   local function rename(each, prefix)  -- two expressions in one model need names of their own
     local sum = 0
@@ -102,7 +107,7 @@ local function published_models(mass)
   return {
     { "Shaft Force 1 + Tip Force 1 (custom RX; f1 assumed)", model(rename(p.shaft1, "s") + rename(p.tip1, "t") + mass*p.tip1.f1[1]*f1) },
     { "Shaft Force 2 + Tip Force 2 (PySINDy)", model(rename(p.shaft2, "s") + rename(p.tip2, "t")) },
-    { "Combined (3.2, Chebyshev, the stable one)", model(polynomial(p.combined) + published.chebyshev(p.combined.chebyshev, mass)) },
+    { "Combined (3.2, Chebyshev, the stable one)", model(expression(p.combined, mass)) },
   }
 end
 
@@ -117,14 +122,12 @@ local function along_the_motion(report, test, mass)
     panels[#panels + 1] = lines { title = name, x = "time [s]", y = part .. " force [N]", series = { series { t, measured, label = "rig", role = "measured" },
       series { t, force, label = "table A.1", role = "baseline", style = "dashed" } } }
   end
-  local function polynomial(each) return published.polynomial(each.polynomial, mass) end
-  local function with_series(each) return polynomial(each) + published.chebyshev(each.chebyshev, mass) end
-  show("Shaft Force 1", "shaft", polynomial(p.shaft1))
-  show("Shaft Force 2", "shaft", polynomial(p.shaft2))
-  show("Shaft Force 3", "shaft", with_series(p.shaft3))
-  show("Tip Force 1, f1 assumed", "tip", polynomial(p.tip1) + mass*p.tip1.f1[1]*f1)
-  show("Tip Force 2", "tip", polynomial(p.tip2))
-  show("Combined, Tip Force 3", "combined", with_series(p.combined))
+  show("Shaft Force 1", "shaft", expression(p.shaft1, mass))
+  show("Shaft Force 2", "shaft", expression(p.shaft2, mass))
+  show("Shaft Force 3", "shaft", expression(p.shaft3, mass))
+  show("Tip Force 1, f1 assumed", "tip", expression(p.tip1, mass) + mass*p.tip1.f1[1]*f1)
+  show("Tip Force 2", "tip", expression(p.tip2, mass))
+  show("Combined, Tip Force 3", "combined", expression(p.combined, mass))
   report:figure("table_a1", lunid.figure.grid { panels, columns = 3, width = 20 }, "The expressions of table A.1 along the vibration of " .. test.name)
   report:table { head = { "expression", "force", "deviation in the rig [N]", "of the expression [N]", "R2" }, rows = rows,
     caption = "The expressions of table A.1 along the vibration of " .. test.name .. ": another pile than theirs, moved in the same way" }
