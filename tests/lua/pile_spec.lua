@@ -106,5 +106,23 @@ spec.case("the published expressions are drawn along the motion, and the pairs o
   spec.equal(away, 2)
 end)
 
+spec.case("the command: every part, each run and soil with its figures of merit", function()
+  local whole, code = spec.lunid "thesis pile --quick --out pile"
+  spec.equal(code, 0)
+  for _, part in ipairs { "The channel arithmetic", "One frequency cannot tell mass from stiffness", "Two frequencies together",
+    "Shaft, toe and plug", "Other soils, sealed" } do
+    spec.contains(whole, part)
+  end
+  local text, completed = spec.shell "cat pile/results.json", 0
+  for rate, r2 in text:gmatch '"rate": ([%d.e+-]+),.-"shaft": {.-"r2": ([%d.e+-]+)' do
+    spec.near(tonumber(rate), 1, 0.3)
+    assert(tonumber(r2) > 0.9, "shaft R2 " .. r2)
+    completed = completed + 1
+  end
+  spec.equal(completed, 5)
+  spec.contains(text, '"of": 2')
+  spec.contains(spec.shell "cat pile/report.html", "sealed test of soil")
+end)
+
 spec.clean()
 spec.finish()

@@ -194,6 +194,21 @@ spec.case("a run repeats from its run.json, with the published numbers as they a
   spec.equal(spec.shell "cat again/results.json", spec.shell "cat out-inertia/results.json")
 end)
 
+spec.case("cases 2 and 3: their commands write terms whose intervals hold the truth", function()
+  local said, code = spec.lunid "thesis case2 case3 --quick --out cases"
+  spec.equal(code, 0)
+  spec.contains(said, "2 of 2 cases")
+  for _, case in ipairs { { "case2", "Chebyshev over the data", 5 }, { "case3", "tanh(p*y)", 3 } } do
+    local text, terms = spec.shell(("cat cases/%s/results.json"):format(case[1])), 0
+    spec.contains(said, case[2])
+    for std, truth, value in text:match '"runs": (%b[])':gmatch '"std": (%S+),%s+"truth": (%S+),%s+"value": (%S+)' do
+      spec.near(tonumber(value), tonumber(truth), 4*tonumber(std))
+      terms = terms + 1
+    end
+    assert(terms >= case[3], case[1] .. " has " .. terms .. " terms")
+  end
+end)
+
 spec.case("several cases have a folder each, and one report together", function()
   local said, code = spec.lunid "thesis systems sampling noise features optimisers derivatives --quick --out several"
   spec.equal(code, 0)
