@@ -410,10 +410,6 @@ void check_baseline(const Model& given) {
     throw InputError("discover: expected a model of no more than " + std::to_string(most_coordinates) +
                      " coordinates, got " + std::to_string(baseline.degrees()) +
                      ": take a part of it, or one of its modes");
-  if (baseline.degrees() > 1 && !(baseline.measures.empty() && baseline.acts.empty()))
-    throw InputError(
-        "discover: a baseline of several coordinates whose channels measure or act is not looked at: correct the "
-        "records");
   if (baseline.delay.valid()) throw InputError("discover: a baseline with a delayed force is not looked at: shift F");
   for (const std::string& input : baseline.inputs())
     if (input[0] != 'F')

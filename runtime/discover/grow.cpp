@@ -335,7 +335,7 @@ class Grower {
       there[k] = !found[k].starts.empty() && shows_beside(study_, found[k], parent);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
-      const std::string& name = found[k].choices.back().effect->name;
+      const std::string name = found[k].choices.back().effect->label();
       if (!there[k] && size == 1 && (out_.left_aside.empty() || out_.left_aside.back() != name))
         out_.left_aside.push_back(name);
       if (!there[k]) continue;

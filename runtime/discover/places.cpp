@@ -33,19 +33,35 @@ Values renamed(const Values& values, const std::string& suffix) {
   return out;
 }
 
+/// What stands at a place: one variant of an entry speaks of the forces between the masses, of what a displacement's
+/// channel shows, or of what the force's channel does.
+bool stands_at(const Model& model, const Effect& effect, const EffectVariant& variant, const Place& place) {
+  const bool driven =
+      !place.joint() && std::find(model.driven.begin(), model.driven.end(), place.of) != model.driven.end();
+  if (!variant.measures.empty()) return !place.joint();
+  const auto follows_rate = [&](const ChannelMap& map) {
+    return depends_on(map.map, model.pool->channel("force_rate"));
+  };
+  if (!variant.acts.empty())
+    return driven && (model.driven.size() == 1 || std::none_of(variant.acts.begin(), variant.acts.end(), follows_rate));
+  return effect.family != "input" || driven;
+}
+
 /// The symbols of an entry by those at a place. Names that the entry holds are made here, once for each place.
 Replacements symbols_at(const Model& model, const Effect& effect, const Place& place, const std::string& suffix) {
   Pool& pool = *model.pool;
   Replacements out;
   for (const char quantity : {'y', 'v', 'a'})
     out.emplace_back(pool.channel(std::string(1, quantity)), motion_at(model, place, quantity));
+  if (!place.joint()) out.emplace_back(pool.channel("F"), pool.channel(model.channel('F', place.of)));
   for (const Parameter& p : effect.parameters)
     out.emplace_back(pool.parameter(p.name), pool.parameter(p.name + suffix));
   for (const InternalState& z : effect.states) out.emplace_back(z.symbol, pool.state(z.symbol.name() + suffix));
   return out;
 }
 
-Effect at_place(const Model& model, const Effect& effect, const Place& place) {
+/// The entry at a place, with those of its variants that stand there; none where no variant does.
+std::optional<Effect> at_place(const Model& model, const Effect& effect, const Place& place) {
   const std::string suffix = suffix_of(place);
   const Replacements symbols = symbols_at(model, effect, place, suffix);
   const auto move = [&](Expr& part) {
@@ -53,20 +69,35 @@ Effect at_place(const Model& model, const Effect& effect, const Place& place) {
   };
   Effect out = effect;
   out.place = place;
-  for (EffectVariant& variant : out.variants) move(variant.force);
+  out.variants.clear();
+  std::vector<int> kept;  // numbers of the variants, for what the entry says of each
+  for (std::size_t i = 0; i < effect.variants.size(); ++i) {
+    if (!stands_at(model, effect, effect.variants[i], place)) continue;
+    EffectVariant variant = effect.variants[i];
+    move(variant.force);
+    for (auto* maps : {&variant.measures, &variant.acts})
+      for (auto& [channel, map] : *maps) {
+        channel = model.channel(channel[0], place.of);
+        move(map);
+      }
+    out.variants.push_back(std::move(variant));
+    kept.push_back(static_cast<int>(i));
+  }
+  if (kept.empty()) return {};
   for (Parameter& p : out.parameters) p.name += suffix;
   for (InternalState& z : out.states)
     for (Expr* part : {&z.symbol, &z.rate, &z.min, &z.max}) move(*part);
   for (Expr& margin : out.margins) move(margin);
   if (effect.guess)
-    out.guess = [own = effect.guess, suffix](const RecordScales& scales, int variant) {
+    out.guess = [own = effect.guess, suffix, kept](const RecordScales& scales, int variant) {
       std::vector<Guess> guesses;
-      for (const Guess& guess : own(scales, variant)) guesses.push_back(renamed(guess, suffix));
+      for (const Guess& guess : own(scales, kept[static_cast<std::size_t>(variant)]))
+        guesses.push_back(renamed(guess, suffix));
       return guesses;
     };
   if (effect.range)
-    out.range = [own = effect.range, suffix](const RecordScales& scales, int variant) {
-      return renamed(own(scales, variant), suffix);
+    out.range = [own = effect.range, suffix, kept](const RecordScales& scales, int variant) {
+      return renamed(own(scales, kept[static_cast<std::size_t>(variant)]), suffix);
     };
   return out;
 }
@@ -94,7 +125,8 @@ std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& cat
   if (model.degrees() == 1) return catalogue;
   std::vector<Effect> out;
   for (const Effect& effect : catalogue)
-    for (const Place& place : places_of(model)) out.push_back(at_place(model, effect, place));
+    for (const Place& place : places_of(model))
+      if (auto there = at_place(model, effect, place)) out.push_back(std::move(*there));
   return out;
 }
 

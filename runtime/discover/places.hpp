@@ -11,8 +11,9 @@ namespace lunid {
 /// pairs of no more than three coordinates. None of a single coordinate.
 std::vector<Place> places_of(const Model& model);
 
-/// The entries as they are with a single coordinate, and else at each place of the model: y, v, a become the motion
-/// there, parameters and states get the place behind their names. Changes the pool.
+/// The entries as they are with a single coordinate, and else at each place of the model: y, v, a, F become those
+/// there, parameters and states get the place behind their names. A fault of a sensor stands at each coordinate, one of
+/// the input where a force drives. Changes the pool.
 std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& catalogue);
 
 /// Adds a force to the equations of the coordinates that it acts on; without a place to that of the first.

@@ -67,6 +67,15 @@ bool changes_unmeasured(const Study& study, const Effect& effect) {
   });
 }
 
+bool follows_base(const Effect& effect) {
+  return std::any_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
+    if (!v.force.valid()) return false;
+    const std::vector<Expr> held = symbols(v.force, SymbolKind::channel);
+    return std::any_of(held.begin(), held.end(),
+                       [](const Expr& s) { return s.name() == "yb" || s.name() == "vb" || s.name() == "ab"; });
+  });
+}
+
 }  // namespace
 
 bool is_physics(const Effect& effect) { return effect.family != "sensor" && effect.family != "input"; }
@@ -78,10 +87,9 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
-  std::string of_one;  // coordinate alone
   for (const Effect& effect : catalogue) {
-    if (study.degrees() > 1 && !is_physics(effect)) {
-      of_one += (of_one.empty() ? "" : ", ") + effect.name;
+    if (study.degrees() > 1 && follows_base(effect)) {
+      left.push_back(effect.name + " (with one coordinate alone: a base moves all)");
       continue;
     }
     const auto lacks = std::find_if(effect.channels.begin(), effect.channels.end(), [&](const std::string& channel) {
@@ -96,7 +104,6 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     else
       out.push_back(effect);
   }
-  if (!of_one.empty()) left.push_back(of_one + " (faults of channels and of the input: with one coordinate alone)");
   return at_places(study.model, out);
 }
 
@@ -155,19 +162,20 @@ double squares_of_runs(const Study& study, const Candidate& candidate, const Eig
   double squares = 0;
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const FitData& data = study.train[r];
-    const auto measured = data.record[study.output()];
-    Eigen::VectorXd model;
     if (study.imposed) {
-      model = imposed_force(system, values, data.record);
-    } else {
-      Eigen::VectorXd x0 = measured_state(system, data.record, 0);
-      const Eigen::VectorXd& known = states.segments[r].x0;
-      x0.head(std::min(known.size(), x0.size())) = known.head(std::min(known.size(), x0.size()));
-      const Run run = simulate(system, values, data.excitation, x0, options);
-      if (!run.summary.completed) return INFINITY;
-      model = shown(system, values, run, study.output());
+      squares += (column(data.record, study.output()) - imposed_force(system, values, data.record)).squaredNorm();
+      continue;
     }
-    squares += (Eigen::Map<const Eigen::VectorXd>(measured.data(), model.size()) - model).squaredNorm();
+    Eigen::VectorXd x0 = measured_state(system, data.record, 0);
+    const Eigen::VectorXd& known = states.segments[r].x0;
+    x0.head(std::min(known.size(), x0.size())) = known.head(std::min(known.size(), x0.size()));
+    const Run run = simulate(system, values, data.excitation, x0, options);
+    if (!run.summary.completed) return INFINITY;
+    const std::vector<std::string> outputs = study.outputs();
+    const std::vector<double> weights = study.weights(data.record);
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      squares +=
+          (weights[i] * (column(data.record, outputs[i]) - shown(system, values, run, outputs[i]))).squaredNorm();
   }
   return std::isfinite(squares) ? squares : INFINITY;
 }

@@ -62,7 +62,7 @@ FitData with_force(const Study& study, const Record& record, Interpolation inter
   if (study.imposed) return data;
   for (const std::string& force : study.forces)
     data.excitation.add(force, Excitation(record.start(), record.dt(), record[force], interpolation));
-  if (study.degrees() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
+  if (study.forces.size() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
   const bool held = interpolation == Interpolation::hold;
   for (const std::string& name : side_channels(record))
     data.excitation.offer(

@@ -28,9 +28,10 @@ Expr product(Expr a, Expr b) {
                                               : a * b;
 }
 
-Line undone_displacement(const Model& model) {
+/// What the displacement of a coordinate shows of itself; an empty slope where that is itself, or cannot be undone.
+Line shown_displacement(const Model& model, int i) {
   for (const auto& [channel, map] : model.measures)
-    if (channel == "y") return line_in(*model.pool, map, model.pool->channel("y"));
+    if (channel == model.channel('y', i)) return line_in(*model.pool, map, model.pool->channel(channel));
   return {};
 }
 
@@ -38,19 +39,25 @@ Line undone_displacement(const Model& model) {
 
 std::vector<std::pair<Expr, Expr>> undo_measures(const Model& model) {
   Pool& pool = *model.pool;
-  const Line shown = undone_displacement(model);
-  if (!shown.slope.valid()) return {};
-  const Expr t = pool.channel("t"), y = pool.channel("y"), v = pool.channel("v"), a = pool.channel("a");
-  const Expr difference = shown.rest.is_constant(0) ? y : y - shown.rest;
-  const Expr true_y = shown.slope.is_constant(1) ? difference : difference / shown.slope;
-  const Expr true_v = sum(product(derivative(true_y, y), v), derivative(true_y, t));
-  const Expr true_a =
-      sum(sum(product(derivative(true_v, v), a), product(derivative(true_v, y), v)), derivative(true_v, t));
-  return {{y, true_y}, {v, true_v}, {a, true_a}};
+  std::vector<std::pair<Expr, Expr>> out;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const Line shown = shown_displacement(model, i);
+    if (!shown.slope.valid()) continue;
+    const Expr t = pool.channel("t"), y = pool.channel(model.channel('y', i)), v = pool.channel(model.channel('v', i)),
+               a = pool.channel(model.channel('a', i));
+    const Expr difference = shown.rest.is_constant(0) ? y : y - shown.rest;
+    const Expr true_y = shown.slope.is_constant(1) ? difference : difference / shown.slope;
+    const Expr true_v = sum(product(derivative(true_y, y), v), derivative(true_y, t));
+    const Expr true_a =
+        sum(sum(product(derivative(true_v, v), a), product(derivative(true_v, y), v)), derivative(true_v, t));
+    out.insert(out.end(), {{y, true_y}, {v, true_v}, {a, true_a}});
+  }
+  return out;
 }
 
-Expr undo_acts(const Model& model, Expr acting) {
+Expr undo_acts(const Model& model, int coordinate, Expr acting) {
   for (const auto& [channel, map] : model.acts) {
+    if (channel != model.channel('F', coordinate)) continue;
     const Line line = line_in(*model.pool, map, model.pool->channel(channel));
     if (!line.slope.valid()) continue;
     const Expr rest = line.rest.is_constant(0) ? acting : acting - line.rest;
@@ -60,8 +67,10 @@ Expr undo_acts(const Model& model, Expr acting) {
 }
 
 bool can_be_undone(const Model& model) {
-  for (const auto& [channel, map] : model.measures)
-    if (channel != "y" || !undone_displacement(model).slope.valid()) return false;
+  for (const auto& [channel, map] : model.measures) {
+    const int state = state_of(model, channel);
+    if (state % 2 != 0 || !shown_displacement(model, state / 2).slope.valid()) return false;
+  }
   for (const auto& [channel, map] : model.acts)
     if (!line_in(*model.pool, map, model.pool->channel(channel)).slope.valid()) return false;
   return true;

@@ -11,14 +11,14 @@ namespace lunid {
 /// The place in the state of a channel such as y, v2; -1 when it is none.
 int state_of(const Model& model, std::string_view channel);
 
-/// The true y, v, a of one coordinate by those that the channels show: replacements for expressions of the motion.
+/// The true y, v, a of the coordinates by those that the channels show: replacements for expressions of the motion.
 /// A displacement that shows A*y + B with A and B of t and parameters alone is undone; what is not (a limit, a lag)
 /// is left as its channel shows it. Changes the pool.
 std::vector<std::pair<Expr, Expr>> undo_measures(const Model& model);
 
-/// The force that the channel of one coordinate shows while `acting` acts. Where the rate of the channel takes part it
-/// is left as it is. Changes the pool.
-Expr undo_acts(const Model& model, Expr acting);
+/// The force that the channel of a coordinate shows while `acting` acts on it. Where the rate of the channel takes part
+/// it is left as it is. Changes the pool.
+Expr undo_acts(const Model& model, int coordinate, Expr acting);
 
 /// True when a model with these channels says all of them by the motion alone: undo_measures and undo_acts leave
 /// nothing.

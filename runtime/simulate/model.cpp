@@ -48,9 +48,9 @@ std::string channel_words(const Model& model, std::string_view quantities) {
   for (const char quantity : quantities) {
     if (quantity == 'b')
       add("yb vb ab");
-    else if (quantity == 'r')
-      add("force_rate");
-    else if (quantity == 't')
+    else if (quantity == 'r') {
+      if (model.driven.size() == 1) add("force_rate");
+    } else if (quantity == 't')
       add("t");
     else if (model.degrees() > 2)
       add(model.channel(quantity, 0) + " ... " + model.channel(quantity, model.degrees() - 1));
@@ -72,7 +72,7 @@ bool is_side_input(const std::string& name) {
 /// The channels that an expression of this model may hold: those of these quantities.
 bool may_hold(const Model& model, const std::string& name, std::string_view quantities) {
   if (is_side_input(name)) return quantities.find('b') != std::string_view::npos;
-  if (name == force_rate) return quantities.find('r') != std::string_view::npos && model.degrees() == 1;
+  if (name == force_rate) return quantities.find('r') != std::string_view::npos && model.driven.size() == 1;
   if (quantities.find(name[0]) == std::string_view::npos) return false;
   if (name == "t" || model.degrees() == 1) return name.size() == 1;
   return name.size() > 1 && std::stol(name.substr(1, 9)) <= model.degrees();

@@ -59,7 +59,7 @@ struct Model {
   /// z, and parameters.
   std::vector<ChannelMap> measures;
   /// The forces that act, where they are not what their channels show: {"F", g*F}. Of t, parameters, the channel, in
-  /// which it is affine, and force_rate, the channel's time derivative (one degree of freedom).
+  /// which it is affine, and force_rate, the channel's time derivative (where one coordinate is driven).
   std::vector<ChannelMap> acts;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;

@@ -212,9 +212,12 @@ void System::compile_forces(const std::vector<InertiaRow>& rows, const std::vect
       terms.push_back(term);
     }
   }
-  if (model.imposed_motion && degrees_ == 1) {
+  if (model.imposed_motion) {
     const auto undone = undo_measures(model);
-    whole[0] = undo_acts(model, undone.empty() ? whole[0] : substitute(whole[0], undone));
+    for (int i = 0; i < degrees_; ++i) {
+      Expr& force = whole[static_cast<std::size_t>(i)];
+      force = undo_acts(model, i, undone.empty() ? force : substitute(force, undone));
+    }
   }
   force_ = Tape(whole, inputs);
   inertia_ = Tape(masses, inputs);

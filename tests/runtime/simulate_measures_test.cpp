@@ -120,6 +120,35 @@ TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
     EXPECT_NEAR(force[i], (2 * a[i] + 5 * std::pow(y[i], 3) + 0.7 * v[i] - 0.4) / 0.8, 1e-12);
 }
 
+/// The same of two coordinates, of which one is shown as it is and one is driven.
+TEST(Measures, AreUndoneOfSeveralCoordinates) {
+  Model model = model_of("2", "k*(y1 - y2)", {}, true);
+  model.further.push_back({parse(*model.pool, "3"), parse(*model.pool, "k*(y2 - y1) + c*v2")});
+  model.driven = {0};
+  const System system(measuring(std::move(model), {{"y2", "g*y2 + d*t"}}, {{"F1", "h*F1"}}));
+  EXPECT_TRUE(can_be_undone(system.model()));
+  const std::vector<double> theta = theta_of(system, {{"k", 5}, {"c", 0.7}, {"g", 1.3}, {"d", 0.1}, {"h", 0.8}});
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(50, 0, 4.9);
+  const Eigen::VectorXd y1 = t.array().cos(), y2 = t.array().sin(), v2 = t.array().cos();
+  const Record record("r", 0, 0.1,
+                      {channel("y1", y1), channel("v1", -y2), channel("a1", -y1), channel("y2", 1.3 * y2 + 0.1 * t),
+                       channel("v2", 1.3 * v2 + Eigen::VectorXd::Constant(50, 0.1)), channel("a2", -1.3 * y2)});
+  Eigen::MatrixXd slopes;
+  const Eigen::VectorXd force = imposed_force(system, theta, record, &slopes);
+  ASSERT_EQ(force.size(), 100);
+  for (Eigen::Index i = 0; i < 50; ++i) {
+    EXPECT_NEAR(force[i], (-2 * y1[i] + 5 * (y1[i] - y2[i])) / 0.8, 1e-12);
+    EXPECT_NEAR(force[50 + i], -3 * y2[i] + 5 * (y2[i] - y1[i]) + 0.7 * v2[i], 1e-12);
+  }
+  for (std::size_t j = 0; j < theta.size(); ++j) {
+    std::vector<double> up = theta, down = theta;
+    up[j] += 1e-6;
+    down[j] -= 1e-6;
+    const Eigen::VectorXd difference = (imposed_force(system, up, record) - imposed_force(system, down, record)) / 2e-6;
+    EXPECT_LT((difference - slopes.col(static_cast<Eigen::Index>(j))).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
 TEST(Measures, SaysWhatCanBeUndone) {
   EXPECT_TRUE(can_be_undone(measuring(model_of("1", "y"), {{"y", "g*y + b*t"}}, {{"F", "g*F"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"y", "min(y, b)"}})));
