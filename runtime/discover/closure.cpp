@@ -122,8 +122,8 @@ std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Ind
 
 void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
   FitOptions options;
-  options.max_iterations = 12;
-  options.tolerance = 1e-3;
+  options.max_iterations = 20;
+  options.tolerance = 1e-5;
   options.substeps = candidate.whitened.substeps;
   options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;

@@ -311,9 +311,8 @@ class Grower {
   }
 
   // ---- faults of channels: no force to be proposed, but few, and fitted beside all that runs fast ----
-  void add_faults(const std::vector<Candidate>& parents, int size, std::vector<Candidate>& level,
+  void add_faults(const Candidate& parent, int size, std::vector<Candidate>& level,
                   std::vector<const Candidate*>& parent_of) {
-    const Candidate& parent = parents.front();
     if (many_states(parent.choices)) return;
     std::vector<Candidate> found;
     std::vector<std::vector<Guess>> guesses;
@@ -364,7 +363,8 @@ class Grower {
       level.push_back(std::move(c));
       parent_of.push_back(o.parent);
     }
-    add_faults(parents, size, level, parent_of);
+    for (std::size_t k = 0; k < std::min<std::size_t>(parents.size(), beam); ++k)
+      add_faults(parents[k], size, level, parent_of);
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
       begin_fit(level[k], *parent_of[k]);
@@ -378,7 +378,16 @@ class Grower {
     for (const auto& c : known_.sets)
       if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
     sort_by_cost(level);
-    return level;
+    return once_each(level);
+  }
+
+  /// A set grows from each of its members, and may end in two fits: the better one.
+  static std::vector<Candidate> once_each(std::vector<Candidate>& sorted) {
+    std::vector<Candidate> out;
+    for (Candidate& c : sorted)
+      if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) { return same(o.choices, c.choices); }))
+        out.push_back(std::move(c));
+    return out;
   }
 
   /// The best after the first iterations, and those that explain most of the force: their free runs may have lost the

@@ -154,7 +154,7 @@ class Resampler {
     for (bool again = true; again;) {
       again = false;
       for (std::size_t i = 0; i < all.size() && !again; ++i)
-        if (i != pick && within(choices(i), choices(pick)) && !gains(all, i, pick)) {
+        if (choices(i).size() < choices(pick).size() && within(choices(i), choices(pick)) && !gains(all, i, pick)) {
           pick = i;
           again = true;
         }

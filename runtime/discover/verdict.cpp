@@ -20,6 +20,21 @@ std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vec
   return runs(study, *c.system, c.fit, records, floor);
 }
 
+namespace {
+
+/// Relative drop of the left-out gap by the generic forces as they were fitted: what their slopes at zero promise is
+/// less where they bend the run.
+double left_out_gain(const Study& study, const Candidate& c, const Closure& closure) {
+  if (!(std::isfinite(c.left_out_gap) && c.left_out_gap > 0)) return 0;
+  Candidate generic;
+  generic.system = closure.system;
+  generic.fit = closure.fit;
+  run_left_out(study, generic);
+  return 1 - generic.left_out_gap / c.left_out_gap;
+}
+
+}  // namespace
+
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
                         const Whitening& whitening) {
   Left left;
@@ -34,9 +49,13 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   };
   const Gap with = with_closure(false);
   left.seen = !std::isfinite(now.value) || closed_share(now.value, with.value, now.floor) > 0.5;
-  // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say.
-  const bool above = !(now.value <= now.floor + 3 * now.floor_std);
-  left.material = left.seen && above && left.closure.gain > study.options->minimum_gain;
+  // A model that is at the floor lacks nothing that could be seen, whatever a finer colour of the noise would say. Of
+  // names this may be chance: the floor is known to some percent, and they were chosen to be near it.
+  const bool above = !(now.value <= now.floor + 3 * now.floor_std), named = !c.choices.empty();
+  const double least = study.options->minimum_gain;
+  const bool doubtful = above ? left.closure.gain <= least : named;
+  if (left.seen && doubtful) left.closure.gain = left_out_gain(study, c, left.closure);
+  left.material = left.seen && (above || named) && left.closure.gain > least;
   left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
   return left;
 }
@@ -108,9 +127,13 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool far = far_from_the_floor(last) && last.value - last.floor > part * (first.value - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
-  // Several forces that follow the training motion as a series follows a curve, and leave it beyond.
-  const bool patchwork = round.found.chosen.choices.size() > 1 && last.value > 1.5 * last.floor &&
-                         closed_share(first.value, last.value, last.floor) < 0.998;
+  // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
+  // all that is above the floor counts.
+  const std::size_t names = round.found.chosen.choices.size();
+  const double at_the_floor =
+      names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
+  const bool patchwork =
+      names > 1 && last.value > at_the_floor && closed_share(first.value, last.value, last.floor) < 0.998;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";

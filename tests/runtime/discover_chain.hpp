@@ -15,7 +15,8 @@ inline Record record_of(const truth::ChainColumns& columns, const std::vector<in
 }
 
 /// The chain as a study knows it: masses given, one k and c for all links, and what `extra` adds to each row.
-inline Model baseline_of(const truth::Chain& chain, const truth::Scale& scale, const std::vector<std::string>& extra = {}) {
+inline Model baseline_of(const truth::Chain& chain, const truth::Scale& scale,
+                         const std::vector<std::string>& extra = {}) {
   Model model;
   model.pool = std::make_shared<Pool>();
   const std::size_t n = chain.masses.size();

@@ -55,8 +55,7 @@ Discovery find(const std::string& spoilt, const Spoil& spoil, double noise_db = 
   const truth::ChainRecords records = truth::make_chain_records(chain, scale, options);
   const auto spoilt_record = [&](truth::ChainColumns columns, const std::string& name) {
     std::vector<double>& column = spoilt == "F1" ? columns.F[0] : columns.y[spoilt == "y1" ? 0 : 1];
-    for (std::size_t i = 0; i < column.size(); ++i)
-      column[i] = spoil(column[i], static_cast<double>(i));
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = spoil(column[i], static_cast<double>(i));
     return record_of(columns, chain.driven, name);
   };
   const Model model = baseline_of(chain, scale);
@@ -82,14 +81,14 @@ TEST(DegreesFaults, AGainIsThatOfItsChannel) {
 TEST(DegreesFaults, ATrendIsThatOfItsChannel) {
   const double length = truth::scale_named("milli").length;
   constexpr double rate = 800;  // of the records of this scale [Hz]
-  expect_fault(find("y1", [&](double y, double row) { return y + 0.4 * length * row / rate; }, 30),
+  expect_fault(find(
+                   "y1", [&](double y, double row) { return y + 0.4 * length * row / rate; }, 30),
                "sensor_drift at y1", "d", 0.4 * length);
 }
 
 TEST(DegreesFaults, ALimitIsThatOfItsChannel) {
   const double level = 1.1 * truth::scale_named("milli").length;
-  expect_fault(find("y2", [&](double y, double) { return std::min(y, level); }), "clipping at y2",
-               "level", level);
+  expect_fault(find("y2", [&](double y, double) { return std::min(y, level); }), "clipping at y2", "level", level);
 }
 
 TEST(DegreesFaults, TheForceIsOffByAFactor) {
@@ -97,7 +96,8 @@ TEST(DegreesFaults, TheForceIsOffByAFactor) {
 }
 
 TEST(DegreesFaults, StandBesidePhysicsAtItsPlace) {
-  const Discovery d = find("y2", [](double y, double) { return 1.2 * y; }, 40, 0.15);
+  const Discovery d = find(
+      "y2", [](double y, double) { return 1.2 * y; }, 40, 0.15);
   std::vector<std::string> labels;
   for (const NamedEffect& e : d.effects) labels.push_back(e.label);
   std::sort(labels.begin(), labels.end());
@@ -105,7 +105,8 @@ TEST(DegreesFaults, StandBesidePhysicsAtItsPlace) {
 }
 
 TEST(DegreesFaults, NoneWhereNothingIsWrong) {
-  const Discovery d = find("y1", [](double y, double) { return y; }, 30);
+  const Discovery d = find(
+      "y1", [](double y, double) { return y; }, 30);
   EXPECT_EQ(d.verdict, "nothing-missing") << to_terminal(d);
 }
 

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "discover/naming.hpp"
 #include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
 
@@ -117,8 +119,9 @@ TEST(Judge, KeepsBothWhereTheyDifferByLittle) {
   EXPECT_FALSE(fits_worse(c.study, c.other, c.best));
 }
 
-/// The verdict on names whose free run over the test leaves 0.21 of its motion where the baseline left 1.25.
-std::string verdict_on(int names) {
+/// The verdict on names whose free run leaves these parts of the training and of the test motion, where the baseline
+/// left 1.25 of this.
+std::string verdict_on(int names, double train, double test, double floor) {
   DiscoverOptions options;
   Study study;
   study.options = &options;
@@ -126,20 +129,49 @@ std::string verdict_on(int names) {
   const std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
   Round round;
   for (int i = 0; i < names; ++i) round.found.chosen.choices.push_back({&catalogue[static_cast<std::size_t>(i)], 0});
-  round.left.gap.value = 0.2;
-  round.left.gap.floor = 0.01;
+  round.left.gap.value = train;
+  round.left.gap.floor = floor;
   FreeRun before, after;
   before.rows = after.rows = 1000;
   before.variance = after.variance = 1;
-  before.floor_squares = after.floor_squares = 0.01 * 0.01;
+  before.floor_squares = after.floor_squares = floor * floor;
   before.squares = 1.25 * 1.25;
-  after.squares = 0.21 * 0.21;
+  after.squares = test * test;
   return refuted(study, round, 0.001, {before}, {after});
 }
 
 TEST(Verdict, AsksMoreOfSeveralNamesThanOfOne) {
-  EXPECT_EQ(verdict_on(1), "");
-  EXPECT_EQ(verdict_on(2), "left much of the gap on the test record open");
+  EXPECT_EQ(verdict_on(1, 0.2, 0.21, 0.01), "");
+  EXPECT_EQ(verdict_on(2, 0.2, 0.21, 0.01), "left much of the gap on the test record open");
+}
+
+/// A sum of powers follows any smooth curve within the motion that it was fitted to.
+TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
+  const std::string patchwork =
+      "fitted the training records down to their noise by several forces, but not the test record";
+  EXPECT_EQ(verdict_on(2, 0.102, 0.125, 0.1), "");
+  EXPECT_EQ(verdict_on(2, 0.102, 0.16, 0.1), patchwork);
+  EXPECT_EQ(verdict_on(3, 0.102, 0.125, 0.1), patchwork);
+  EXPECT_EQ(verdict_on(3, 0.102, 0.108, 0.1), "");
+}
+
+/// One set may come out of a search twice, grown from each of its members.
+TEST(Naming, EndsWhereASetIsItsOwnRival) {
+  const DiscoverOptions options;
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  const std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  truth::Physics physics;
+  physics.k3 = 0.4;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 3), 0.3, {}, 1500, testing::spacing, 16);
+  const Record record = testing::noisy_record(motion, "y", motion.x, 0.01, 3);
+  const Study study = prepare(model, {record}, {record}, options);
+  std::vector<std::string> warnings;
+  const Candidate baseline = fit_baseline(study, model, warnings);
+  SearchResult found = search(study, model, baseline, catalogue, {}, [](const std::string&, double) {});
+  ASSERT_EQ(found.chosen.name(), "cubic_stiffness");
+  found.rivals.push_back(found.chosen);
+  EXPECT_EQ(bootstrap_naming(study, found, 20).of("cubic_stiffness"), 20);
 }
 
 }  // namespace

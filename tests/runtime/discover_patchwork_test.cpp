@@ -39,6 +39,26 @@ TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {
   EXPECT_EQ(d.verdict, "unknown-effect");
 }
 
+/// One name that is near closes most of the gap; what it leaves is seen, though its slope at the fit is no guide to how
+/// large the forces without a name are.
+TEST(Patchwork, OfOneNameIsSeenByTheForceItLeaves) {
+  truth::RecordOptions options;
+  options.noise_db = 20;
+  for (const std::uint64_t seed : {6122, 6124, 6320}) {
+    options.seed = seed;
+    const truth::Scale& scale = truth::scale_named("micro");
+    const truth::Records records = truth::make_records(truth::case_named("outside_y_abs_v"), scale, options);
+    const Model model = baseline("k*y + c*v", scale.mass);
+    std::vector<Effect> catalogue = small_catalogue(*model.pool);
+    catalogue.push_back(testing::entry(*model.pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
+                                       {testing::row("odd_quadratic_stiffness_k2")}));
+    const Discovery d = discover(model, catalogue, {testing::record_of(records.train, "train")},
+                                 {testing::record_of(records.test, "test")});
+    EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+    EXPECT_TRUE(d.effects.empty());
+  }
+}
+
 TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
   truth::Physics physics;
   physics.k2 = 0.6;
