@@ -163,6 +163,7 @@ Effect read_effect(lua_State* L) {
   effect.special_case_of = strings_field(L, -1, "special_case_of");
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
+  effect.any_motion = boolean_field(L, -1, "any_motion", false);
   effect.parameters = read_rows(L);
   effect.variants = read_variants(L);
   with_field(L, -1, "margins",

@@ -112,6 +112,7 @@ return schema.define({
       help = "what it adds to the restoring force, as text or expression; a list: its mirror images" },
     { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
       .. "a list: the forms that it may have" },
+    { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
       .. "and of force_rate, the rate of that; affine in F" },
     { "formula", types.string, help = "as an engineer writes it; else the text of the first contribution" },

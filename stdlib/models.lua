@@ -77,7 +77,7 @@ models.model = schema.define({
       help = "the coordinates that a force acts on, such as { 1 }; else all" },
     { "delay", types.expression, unit = "s",
       help = "the forces act so much later than they are recorded; a number or a parameter, >= 0" },
-    { "measures", maps, help = "what displacements and velocities show in a record where it is not their true value: "
+    { "measures", maps, help = "what displacements, velocities and accelerations show in a record where it is not their true value: "
       .. "{ y = y + b }; fits and gaps compare with that, runs give the true motion" },
     { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, affine in F" },
     { "states", types.list(types.expression), default = {},

@@ -13,15 +13,16 @@ namespace lunid {
 
 /// What a record says about scales, given to an entry's guess function. All in SI, from the training records.
 struct RecordScales {
-  double y_max, y_min, y_std;  ///< of the displacement [m]; y_max = max(y), y_min = min(y)
-  double v_max, v_std;         ///< of the velocity [m/s]; v_max = max |v|
-  double force_std;            ///< of the force that acts, of a free decay of m*a [N]
-  double residual_std;         ///< of the force that the baseline leaves unexplained [N]
-  double omega;                ///< dominant angular frequency of y [rad/s]
-  double stiffness;            ///< force_std / y_std [N/m]
-  double interval;             ///< between samples [s]
-  double duration;             ///< of the longest record [s]
-  std::vector<double> lines;   ///< angular frequencies that stand out in what the model leaves open, strongest first
+  double y_max, y_min, y_std;              ///< of the displacement [m]; y_max = max(y), y_min = min(y)
+  double v_max, v_std;                     ///< of the velocity [m/s]; v_max = max |v|
+  double shown_max, shown_min, shown_std;  ///< of the channel of the motion that was measured, as y_max is of y
+  double force_std;                        ///< of the force that acts, of a free decay of m*a [N]
+  double residual_std;                     ///< of the force that the baseline leaves unexplained [N]
+  double omega;                            ///< dominant angular frequency of y [rad/s]
+  double stiffness;                        ///< force_std / y_std [N/m]
+  double interval;                         ///< between samples [s]
+  double duration;                         ///< of the longest record [s]
+  std::vector<double> lines;  ///< angular frequencies that stand out in what the model leaves open, strongest first
   std::vector<double> modulations;  ///< the same of the force that it leaves open times y
 };
 
@@ -63,6 +64,7 @@ struct Effect {
   std::vector<InternalState> states;
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, confusers, channels;
+  bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
   std::string signature, sentence, source;
   /// Its name, and where it is: "coulomb_friction at y2".
   std::string label() const { return place ? name + " " + words_of(*place) : name; }

@@ -441,6 +441,7 @@ class Grower {
     FitOptions options;
     options.max_iterations = 12;
     options.tolerance = 1e-4;
+    options.solver = Solver::fixed;
     options.substeps = coarse_substeps(c);
     options.cancelled = study_.options->cancelled;
     FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
@@ -518,6 +519,7 @@ FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::
   options.max_iterations = iterations;
   options.tolerance = 1e-4;
   options.first_states = first_states;
+  options.solver = Solver::fixed;  // a set that runs away takes minutes of implicit steps
   options.substeps = substeps;
   options.cancelled = study.options->cancelled;
   return fit_trajectory(*candidate.system, start, study.train, options);

@@ -102,7 +102,66 @@ std::optional<Effect> at_place(const Model& model, const Effect& effect, const P
   return out;
 }
 
+/// A formula with each of its words replaced; `enclosed`: it stands alone in brackets.
+std::string in_words(const std::string& formula,
+                     const std::function<std::string(const std::string& word, bool enclosed)>& replace) {
+  std::string out, word;
+  for (const char c : formula + " ") {
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
+      word += c;
+      continue;
+    }
+    if (!word.empty()) out += replace(word, !out.empty() && out.back() == '(' && c == ')');
+    word.clear();
+    out += c;
+  }
+  out.pop_back();
+  return out;
+}
+
+/// "m/s^2" of "m" per second squared: what stands before "/s" is kept.
+std::string per_seconds(const std::string& unit, int more) {
+  if (unit.empty() || unit[0] != 'm') return unit;
+  const std::size_t at = unit.find("/s");
+  const int own = at == std::string::npos ? 0 : at + 2 == unit.size() ? 1 : std::stoi(unit.substr(at + 3));
+  return unit.substr(0, at) + "/s" + (own + more == 1 ? "" : "^" + std::to_string(own + more));
+}
+
+/// Sizes as an entry of y asks for them, of what was measured in its place.
+RecordScales as_shown(RecordScales scales) {
+  scales.y_max = scales.shown_max;
+  scales.y_min = scales.shown_min;
+  scales.y_std = scales.shown_std;
+  return scales;
+}
+
 }  // namespace
+
+Effect of_channel(const Model& model, const Effect& effect, char measured) {
+  const std::pair<Expr, Expr> motion[] = {{model.pool->channel("y"), model.pool->channel(std::string(1, measured))}};
+  const int seconds = measured == 'a' ? 2 : 1;
+  Effect out = effect;
+  for (EffectVariant& variant : out.variants)
+    for (auto& [channel, map] : variant.measures) {
+      channel = std::string(1, measured);
+      map = substitute(map, motion);
+    }
+  for (InternalState& z : out.states)
+    for (Expr* part : {&z.rate, &z.min, &z.max})
+      if (part->valid()) *part = substitute(*part, motion);
+  for (Parameter& p : out.parameters) p.unit = per_seconds(p.unit, seconds);
+  out.formula = in_words(out.formula,
+                         [&](const std::string& word, bool) { return word == "y" ? std::string(1, measured) : word; });
+  if (effect.guess)
+    out.guess = [own = effect.guess](const RecordScales& scales, int variant) {
+      return own(as_shown(scales), variant);
+    };
+  if (effect.range)
+    out.range = [own = effect.range](const RecordScales& scales, int variant) {
+      return own(as_shown(scales), variant);
+    };
+  return out;
+}
 
 std::string words_of(const Place& place) { return (place.joint() ? "in " : "at ") + motion_of(place); }
 
@@ -164,28 +223,12 @@ std::string own_name(const Effect& effect, std::string parameter) {
 
 std::string formula_at(const std::string& formula, const std::optional<Place>& place) {
   if (!place) return formula;
-  std::string out, word;
-  const auto end_word = [&](char next) {
-    const bool motion = word == "y" || word == "v" || word == "a";
-    const bool enclosed = !out.empty() && out.back() == '(' && next == ')';
-    if (motion && place->joint()) {
-      const std::string difference = named(word[0], place->of) + " - " + named(word[0], place->from);
-      out += enclosed ? difference : "(" + difference + ")";
-    } else {
-      out += motion ? named(word[0], place->of) : word;
-    }
-    word.clear();
-  };
-  for (const char c : formula) {
-    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
-      word += c;
-      continue;
-    }
-    end_word(c);
-    out += c;
-  }
-  end_word(' ');
-  return out;
+  return in_words(formula, [&](const std::string& word, bool enclosed) {
+    if (word != "y" && word != "v" && word != "a") return word;
+    if (!place->joint()) return named(word[0], place->of);
+    const std::string difference = named(word[0], place->of) + " - " + named(word[0], place->from);
+    return enclosed ? difference : "(" + difference + ")";
+  });
 }
 
 }  // namespace lunid

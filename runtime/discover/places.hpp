@@ -16,6 +16,10 @@ std::vector<Place> places_of(const Model& model);
 /// the input where a force drives. Changes the pool.
 std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& catalogue);
 
+/// An entry that speaks of the channel y as it speaks of v or a, where that was measured (Effect::any_motion): maps,
+/// states, guesses, units and formula.
+Effect of_channel(const Model& model, const Effect& effect, char measured);
+
 /// Adds a force to the equations of the coordinates that it acts on; without a place to that of the first.
 void add_force(Model& model, const std::optional<Place>& place, Expr force);
 

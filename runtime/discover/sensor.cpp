@@ -59,7 +59,7 @@ bool shows_in_force(const Effect& effect) {
   });
 }
 
-/// A fault of a channel that the records do not hold cannot be seen.
+/// A fault of a channel that the records do not hold as they were measured cannot be seen.
 bool changes_unmeasured(const Study& study, const Effect& effect) {
   return std::all_of(effect.variants.begin(), effect.variants.end(), [&](const EffectVariant& v) {
     return std::any_of(v.measures.begin(), v.measures.end(),
@@ -87,7 +87,9 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
-  for (const Effect& effect : catalogue) {
+  for (const Effect& given : catalogue) {
+    const bool other_channel = given.any_motion && !study.imposed && study.measured != "y";
+    const Effect effect = other_channel ? of_channel(study.model, given, study.measured[0]) : given;
     if (study.degrees() > 1 && follows_base(effect)) {
       left.push_back(effect.name + " (with one coordinate alone: a base moves all)");
       continue;

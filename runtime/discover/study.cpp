@@ -321,9 +321,9 @@ double upper_frequency(const Study& study) {
 
 RecordScales scales(const Study& study, double residual_std, const std::optional<Place>& place) {
   RecordScales s{};
-  s.y_max = -INFINITY;
-  s.y_min = INFINITY;
-  double force = 0, inertia = 0, rows = 0, y2 = 0, v2 = 0;
+  s.y_max = s.shown_max = -INFINITY;
+  s.y_min = s.shown_min = INFINITY;
+  double force = 0, inertia = 0, rows = 0, y2 = 0, v2 = 0, shown2 = 0;
   const Expr mass = study.model.coordinate(place ? place->of : 0).mass;
   const double known_mass = mass.is_constant() ? mass.value() : 1;
   for (const auto& record : study.smooth) {
@@ -332,6 +332,10 @@ RecordScales scales(const Study& study, double residual_std, const std::optional
     s.y_max = std::max(s.y_max, y.maxCoeff());
     s.y_min = std::min(s.y_min, y.minCoeff());
     s.v_max = std::max(s.v_max, v.cwiseAbs().maxCoeff());
+    const Eigen::VectorXd shown = motion_at(record, place, study.imposed ? 'y' : study.measured[0]);
+    s.shown_max = std::max(s.shown_max, shown.maxCoeff());
+    s.shown_min = std::min(s.shown_min, shown.minCoeff());
+    shown2 += (shown.array() - shown.mean()).square().sum();
     const auto n = static_cast<double>(y.size());
     y2 += (y.array() - y.mean()).square().sum();
     v2 += v.squaredNorm();
@@ -343,6 +347,7 @@ RecordScales scales(const Study& study, double residual_std, const std::optional
   }
   s.y_std = std::sqrt(y2 / rows);
   s.v_std = std::sqrt(v2 / rows);
+  s.shown_std = std::sqrt(shown2 / rows);
   s.force_std = std::max(std::sqrt((force > 0 ? force : inertia) / rows), residual_std);
   s.residual_std = residual_std;
   s.omega = study.omega;

@@ -178,9 +178,13 @@ void validate(const FitOptions& o) {
 namespace {
 
 /// The first value of a state: what a channel shows of it, or that which is declared.
-double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& measured) {
-  for (const auto& [channel, map] : model.measures)
-    if (map == model.states[state].symbol) return measured[state_of(model, channel)];
+double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& measured, const Record& record,
+                Eigen::Index row) {
+  for (const auto& [channel, map] : model.measures) {
+    if (map != model.states[state].symbol) continue;
+    if (const int own = state_of(model, channel); own >= 0) return measured[own];
+    if (record.has(channel)) return record[channel][static_cast<std::size_t>(row)];
+  }
   return model.states[state].initial;
 }
 
@@ -200,7 +204,7 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
     x0[2 * i + 1] = record[v][static_cast<std::size_t>(row)];
   }
   for (std::size_t i = 0; i < model.states.size(); ++i)
-    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0);
+    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
   return x0;
 }
 

@@ -28,11 +28,19 @@ Expr product(Expr a, Expr b) {
                                               : a * b;
 }
 
-/// What the displacement of a coordinate shows of itself; an empty slope where that is itself, or cannot be undone.
-Line shown_displacement(const Model& model, int i) {
-  for (const auto& [channel, map] : model.measures)
-    if (channel == model.channel('y', i)) return line_in(*model.pool, map, model.pool->channel(channel));
-  return {};
+/// (shown - rest) / slope
+Expr undone(const Line& line, Expr shown) {
+  const Expr difference = line.rest.is_constant(0) ? shown : shown - line.rest;
+  return line.slope.is_constant(1) ? difference : difference / line.slope;
+}
+
+/// What a channel shows of itself where that can be undone: of velocities and accelerations, whose integrals follow
+/// their factor alone, a factor that does not change. An empty slope where it cannot.
+Line undoable(const Model& model, const ChannelMap& measured) {
+  const Expr own = model.pool->channel(measured.channel);
+  const Line line = line_in(*model.pool, measured.map, own);
+  const bool integrated = measured.channel[0] != 'y';
+  return integrated && line.slope.valid() && depends_on(line.slope, model.pool->channel("t")) ? Line{} : line;
 }
 
 }  // namespace
@@ -40,16 +48,20 @@ Line shown_displacement(const Model& model, int i) {
 std::vector<std::pair<Expr, Expr>> undo_measures(const Model& model) {
   Pool& pool = *model.pool;
   std::vector<std::pair<Expr, Expr>> out;
-  for (int i = 0; i < model.degrees(); ++i) {
-    const Line shown = shown_displacement(model, i);
-    if (!shown.slope.valid()) continue;
-    const Expr t = pool.channel("t"), y = pool.channel(model.channel('y', i)), v = pool.channel(model.channel('v', i)),
-               a = pool.channel(model.channel('a', i));
-    const Expr difference = shown.rest.is_constant(0) ? y : y - shown.rest;
-    const Expr true_y = shown.slope.is_constant(1) ? difference : difference / shown.slope;
-    const Expr true_v = sum(product(derivative(true_y, y), v), derivative(true_y, t));
-    const Expr true_a =
-        sum(sum(product(derivative(true_v, v), a), product(derivative(true_v, y), v)), derivative(true_v, t));
+  for (const ChannelMap& measured : model.measures) {
+    const Line line = undoable(model, measured);
+    if (!line.slope.valid()) continue;
+    const char quantity = measured.channel[0];
+    const std::string coordinate = measured.channel.substr(1);
+    const Expr t = pool.channel("t"), y = pool.channel("y" + coordinate), v = pool.channel("v" + coordinate),
+               a = pool.channel("a" + coordinate);
+    const Line factor{line.slope, pool.constant(0)};
+    const auto rate = [&](Expr f) {
+      return sum(sum(product(derivative(f, v), a), product(derivative(f, y), v)), derivative(f, t));
+    };
+    const Expr true_y = undone(quantity == 'y' ? line : factor, y);
+    const Expr true_v = quantity == 'y' ? rate(true_y) : undone(quantity == 'v' ? line : factor, v);
+    const Expr true_a = quantity == 'a' ? undone(line, a) : rate(true_v);
     out.insert(out.end(), {{y, true_y}, {v, true_v}, {a, true_a}});
   }
   return out;
@@ -60,17 +72,14 @@ Expr undo_acts(const Model& model, int coordinate, Expr acting) {
     if (channel != model.channel('F', coordinate)) continue;
     const Line line = line_in(*model.pool, map, model.pool->channel(channel));
     if (!line.slope.valid()) continue;
-    const Expr rest = line.rest.is_constant(0) ? acting : acting - line.rest;
-    return line.slope.is_constant(1) ? rest : rest / line.slope;
+    return undone(line, acting);
   }
   return acting;
 }
 
 bool can_be_undone(const Model& model) {
-  for (const auto& [channel, map] : model.measures) {
-    const int state = state_of(model, channel);
-    if (state % 2 != 0 || !shown_displacement(model, state / 2).slope.valid()) return false;
-  }
+  for (const ChannelMap& measured : model.measures)
+    if (!undoable(model, measured).slope.valid()) return false;
   for (const auto& [channel, map] : model.acts)
     if (!line_in(*model.pool, map, model.pool->channel(channel)).slope.valid()) return false;
   return true;

@@ -12,8 +12,9 @@ namespace lunid {
 int state_of(const Model& model, std::string_view channel);
 
 /// The true y, v, a of the coordinates by those that the channels show: replacements for expressions of the motion.
-/// A displacement that shows A*y + B with A and B of t and parameters alone is undone; what is not (a limit, a lag)
-/// is left as its channel shows it. Changes the pool.
+/// A displacement that shows A*y + B with A and B of t and parameters alone is undone, with its derivatives; so is a
+/// velocity or an acceleration of constant A, with its integrals, in which B (slow) is not looked for. What is not (a
+/// limit, a lag) is left as its channel shows it. One channel of a coordinate at most. Changes the pool.
 std::vector<std::pair<Expr, Expr>> undo_measures(const Model& model);
 
 /// The force that the channel of a coordinate shows while `acting` acts on it. Where the rate of the channel takes part

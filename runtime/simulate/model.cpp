@@ -30,7 +30,7 @@ std::vector<Part> parts_of(const Model& model) {
     parts.push_back({restoring, "restoring" + which, "yvatb"});
   }
   if (model.delay.valid()) parts.push_back({model.delay, "delay", ""});
-  for (const auto& [channel, map] : model.measures) parts.push_back({map, "measures: " + channel, "yvt"});
+  for (const auto& [channel, map] : model.measures) parts.push_back({map, "measures: " + channel, "yvat"});
   for (const auto& [channel, map] : model.acts) parts.push_back({map, "acts: " + channel, "Ftr"});
   for (const InternalState& z : model.states) {
     const std::string name = "state '" + z.symbol.name() + "'";
@@ -150,7 +150,7 @@ void check_maps(const Model& model) {
       if (!map.valid()) throw InputError(where + channel + ": no expression is given");
     }
   };
-  check(model.measures, "measures", "yv", "a displacement or velocity");
+  check(model.measures, "measures", "yva", "a displacement, velocity or acceleration");
   check(model.acts, "acts", "F", "a force");
   for (const auto& [channel, map] : model.acts) {
     const Expr slope = derivative(map, model.pool->channel(channel));

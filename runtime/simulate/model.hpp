@@ -55,7 +55,7 @@ struct Model {
   std::vector<int> driven;          ///< coordinates that a force acts on, from 0; empty: all
   Expr delay;                       ///< [s] >= 0, of parameters alone: the forces act so much later; empty: none
   std::vector<InternalState> states;
-  /// What displacements and velocities show in a record, where it is not their true value: {"y", y + b}. Of t, all y v
+  /// What the channels of the motion show in a record, where it is not their true value: {"y", y + b}. Of t, all y v a
   /// z, and parameters.
   std::vector<ChannelMap> measures;
   /// The forces that act, where they are not what their channels show: {"F", g*F}. Of t, parameters, the channel, in
@@ -129,7 +129,7 @@ class System {
   /// coordinate, or with imposed motion, where both are of the channels as they show it (undo_measures, undo_acts).
   const Tape& force_with_derivatives() const { return force_with_derivatives_; }
   /// What a channel of the motion shows where it is not its state (Model::measures): the value, its derivatives by each
-  /// state and by each theta; inputs (t, x..., theta...). nullptr: it shows its state.
+  /// state, each a and each theta; inputs (t, x..., a..., theta...). nullptr: it shows its state.
   const Tape* measure(std::string_view channel) const;
   /// output: per coordinate the mass that multiplies its a, terms of the restoring force included; inputs as force()
   const Tape& inertia() const { return inertia_; }

@@ -16,21 +16,27 @@ using Eigen::Index;
 class MeasureRows {
  public:
   MeasureRows(const System& system, const Tape& tape, std::span<const double> theta)
-      : tape_(tape), n_(system.states()), in_(tape.inputs()), out_(tape.outputs()), scratch_(tape.registers() + 1) {
-    std::copy(theta.begin(), theta.end(), in_.begin() + 1 + n_);
+      : tape_(tape),
+        n_(system.states()),
+        degrees_(system.degrees()),
+        in_(tape.inputs()),
+        out_(tape.outputs()),
+        scratch_(tape.registers() + 1) {
+    std::copy(theta.begin(), theta.end(), in_.begin() + 1 + n_ + degrees_);
   }
 
-  /// The value, then its derivatives by the states and by theta.
+  /// The value, then its derivatives by the states, by the accelerations and by theta.
   const std::vector<double>& row(const Run& run, Index row) {
     in_[0] = run.t0 + run.dt * static_cast<double>(row);
     for (int i = 0; i < n_; ++i) in_[1 + i] = run.x(row, i);
+    for (int i = 0; i < degrees_; ++i) in_[1 + n_ + i] = run.a(row, i);
     tape_.run_point(in_.data(), out_.data(), scratch_.data());
     return out_;
   }
 
  private:
   const Tape& tape_;
-  int n_;
+  int n_, degrees_;
   std::vector<double> in_, out_, scratch_;
 };
 
@@ -63,27 +69,48 @@ bool is_shown(const Model& model, std::string_view channel) {
   return state_of(model, channel) >= 0 || accelerated(model, channel) >= 0;
 }
 
+namespace {
+
+/// The accelerations follow from all states.
+bool holds_acceleration(const Model& model, Expr map) {
+  for (int i = 0; i < model.degrees(); ++i)
+    if (depends_on(map, model.pool->channel(model.channel('a', i)))) return true;
+  return false;
+}
+
+/// The slopes of each acceleration. A row in sliding, whose acceleration the branches' own signs do not give, says
+/// nothing of the parameters.
+std::vector<Eigen::MatrixXd> told_acceleration_slopes(const System& system, std::span<const double> theta,
+                                                      const Excitations& excitation, const SensitivityRun& run) {
+  std::vector<Eigen::MatrixXd> all = acceleration_slopes(system, theta, excitation, run);
+  for (Eigen::MatrixXd& slopes : all)
+    for (Index row = 0; row < slopes.rows(); ++row)
+      if (run.run.x.row(row).allFinite() && !slopes.row(row).allFinite()) slopes.row(row).setZero();
+  return all;
+}
+
+}  // namespace
+
 std::vector<int> shown_states(const System& system, std::string_view channel) {
-  if (accelerated(system.model(), channel) >= 0) {
-    std::vector<int> all(static_cast<std::size_t>(system.states()));
-    std::iota(all.begin(), all.end(), 0);
-    return all;
-  }
-  const int own = own_state(system, channel);
-  for (const auto& [name, map] : system.model().measures) {
+  const Model& model = system.model();
+  std::vector<int> all(static_cast<std::size_t>(system.states()));
+  std::iota(all.begin(), all.end(), 0);
+  for (const auto& [name, map] : model.measures) {
     if (name != channel) continue;
+    if (holds_acceleration(model, map)) return all;
     std::vector<int> states;
     for (int i = 0; i < system.states(); ++i)
       if (depends_on(map, system.equations().states[static_cast<std::size_t>(i)])) states.push_back(i);
     return states;
   }
-  return {own};
+  if (accelerated(model, channel) >= 0) return all;
+  return {own_state(system, channel)};
 }
 
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run, std::string_view channel) {
-  if (const int i = accelerated(system.model(), channel); i >= 0) return run.a.col(i);
   const Tape* tape = system.measure(channel);
-  if (!tape) return run.x.col(own_state(system, channel));
+  const int accelerates = accelerated(system.model(), channel);
+  if (!tape) return accelerates >= 0 ? run.a.col(accelerates) : run.x.col(own_state(system, channel));
   MeasureRows rows(system, *tape, theta);
   Eigen::VectorXd out(run.x.rows());
   for (Index row = 0; row < out.size(); ++row) {
@@ -95,25 +122,28 @@ Eigen::VectorXd shown(const System& system, std::span<const double> theta, const
 
 Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,
                              const SensitivityRun& run, std::string_view channel) {
-  if (const int i = accelerated(system.model(), channel); i >= 0) {
-    Eigen::MatrixXd slopes =
-        std::move(acceleration_slopes(system, theta, excitation, run)[static_cast<std::size_t>(i)]);
-    // A row in sliding, whose acceleration the branches' own signs do not give, says nothing of the parameters.
-    for (Index row = 0; row < slopes.rows(); ++row)
-      if (run.run.x.row(row).allFinite() && !slopes.row(row).allFinite()) slopes.row(row).setZero();
-    return slopes;
-  }
   const Tape* tape = system.measure(channel);
+  const int accelerates = accelerated(system.model(), channel);
+  if (!tape && accelerates >= 0)
+    return std::move(told_acceleration_slopes(system, theta, excitation, run)[static_cast<std::size_t>(accelerates)]);
   if (!tape) return run.dx[static_cast<std::size_t>(own_state(system, channel))];
   const std::vector<int> states = shown_states(system, channel);
   const int n = system.states(), p = system.parameters();
+  std::vector<Eigen::MatrixXd> accelerations;
+  for (const auto& [name, map] : system.model().measures)
+    if (name == channel && holds_acceleration(system.model(), map))
+      accelerations = told_acceleration_slopes(system, theta, excitation, run);
   MeasureRows rows(system, *tape, theta);
   Eigen::MatrixXd out(run.run.x.rows(), p + n);
   for (Index row = 0; row < out.rows(); ++row) {
     const std::vector<double>& values = rows.row(run.run, row);
+    const double *by_state = values.data() + 1, *by_acceleration = by_state + n,
+                 *by_theta = by_acceleration + system.degrees();
     out.row(row).setZero();
-    for (const int i : states) out.row(row) += values[1 + i] * run.dx[static_cast<std::size_t>(i)].row(row);
-    for (int i = 0; i < p; ++i) out(row, i) += values[1 + n + i];
+    for (const int i : states) out.row(row) += by_state[i] * run.dx[static_cast<std::size_t>(i)].row(row);
+    for (std::size_t i = 0; i < accelerations.size(); ++i)
+      out.row(row) += by_acceleration[i] * accelerations[i].row(row);
+    for (int i = 0; i < p; ++i) out(row, i) += by_theta[i];
   }
   return out;
 }

@@ -174,6 +174,7 @@ void System::compile_measures() {
   if (model.imposed_motion) return;
   std::vector<Expr> inputs{model.pool->channel("t")};
   inputs.insert(inputs.end(), equations_.states.begin(), equations_.states.end());
+  for (int i = 0; i < degrees_; ++i) inputs.push_back(model.pool->channel(model.channel('a', i)));
   inputs.insert(inputs.end(), equations_.parameters.begin(), equations_.parameters.end());
   for (const auto& [channel, map] : model.measures) {
     std::vector<Expr> outputs{map};

@@ -3,6 +3,7 @@ return function(effect)
     name = "clipping",
     family = "sensor",
     measures = { { y = "min(max(y, -level), level)" }, { y = "min(y, level)" }, { y = "max(y, -level)" } },
+    any_motion = true,
     formula = "y measured = min(max(y, -level), level), or one side of it",
     parameters = { { "level", min = 0, unit = "m" } },
     guess = function(scale, variant)

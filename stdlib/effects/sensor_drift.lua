@@ -3,6 +3,7 @@ return function(effect)
     name = "sensor_drift",
     family = "sensor",
     measures = { y = "y + b + d*t + q*t^2" },
+    any_motion = true,
     formula = "y measured = y + b + d*t + q*t^2",
     parameters = { { "b", unit = "m" }, { "d", unit = "m/s" }, { "q", unit = "m/s^2" } },
     guess = function() return { { b = 0, d = 0, q = 0 } } end,

@@ -3,6 +3,7 @@ return function(effect)
     name = "sensor_gain",
     family = "sensor",
     measures = { y = "g*y" },
+    any_motion = true,
     formula = "y measured = g*y",
     parameters = { { "g", unit = "" } },
     guess = function() return { { g = 1 }, { g = -1 } } end,

@@ -3,6 +3,7 @@ return function(effect)
     name = "sensor_lag",
     family = "sensor",
     measures = { y = "x" },
+    any_motion = true,
     acts = { F = "F + tau*force_rate" },
     formula = "tau*dx/dt + x = u, x what the channel of u shows; u is y, or else F",
     parameters = { { "tau", min = 0, unit = "s" } },

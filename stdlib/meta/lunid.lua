@@ -124,6 +124,7 @@ function lunid.state(fields) end
 ---@field family "stiffness"|"damping"|"friction"|"hysteresis"|"soil"|"inertia"|"extra_dof"|"time_variation"|"input"|"sensor" # kind of physics
 ---@field contribution? any # what it adds to the restoring force, as text or expression; a list: its mirror images
 ---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
+---@field any_motion? boolean # what it measures of y holds of v or a too, where one of these was recorded
 ---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
 ---@field formula? string # as an engineer writes it; else the text of the first contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess
@@ -495,7 +496,7 @@ function record:summary(fields) end
 ---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
 ---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
 ---@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0
----@field measures? lunid.table # what displacements and velocities show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
+---@field measures? lunid.table # what displacements, velocities and accelerations show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
 ---@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, affine in F
 ---@field states? table # internal states that the restoring force does not name
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0

@@ -172,7 +172,7 @@ spec.case("messages", function()
     spec.equal(spec.message_of(function() lunid.model(fields) end), text)
   end
   refused("model: measures: expected a table { channel = expression }, got an expression", { measures = y })
-  refused("model: measures: expected a displacement or velocity of the model, got 'F'", { measures = { F = y } })
+  refused("model: measures: expected a displacement, velocity or acceleration of the model, got 'F'", { measures = { F = y } })
   refused("model: acts: F: cannot hold the channel 'y' (it may hold F t force_rate)", { acts = { F = y + lunid.force } })
 end)
 

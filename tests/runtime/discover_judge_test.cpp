@@ -155,6 +155,19 @@ TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
   EXPECT_EQ(verdict_on(3, 0.102, 0.108, 0.1), "");
 }
 
+/// A set that runs away would be followed by implicit steps for minutes.
+TEST(Search, TriesItsSetsOnTheFixedPath) {
+  const DiscoverOptions options;
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  const truth::Motion motion =
+      truth::integrate({}, truth::multisine(0.2, 2.2, 60, 3), 0.3, {}, 800, testing::spacing, 16);
+  const Record record = testing::noisy_record(motion, "y", motion.x, 0.01, 3);
+  const Study study = prepare(model, {record}, {record}, options);
+  const Candidate stiff = compile(study, model, {});
+  const FitResult fit = fit_near(study, stiff, Eigen::Vector2d(1, 4e4), 4, 0);
+  EXPECT_EQ(fit.solver.rfind("fixed", 0), 0u) << fit.solver;
+}
+
 /// One set may come out of a search twice, grown from each of its members.
 TEST(Naming, EndsWhereASetIsItsOwnRival) {
   const DiscoverOptions options;

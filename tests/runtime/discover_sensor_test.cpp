@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "discover/places.hpp"
 #include "discover_catalogue.hpp"
 #include "truth/faults.hpp"
 
@@ -124,6 +125,68 @@ TEST(Sensor, IsAskedBeforePhysicsIsNamed) {
   ASSERT_EQ(d.effects.size(), 1u);
   EXPECT_EQ(d.effects[0].name, "displacement_offset");
   EXPECT_EQ(d.effects[0].indistinguishable, std::vector<std::string>{"constant_force"});
+}
+
+/// What an accelerometer shows of a linear oscillator (mass 1, k = 1), limited at `level`, with 2 % noise.
+Record limited_accelerometer(double level, std::uint64_t seed) {
+  truth::Physics physics;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.3, {}, 2500, testing::spacing, 16);
+  std::vector<double> a(motion.force.size());
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = std::min(motion.force[i] - motion.restoring[i], level);
+  return testing::noisy_record(motion, "a", a, 0.005, seed);
+}
+
+Effect limit(Pool& pool) {
+  Effect effect = sensor(pool, "clipping", "min(y, clipping_level)", {testing::row("clipping_level", 0)});
+  effect.formula = "y measured = min(y, level)";
+  effect.parameters.front().unit = "m";
+  effect.guess = [](const RecordScales& scale, int) {
+    return std::vector<Guess>{{{"clipping_level", scale.y_max}}, {{"clipping_level", 0.9 * scale.y_max}}};
+  };
+  effect.any_motion = true;
+  return effect;
+}
+
+TEST(Sensor, AnAccelerometersFaultIsThatOfItsChannel) {
+  const double level = 0.35;
+  const Model model = baseline("k*y + c*v", 1);
+  auto catalogue = testing::small_catalogue(*model.pool);
+  catalogue.push_back(limit(*model.pool));
+  catalogue.push_back(
+      sensor(*model.pool, "displacement_offset", "y + displacement_offset_b", {testing::row("displacement_offset_b")}));
+  const Discovery d = discover(model, catalogue, {limited_accelerometer(level, 1)}, {limited_accelerometer(level, 2)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "clipping");
+  EXPECT_EQ(d.effects[0].formula, "a measured = min(a, level)");
+  const Parameter& found = d.effects[0].parameters.front();
+  EXPECT_EQ(found.unit, "m/s^2");
+  EXPECT_NEAR(found.value, level, 4 * found.std);
+  const Parameter& k = *d.final.find("k");
+  EXPECT_NEAR(k.value, 1, 4 * k.std);
+  EXPECT_LT(d.final_test.value, 1.15 * d.final_test.floor);
+  EXPECT_EQ(d.warnings.back(), "not tried: displacement_offset (of y, where a was measured)");
+}
+
+/// Maps, rates of states and units follow the channel; what is guessed comes from its sizes.
+TEST(Sensor, AnEntryOfTheDisplacementSpeaksOfTheChannelThatWasMeasured) {
+  const Model model = baseline("k*y", 1);
+  Pool& pool = *model.pool;
+  Effect effect = limit(pool);
+  effect.parameters.push_back(testing::row("clipping_d"));
+  effect.parameters.back().unit = "m/s";
+  const Expr x = pool.state("clipping_x");
+  effect.states = {{x, pool.channel("y") - x, 0, {}, {}}};
+  const Effect shown = of_channel(model, effect, 'a');
+  EXPECT_EQ(shown.variants[0].measures[0].channel, "a");
+  EXPECT_EQ(to_text(shown.variants[0].measures[0].map), "min(a, clipping_level)");
+  EXPECT_EQ(to_text(shown.states[0].rate), "a - clipping_x");
+  EXPECT_EQ(shown.parameters[1].unit, "m/s^3");
+  RecordScales scale{};
+  scale.y_max = 1;
+  scale.shown_max = 7;
+  EXPECT_EQ(shown.guess(scale, 0).front().at("clipping_level"), 7);
+  EXPECT_EQ(of_channel(model, effect, 'v').parameters[0].unit, "m/s");
 }
 
 /// The lines of a residual are found between the bins of its transform, the strongest first.

@@ -41,6 +41,8 @@ TEST(Measures, SlopesAreThoseOfWhatIsShown) {
       {measuring(model_of("1", "k*y + c*v"), {{"y", "g*y + b + d*t^2"}}), {4, 0.3, 1.2, 0.1, 0.02}},
       {measuring(model_of("1", "k*y + c*v", {{"x", "(y - x)/tau", "", ""}}), {{"y", "x"}}), {4, 0.3, 0.2}},
       {measuring(model_of("1", "k*y + c*v"), {{"y", "min(max(y, -level), level)"}}), {4, 0.3, 0.5}},
+      {measuring(model_of("1", "k*y + c*v + q*y^3"), {{"a", "g*a + b + h*y*v"}}), {4, 0.3, 0.4, 1.2, 0.1, 0.2}},
+      {measuring(model_of("1", "k*y + c*v", {{"x", "(a - x)/tau", "", ""}}), {{"a", "x"}}), {4, 0.3, 0.2}},
       {measuring(model_of("1", "k*y + c*v"), {}, {{"F", "g*F + tau*force_rate"}}), {4, 0.3, 1.1, 0.15}},
   };
   for (const auto& [model, theta] : cases) {
@@ -51,11 +53,12 @@ TEST(Measures, SlopesAreThoseOfWhatIsShown) {
     options.substeps = 2;
     Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
     x0[0] = 0.2;
+    const std::string channel = model.measures.empty() ? "y" : model.measures.front().channel;
     const auto at = [&](const std::vector<double>& values) {
-      return shown(system, values, simulate(system, values, drive(), x0, options));
+      return shown(system, values, simulate(system, values, drive(), x0, options), channel);
     };
     const SensitivityRun run = simulate_sensitivities(system, theta, drive(), x0, options);
-    const Eigen::MatrixXd slopes = shown_slopes(system, theta, drive(), run);
+    const Eigen::MatrixXd slopes = shown_slopes(system, theta, drive(), run, channel);
     for (std::size_t i = 0; i < theta.size(); ++i) {
       std::vector<double> up = theta, down = theta;
       up[i] += 1e-6;
@@ -120,6 +123,19 @@ TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
     EXPECT_NEAR(force[i], (2 * a[i] + 5 * std::pow(y[i], 3) + 0.7 * v[i] - 0.4) / 0.8, 1e-12);
 }
 
+/// An accelerometer's factor is that of its integrals, its offset is not: they have lost their slow part.
+TEST(Measures, AreUndoneOfAnAccelerometer) {
+  const System system(measuring(model_of("2", "k*y + c*v", {}, true), {{"a", "g*a + b"}}));
+  const std::vector<double> theta = theta_of(system, {{"k", 5}, {"c", 0.7}, {"g", -1.3}, {"b", 0.2}});
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(50, 0, 4.9);
+  const Eigen::VectorXd y = t.array().sin(), v = t.array().cos(), a = -t.array().sin();
+  const Record record(
+      "r", 0, 0.1,
+      {channel("y", -1.3 * y), channel("v", -1.3 * v), channel("a", -1.3 * a + Eigen::VectorXd::Constant(50, 0.2))});
+  const Eigen::VectorXd force = imposed_force(system, theta, record);
+  for (Eigen::Index i = 0; i < 50; ++i) EXPECT_NEAR(force[i], 2 * a[i] + 5 * y[i] + 0.7 * v[i], 1e-12);
+}
+
 /// The same of two coordinates, of which one is shown as it is and one is driven.
 TEST(Measures, AreUndoneOfSeveralCoordinates) {
   Model model = model_of("2", "k*(y1 - y2)", {}, true);
@@ -151,6 +167,8 @@ TEST(Measures, AreUndoneOfSeveralCoordinates) {
 
 TEST(Measures, SaysWhatCanBeUndone) {
   EXPECT_TRUE(can_be_undone(measuring(model_of("1", "y"), {{"y", "g*y + b*t"}}, {{"F", "g*F"}})));
+  EXPECT_TRUE(can_be_undone(measuring(model_of("1", "y"), {{"a", "g*a + b*t"}})));
+  EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"a", "(1 + g*t)*a"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"y", "min(y, b)"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y", {{"x", "y - x", "", ""}}), {{"y", "x"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {}, {{"F", "F + g*force_rate"}})));
@@ -169,12 +187,12 @@ TEST(Measures, ABaseDrivesAnImposedMotion) {
 
 TEST(Measures, Faults) {
   const auto fault_in = [](const Model& model) { return fault_of([&] { complete(model); }); };
-  EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {{"a", "a"}})),
-            "model: measures: expected a displacement or velocity of the model, got 'a'");
+  EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {{"F", "y"}})),
+            "model: measures: expected a displacement, velocity or acceleration of the model, got 'F'");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {{"y", "y"}, {"y", "2*y"}})),
             "model: measures: channel 'y' is given twice");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {{"y", "y + F"}})),
-            "model: measures: y: cannot hold the channel 'F' (it may hold y v t)");
+            "model: measures: y: cannot hold the channel 'F' (it may hold y v a t)");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"F", "F^2"}})),
             "model: acts: F: expected a force that is affine in F, got F^2");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"F", "F + y"}})),
