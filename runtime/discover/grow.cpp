@@ -349,8 +349,10 @@ class Grower {
                                   const std::vector<Candidate>& parents, int size) {
     std::vector<Candidate> level;
     std::vector<const Candidate*> parent_of;
+    std::vector<const Shape*> shape_of;  // of the proposals, which come first
     for (const auto i : list) {
       const Offer& o = offers[i];
+      shape_of.push_back(o.standing.shape);
       Choices set = o.parent->choices;
       set.push_back(o.standing.shape->choice);
       Candidate c = compile(study_, model_, set);
@@ -368,6 +370,7 @@ class Grower {
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
       begin_fit(level[k], *parent_of[k]);
+      if (size == 1 && k < shape_of.size()) leave_limits(level[k], *shape_of[k], *parent_of[k]);
     });
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
@@ -428,6 +431,29 @@ class Grower {
       if (c.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
     FitResult again = fit_near(study_, c, warm, 4, coarse_substeps(c));
     if (again.cost < c.fit.cost) c.fit = std::move(again);
+  }
+
+  /// An effect that has run into a limit of its shape may have started on the wrong side of it: the force, smoothed and
+  /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
+  /// the parent with the effect at zero.
+  void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
+    constexpr std::size_t most = 6;
+    constexpr int iterations = 8;
+    if (!c.ran() || !c.degenerate() || !parent.ran() || all_linear(shape) || many_states(shape) ||
+        shape.guesses.size() > most)
+      return;
+    const auto& table = c.system->model().parameters;
+    const Eigen::Index before = parent.parameters();
+    for (const Guess& guess : shape.guesses) {
+      Eigen::VectorXd start(c.parameters());
+      start.head(before) = parent.fit.theta;
+      for (Eigen::Index j = before; j < start.size(); ++j) {
+        const auto k = static_cast<std::size_t>(j);
+        start[j] = c.linear[k] ? 0 : guessed(table[k], guess);
+      }
+      FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
+      if (other.cost < c.fit.cost) c.fit = std::move(other);
+    }
   }
 
   /// To the end; and from short free runs on where the free run stays behind what the force promised.

@@ -73,6 +73,37 @@ TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
   EXPECT_TRUE(testing::warns(d, "only cubic_stiffness stands"));
 }
 
+/// Friction that falls with speed; the force of a record with 10 % noise starts it at a speed far too low, where it
+/// runs into its limit.
+TEST(DiscoveryRounds, ALimitThatWasReachedFromTheWrongSideIsLeft) {
+  truth::RecordOptions options;
+  options.noise_db = 20;
+  options.seed = 6520;
+  const truth::Scale& scale = truth::scale_named("micro");
+  const truth::Records records = truth::make_records(truth::case_named("stribeck_friction"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  catalogue.push_back(
+      entry(*model.pool, "stribeck_friction",
+            "(stribeck_friction_Fc + (stribeck_friction_Fs - stribeck_friction_Fc)"
+            "*exp(-(v/stribeck_friction_vs)^2))*sign(v)",
+            {row("stribeck_friction_Fc", 0), row("stribeck_friction_Fs", 0), row("stribeck_friction_vs", 0)}));
+  catalogue.back().margins = {parse(*model.pool, "stribeck_friction_Fs - stribeck_friction_Fc")};
+  catalogue.back().guess = [](const RecordScales& s, int) {
+    std::vector<Guess> guesses;
+    for (const double part : {0.03, 0.1, 0.3}) guesses.push_back({{"stribeck_friction_vs", part * s.v_max}});
+    return guesses;
+  };
+  catalogue.back().range = [](const RecordScales& s, int) {
+    return Ranges{{"stribeck_friction_vs", {1e-3 * s.v_max, s.v_max}}};
+  };
+  const Discovery d =
+      discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "stribeck_friction");
+  EXPECT_LT(d.final_test.value, 1.15 * d.final_test.floor);
+}
+
 Candidate with_parameters(double first, double second) {
   const Model model = baseline("k*y", 1);
   Effect effect = entry(*model.pool, "horn", "horn_a*v + horn_b*v^3", {row("horn_a"), row("horn_b")});
