@@ -82,7 +82,8 @@ TEST(DiscoveryRounds, ALimitThatWasReachedFromTheWrongSideIsLeft) {
   const truth::Scale& scale = truth::scale_named("micro");
   const truth::Records records = truth::make_records(truth::case_named("stribeck_friction"), scale, options);
   const Model model = baseline("k*y + c*v", scale.mass);
-  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  std::vector<Effect> catalogue = {
+      entry(*model.pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)", {row("coulomb_friction_Fc", 0)})};
   catalogue.push_back(
       entry(*model.pool, "stribeck_friction",
             "(stribeck_friction_Fc + (stribeck_friction_Fs - stribeck_friction_Fc)"
