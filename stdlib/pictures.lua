@@ -183,7 +183,8 @@ end
 local function variables(effects)
   local seen = {}
   for _, effect in ipairs(effects) do
-    for name in effect.formula:gmatch "%f[%w_][%a_][%w_]*" do
+    local formula = effect.family == "sensor" and "" or effect.formula  -- the fault of a channel is no force
+    for name in formula:gmatch "%f[%w_][%a_][%w_]*" do
       seen[effect.place and name:match "^([yv])%d+$" or name] = true  -- of several coordinates: y2
     end
   end
@@ -206,13 +207,13 @@ local function forces_at_places(found)
   local panels, ends = {}, lead_in(found.comparisons[1])
   for i, force in ipairs(found.forces) do
     local effect = found.effects[i]
-    for _, variable in ipairs(variables { effect }) do
+    for _, variable in ipairs(largest { force.named } > 0 and variables { effect } or {}) do
       local panel = force_panel(force[variable[1]], variable, inner(plus(force.left, force.named), ends), force.named)
       panel.title = effect.label
       panels[#panels + 1] = panel
     end
   end
-  return { columns = math.min(#panels, 2), panels = panels }
+  return #panels > 0 and { columns = math.min(#panels, 2), panels = panels } or nil
 end
 
 local function first_training(found)
@@ -221,11 +222,12 @@ local function first_training(found)
   end
 end
 
---- The force of what was named, over each thing that it is a function of; nil where nothing was named.
+--- The force of what was named, over each thing that it is a function of; nil where nothing was named that is a force.
 function pictures.named_force(found)
   local train = first_training(found)
   if not train or #found.effects == 0 then return nil end
   if #found.forces > 0 then return forces_at_places(found) end
+  if largest { train.named_force } == 0 then return nil end
   local measured = inner(plus(train.residual_after, train.named_force), lead_in(train))
   local panels = {}
   for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train[variable[1]], variable, measured, train.named_force) end

@@ -214,6 +214,6 @@ figures.define({
   example = [[lunid.figure.named_force(found):save "force.png"]],
 }, function(given)
   local fields = require("lunid.pictures").named_force(given.discovery)
-  if not fields then figures.fail("named_force", "no effect was named: there is no force to show") end
+  if not fields then figures.fail("named_force", "nothing was named that is a force: there is none to show") end
   return fields
 end)

@@ -95,6 +95,7 @@ end)
 
 spec.case("a channel that clips", function()
   local found, scale = discover("large", { clip = 1.5 }, 30)
+  spec.contains(spec.message_of(function() lunid.figure.named_force(found) end), "nothing was named that is a force: there is none to show")
   spec.equal(found.verdict, "explained")
   expect(found, "clipping", "level", 1.5 * scale.length)
 end)
