@@ -152,6 +152,9 @@ Effect of_channel(const Model& model, const Effect& effect, char measured) {
   for (Parameter& p : out.parameters) p.unit = per_seconds(p.unit, seconds);
   out.formula = in_words(out.formula,
                          [&](const std::string& word, bool) { return word == "y" ? std::string(1, measured) : word; });
+  out.sentence = in_words(out.sentence, [&](const std::string& word, bool) -> std::string {
+    return word != "displacement" ? word : measured == 'a' ? "acceleration" : "velocity";
+  });
   if (effect.guess)
     out.guess = [own = effect.guess](const RecordScales& scales, int variant) {
       return own(as_shown(scales), variant);

@@ -187,6 +187,8 @@ TEST(Sensor, AnEntryOfTheDisplacementSpeaksOfTheChannelThatWasMeasured) {
   scale.shown_max = 7;
   EXPECT_EQ(shown.guess(scale, 0).front().at("clipping_level"), 7);
   EXPECT_EQ(of_channel(model, effect, 'v').parameters[0].unit, "m/s");
+  effect.sentence = "the displacement channel saturates";
+  EXPECT_EQ(of_channel(model, effect, 'a').sentence, "the acceleration channel saturates");
 }
 
 /// The lines of a residual are found between the bins of its transform, the strongest first.
