@@ -53,8 +53,8 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   // names this may be chance: the floor is known to some percent, and they were chosen to be near it.
   const bool above = !(now.value <= now.floor + 3 * now.floor_std), named = !c.choices.empty();
   const double least = study.options->minimum_gain;
-  const bool doubtful = above ? left.closure.gain <= least : named;
-  if (left.seen && doubtful) left.closure.gain = left_out_gain(study, c, left.closure);
+  if (left.seen && named && (!above || left.closure.gain <= least))
+    left.closure.gain = left_out_gain(study, c, left.closure);
   left.material = left.seen && (above || named) && left.closure.gain > least;
   left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
   return left;
