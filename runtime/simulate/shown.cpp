@@ -71,6 +71,13 @@ bool is_shown(const Model& model, std::string_view channel) {
 
 namespace {
 
+/// What a model says that a channel shows; empty: the channel itself.
+Expr map_of(const Model& model, std::string_view channel) {
+  for (const auto& [name, map] : model.measures)
+    if (name == channel) return map;
+  return {};
+}
+
 /// The accelerations follow from all states.
 bool holds_acceleration(const Model& model, Expr map) {
   for (int i = 0; i < model.degrees(); ++i)
@@ -95,16 +102,13 @@ std::vector<int> shown_states(const System& system, std::string_view channel) {
   const Model& model = system.model();
   std::vector<int> all(static_cast<std::size_t>(system.states()));
   std::iota(all.begin(), all.end(), 0);
-  for (const auto& [name, map] : model.measures) {
-    if (name != channel) continue;
-    if (holds_acceleration(model, map)) return all;
-    std::vector<int> states;
-    for (int i = 0; i < system.states(); ++i)
-      if (depends_on(map, system.equations().states[static_cast<std::size_t>(i)])) states.push_back(i);
-    return states;
-  }
-  if (accelerated(model, channel) >= 0) return all;
-  return {own_state(system, channel)};
+  const Expr map = map_of(model, channel);
+  if (!map.valid() && accelerated(model, channel) < 0) return {own_state(system, channel)};
+  if (!map.valid() || holds_acceleration(model, map)) return all;
+  std::vector<int> states;
+  for (const int i : all)
+    if (depends_on(map, system.equations().states[static_cast<std::size_t>(i)])) states.push_back(i);
+  return states;
 }
 
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run, std::string_view channel) {
@@ -130,9 +134,8 @@ Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta
   const std::vector<int> states = shown_states(system, channel);
   const int n = system.states(), p = system.parameters();
   std::vector<Eigen::MatrixXd> accelerations;
-  for (const auto& [name, map] : system.model().measures)
-    if (name == channel && holds_acceleration(system.model(), map))
-      accelerations = told_acceleration_slopes(system, theta, excitation, run);
+  if (holds_acceleration(system.model(), map_of(system.model(), channel)))
+    accelerations = told_acceleration_slopes(system, theta, excitation, run);
   MeasureRows rows(system, *tape, theta);
   Eigen::MatrixXd out(run.run.x.rows(), p + n);
   for (Index row = 0; row < out.rows(); ++row) {

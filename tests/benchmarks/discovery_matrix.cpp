@@ -2,11 +2,12 @@
 // against the truth. One line per run; the last line is the contract
 //   named A/B nulls-false C/D pairs E/F outside G/H sensors I/J
 //
-//   lunid_discovery_matrix LUNID OUT_DIR [--full | --short | --nulls N] [--rows N] [--seed N] [--check] [--only WORD]
+//   lunid_discovery_matrix LUNID OUT_DIR [--full | --draw N | --short | --nulls N] [--rows N] [--seed N] [--check]
+//                          [--only WORD]
 // By default every case once: scales, excitations and levels of noise in turn. --full: at every scale, under every
-// excitation, at 60, 40, 30 and 20 dB. --short: one run each of a few cases. --nulls: N records in which nothing is
-// missing, of each kind in turn. --rows: of a record (6400). --seed: of all that is random. --only: cases whose name
-// holds WORD. --check: exit 1 unless all is as it should be.
+// excitation, at 60, 40, 30 and 20 dB. --draw: N of the settings of --full, drawn at random. --short: one run each of
+// a few cases. --nulls: N records in which nothing is missing, of each kind in turn. --rows: of a record (6400).
+// --seed: of all that is random. --only: cases whose name holds WORD. --check: exit 1 unless all is as it should be.
 //
 // A name other than the truth's counts as its equivalent where its own best fit to the noise-free record differs from
 // that record by less than the noise. That is asked here of fits to other data than the answer was given on, for the
@@ -18,7 +19,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -232,7 +235,7 @@ void print_row(const Setting& setting, const Outcome& outcome) {
 
 struct Plan {
   bool full = false, brief = false, check = false;
-  int nulls = 0, rows = 6400;
+  int nulls = 0, rows = 6400, draw = 0;
   std::uint64_t seed = 1;
   std::string only;
 };
@@ -302,8 +305,13 @@ std::vector<Setting> settings(const Plan& plan) {
       for (int level = 0; level < 4; ++level)
         for (int kind = 0; kind < 5; ++kind) {
           const bool one = scale == index % 3 && level == index / 3 % 3 && kind == index % 3;
-          if (plan.full || one) list.push_back(setting_of(each, scale, levels[level], excitations[kind], plan));
+          if (plan.full || plan.draw > 0 || one)
+            list.push_back(setting_of(each, scale, levels[level], excitations[kind], plan));
         }
+  }
+  if (plan.draw > 0 && static_cast<std::size_t>(plan.draw) < list.size()) {
+    std::shuffle(list.begin(), list.end(), std::mt19937_64(plan.seed));
+    list.resize(static_cast<std::size_t>(plan.draw));
   }
   return list;
 }
@@ -332,6 +340,7 @@ struct Tally {
   int parameters = 0, inside = 0, closed = 0, closable = 0, wild = 0, false_names = 0;
   int equal[4] = {}, classes = 0, members = 0;
   double longest = 0;
+  std::map<double, std::pair<int, int>> levels;  // right or equal, and all, of one hidden effect at each level of noise
 
   void add(const Setting& setting, const Outcome& outcome) {
     const int kind = static_cast<int>(setting.which->kind);
@@ -341,6 +350,10 @@ struct Tally {
     false_names += setting.which->kind == truth::Kind::null && !outcome.named.empty();
     classes += outcome.class_size > 0;
     members += outcome.class_size;
+    if (setting.which->kind == truth::Kind::effect) {
+      levels[setting.noise_db].first += outcome.right || outcome.equivalent || outcome.tie;
+      ++levels[setting.noise_db].second;
+    }
     longest = std::max(longest, outcome.seconds);
     if (!outcome.right || setting.which->effects.empty()) return;
     parameters += outcome.parameters;
@@ -369,6 +382,8 @@ struct Tally {
       std::printf(
           "named or its equivalent %d/%d; members of a class, of the truth, the answer and the confusers: %.2f\n",
           equal[at(Kind::effect)], all[at(Kind::effect)], static_cast<double>(members) / classes);
+    for (const auto& [noise, count] : levels)
+      std::printf("named or its equivalent at %.0f dB: %d/%d\n", noise, count.first, count.second);
     if (nulls > 0)
       std::printf("nulls: false names %d of %d, 95 %% limit of the rate %.3f\n", false_names, nulls,
                   upper_limit(false_names, nulls));
@@ -383,8 +398,8 @@ struct Tally {
 int main(int argc, char** argv) {
   if (argc < 3) {
     std::fprintf(stderr,
-                 "usage: lunid_discovery_matrix LUNID OUT_DIR [--full | --short | --nulls N] [--rows N] [--seed N] "
-                 "[--check] [--only WORD]\n");
+                 "usage: lunid_discovery_matrix LUNID OUT_DIR [--full | --draw N | --short | --nulls N] [--rows N] "
+                 "[--seed N] [--check] [--only WORD]\n");
     return 2;
   }
   Plan plan;
@@ -399,6 +414,8 @@ int main(int argc, char** argv) {
       plan.check = true;
     else if (option == "--only")
       plan.only = next();
+    else if (option == "--draw")
+      plan.draw = std::stoi(next());
     else if (option == "--nulls")
       plan.nulls = std::stoi(next());
     else if (option == "--rows")
@@ -431,7 +448,7 @@ int main(int argc, char** argv) {
     tally.add(setting, outcome);
     print_row(setting, outcome);
   }
-  if (!plan.brief && plan.nulls == 0)
+  if (!plan.brief && plan.nulls == 0 && plan.draw == 0)
     tally.sensors = faults::run_all(argv[1], argv[2], plan.full, plan.rows > 0 ? plan.rows : 6400, plan.only);
   tally.print();
   return plan.check && !tally.clean() ? 1 : 0;

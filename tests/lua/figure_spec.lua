@@ -304,14 +304,8 @@ print(select(2, pcall(relief.save, relief, "relief.png")))
 end)
 
 spec.case("memory is returned: by many figures, by a large one, by a long line", function()
-  local said, code = spec.study [[
+  local said, code = spec.study(spec.resident "VmRSS" .. [[
 local lunid = require "lunid"
-local function resident()  -- MB of this process
-  for line in io.lines "/proc/self/status" do
-    local kilobytes = line:match "^VmRSS:%s+(%d+)"
-    if kilobytes then return kilobytes/1024 end
-  end
-end
 local function draw(width, dpi, rows)
   local column = lunid.excitation.white_noise { rms = 1, seed = 1, dt = 1e-3, duration = rows/1000 }
   lunid.figure.lines { series = { lunid.figure.series { column:column "t", column:column "F" } }, width = width, height = 6, dpi = dpi }:save "a.png"
@@ -328,7 +322,7 @@ draw(16, 60, 1000)
 print(("large %.1f"):format(resident() - before))
 draw(16, 60, 1e6)
 draw(16, 60, 1000)
-print(("long %.1f"):format(resident() - before))]]
+print(("long %.1f"):format(resident() - before))]])
   spec.equal(code, 0)
   -- A window of 60 x 6 cm at 300 dots per inch has 5 million pixels, over 100 MB with its samples; 1e6 points are 16 MB, twice copied.
   for name, most in pairs { many = 5, large = 200, long = 250 } do

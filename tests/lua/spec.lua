@@ -83,6 +83,18 @@ function spec.study(text)
   return spec.lunid "run study.lua --out study-out"
 end
 
+--- To stand first in a study: resident() is the memory of its process [MB], `field` VmRSS (now) or VmHWM (at most).
+function spec.resident(field)
+  return ([[
+local function resident()
+  for line in io.lines "/proc/self/status" do
+    local kilobytes = line:match "^%s:%%s+(%%d+)"
+    if kilobytes then return kilobytes/1024 end
+  end
+end
+]]):format(field)
+end
+
 function spec.clean() os.execute(("rm -rf '%s'"):format(spec.folder)) end
 
 return spec
