@@ -1,6 +1,8 @@
 #include "discover/accept.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
@@ -102,6 +104,39 @@ Record with_force_of_decay(const Study& study, const Record& record, std::vector
   return out;
 }
 
+/// A free decay without what follows when all has come to rest, but for a quarter more: rows that hold nothing but the
+/// sensor's noise would choose how the motion is smoothed, and a fit of the place of rest.
+Record until_rest(const Study& study, const Record& record, std::vector<std::string>& warnings) {
+  constexpr double deviations = 5, small = 1e-3, more = 1.25, worth_it = 0.8;
+  constexpr Eigen::Index least = 60;
+  for (const std::string& force : study.forces)
+    if (!record.has(force) || !std::ranges::all_of(record[force], [](double f) { return f == 0; })) return record;
+  Eigen::Index moves = least;
+  for (int i = 0; i < study.degrees(); ++i) {
+    const std::string channel = measured_channel(record, suffix_of(study, i));
+    if (!record.has(channel)) return record;
+    const auto x = record[channel];
+    std::vector<double> tail(x.end() - static_cast<std::ptrdiff_t>(x.size() / 10), x.end());
+    if (tail.empty()) return record;
+    std::nth_element(tail.begin(), tail.begin() + std::ssize(tail) / 2, tail.end());
+    const double rest = tail[tail.size() / 2];
+    double most = 0;
+    for (const double value : x) most = std::max(most, std::abs(value - rest));
+    const double level = std::max(deviations * record.channel(channel).noise, small * most);
+    auto last = static_cast<Eigen::Index>(x.size());
+    while (last > moves && !(std::abs(x[static_cast<std::size_t>(last - 1)] - rest) > level)) --last;
+    moves = std::max(moves, last);
+  }
+  const auto kept = static_cast<Eigen::Index>(more * static_cast<double>(moves));
+  if (!(static_cast<double>(kept) < worth_it * static_cast<double>(record.rows()))) return record;
+  char text[120];
+  std::snprintf(text, sizeof text, ": a free decay at rest from t = %.4g s on: rows after %.4g s are left out",
+                record.start() + record.dt() * static_cast<double>(moves - 1),
+                record.start() + record.dt() * static_cast<double>(kept - 1));
+  warnings.push_back(record.name() + text);
+  return record.slice(0, kept);
+}
+
 /// With several coordinates: F is the force of the one that is driven, and a driven coordinate whose force the record
 /// does not hold has none, where it holds that of another.
 Record with_all_forces(const Study& study, const Record& record, std::vector<std::string>& warnings) {
@@ -156,7 +191,7 @@ void check_record(const Study& study, const Record& record) {
 }
 
 Record with_known_forces(const Study& study, const Record& record, std::vector<std::string>& warnings) {
-  return with_all_forces(study, with_force_of_decay(study, record, warnings), warnings);
+  return until_rest(study, with_all_forces(study, with_force_of_decay(study, record, warnings), warnings), warnings);
 }
 
 void choose_output(Study& study, const std::vector<Record>& train) {

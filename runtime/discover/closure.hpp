@@ -20,7 +20,8 @@ struct Closure {
 /// the one that explains most is told. Changes the pool: main thread only.
 Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening);
 
-/// Fits the model with its generic forces on the trajectory: a nonparametric closure that can be simulated.
+/// Fits the model with its generic forces on the trajectory, from the candidate's parameters or from what the force
+/// along the motion says of all: a nonparametric closure that can be simulated. Changes the pool: main thread only.
 void fit_closure(const Study& study, const Candidate& candidate, Closure& closure);
 
 }  // namespace lunid

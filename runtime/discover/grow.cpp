@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "discover/judge.hpp"
@@ -23,9 +24,12 @@ constexpr int later_runs = 6;        // the same of sets of two and more
 constexpr int heavy_runs = 3;        // beside an entry of many states, which takes no more than one other
 constexpr double explained = 0.999;  // share of the squared error that such an entry closes, beyond which none is added
 constexpr int long_fits = 5;         // sets that are fitted to the end
-constexpr int promising = 3;         // and those that explain most of the force
+constexpr int promising = 3;         // and those that explain most of the force, with all that are nearly as good
+constexpr int most_promising = 6;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 4;        // the same as far as their shape parameters are refined
+constexpr double very_far = 40;  // and where none of few states explains the force down to the noise
+constexpr double reached = 1.2;  // of the sensor's noise: nothing is left
 constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
 
 class Grower {
@@ -190,19 +194,39 @@ class Grower {
       return offers[a].standing.cost < offers[b].standing.cost;
     };
     std::stable_sort(order.begin(), order.end(), by_cost);
+    refine_the_best(offers, order, size, each);
+    std::stable_sort(order.begin(), order.end(), by_cost);
+    std::vector<std::size_t> slow;
+    std::vector<std::size_t> list = shortlist(offers, order, size, slow);
+    if (size == 1 && !list.empty()) add_other_places(offers, order, list);
+    std::vector<Candidate> level = fit_list(offers, list, parents, size);
+    const bool open = level.empty() || rms(level.front()) > reached * study_.sensor_noise();
+    if (slow.empty() || !open) return level;
+    std::vector<Candidate> others = fit_list(offers, slow, {}, size);
+    level.insert(level.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
+    sort_by_cost(level);
+    return once_each(level);
+  }
+
+  using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;
+
+  /// Shape parameters of the best proposals. Those of many states come last: they are worth their time where one comes
+  /// near to the best, or where nothing else explains the force (a first guess of theirs is coarse).
+  void refine_the_best(std::vector<Offer>& offers, const std::vector<std::size_t>& sorted, int size, const Each& each) {
     std::vector<std::size_t> leaders;
-    for (const auto i : order)
+    for (const auto i : sorted)
       if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].standing.shape))
         leaders.push_back(i);
-    std::erase_if(leaders, [&](std::size_t i) {
-      return many_states(*offers[i].standing.shape) &&
-             offers[i].standing.cost > far * offers[order.front()].standing.cost;
-    });
-    each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
-    std::stable_sort(order.begin(), order.end(), by_cost);
-    std::vector<std::size_t> list = shortlist(offers, order, size);
-    if (size == 1 && !list.empty()) add_other_places(offers, order, list);
-    return fit_list(offers, list, parents, size);
+    const auto heavy = std::stable_partition(leaders.begin(), leaders.end(),
+                                             [&](std::size_t i) { return !many_states(*offers[i].standing.shape); });
+    const double best = leaders.empty() ? INFINITY : offers[sorted.front()].standing.cost;
+    each({leaders.begin(), heavy}, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
+    double left = INFINITY;
+    for (const auto i : sorted) left = std::min(left, offers[i].standing.cost);
+    const bool open = std::sqrt(left / static_cast<double>(proposer_.rows())) > 1.5 * study_.sensor_noise();
+    std::vector<std::size_t> slow(heavy, leaders.end());
+    std::erase_if(slow, [&](std::size_t i) { return offers[i].standing.cost > (open ? very_far : far) * best; });
+    each(slow, [&](Offer& o) { proposer_.refine(o.standing, *o.space, open ? 10 : 4); });
   }
 
   /// The best proposal at other places: a rival of itself.
@@ -266,9 +290,11 @@ class Grower {
   }
 
   /// The best on the force, and the best of each number of parameters: a set with more of them often comes first there
-  /// where a simpler one is as good. Simple ones first where the same effect stands twice (its variants).
-  std::vector<std::size_t> shortlist(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
-                                     int size) const {
+  /// where a simpler one is as good. Simple ones first where the same effect stands twice (its variants). `slow` gets
+  /// single effects of many states that are farther from the best, for where no other reaches the noise: what memory
+  /// makes of a noisy motion says little.
+  std::vector<std::size_t> shortlist(const std::vector<Offer>& offers, const std::vector<std::size_t>& order, int size,
+                                     std::vector<std::size_t>& slow) const {
     std::vector<std::size_t> list;
     std::vector<int> count(9, 0);
     std::vector<Choices> seen;
@@ -285,7 +311,11 @@ class Grower {
           std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
-      if (many_states(*o.standing.shape) && o.standing.cost > as_good * offers[order.front()].standing.cost) continue;
+      const double best = offers[order.front()].standing.cost;
+      if (many_states(*o.standing.shape) && o.standing.cost > as_good * best) {
+        if (size == 1 && o.standing.cost < far * best) slow.push_back(order[rank]);
+        continue;
+      }
       if (many_states(o.parent->choices) && ++heavy > heavy_runs) continue;
       if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
       ++count[parameters];
@@ -403,10 +433,13 @@ class Grower {
     std::iota(by_force.begin(), by_force.end(), std::size_t{0});
     std::stable_sort(by_force.begin(), by_force.end(),
                      [&](std::size_t a, std::size_t b) { return sorted[a].force_cost < sorted[b].force_cost; });
-    by_force.resize(std::min<std::size_t>(by_force.size(), promising));
-    for (const auto i : by_force)
-      if (std::isfinite(sorted[i].force_cost) && std::find(list.begin(), list.end(), i) == list.end())
-        list.push_back(i);
+    int taken = 0;
+    for (const auto i : by_force) {
+      const bool near = sorted[i].force_cost <= as_good * sorted[by_force.front()].force_cost;
+      if (!std::isfinite(sorted[i].force_cost) || taken >= (near ? most_promising : promising)) break;
+      ++taken;
+      if (std::find(list.begin(), list.end(), i) == list.end()) list.push_back(i);
+    }
     return list;
   }
 

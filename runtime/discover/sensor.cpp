@@ -67,6 +67,23 @@ bool changes_unmeasured(const Study& study, const Effect& effect) {
   });
 }
 
+bool is_driven(const Study& study) {
+  return std::any_of(study.full.begin(), study.full.end(), [&](const Record& record) {
+    return std::any_of(study.forces.begin(), study.forces.end(),
+                       [&](const std::string& force) { return !column(record, force).isZero(0); });
+  });
+}
+
+/// A constant mass, which only a known force shows: in a free decay it scales all other forces alike.
+bool is_a_mass(const Effect& effect) {
+  return std::all_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
+    if (!v.force.valid()) return false;
+    Pool& pool = v.force.pool();
+    const Expr slope = derivative(v.force, pool.channel("a"));
+    return !slope.is_constant(0) && symbols(slope).size() == symbols(slope, SymbolKind::parameter).size();
+  });
+}
+
 bool follows_base(const Effect& effect) {
   return std::any_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
     if (!v.force.valid()) return false;
@@ -87,6 +104,7 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
+  const bool driven = study.imposed || is_driven(study);
   for (const Effect& given : catalogue) {
     const bool other_channel = given.any_motion && !study.imposed && study.measured != "y";
     const Effect effect = other_channel ? of_channel(study.model, given, study.measured[0]) : given;
@@ -103,6 +121,8 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
       left.push_back(effect.name + " (of y, where " + study.measured + " was measured)");
     else if (study.imposed && !shows_in_force(effect))
       left.push_back(effect.name + " (shows in free motion alone)");
+    else if (!driven && is_a_mass(effect))
+      left.push_back(effect.name + " (no force to measure a mass by)");
     else
       out.push_back(effect);
   }
