@@ -121,27 +121,26 @@ std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Ind
 }  // namespace
 
 void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
-  constexpr int first_iterations = 4, iterations = 20;
-  const auto fit_from = [&](const Eigen::VectorXd& start, const std::vector<FitSegment>& first_states, int most) {
-    FitOptions options;
-    options.max_iterations = most;
-    options.tolerance = 1e-5;
-    options.substeps = candidate.whitened.substeps;
-    options.first_states = first_states;
-    options.cancelled = study.options->cancelled;
-    return fit_trajectory(*closure.system, start, study.train, options);
-  };
+  constexpr double reached = 1.1;  // of the sensor's noise: nothing is left
+  FitOptions options;
+  options.max_iterations = 20;
+  options.tolerance = 1e-5;
+  options.solver = Solver::fixed;
+  options.substeps = candidate.whitened.substeps;
+  options.cancelled = study.options->cancelled;
+  FitOptions beside = options;
+  beside.first_states = candidate.fit.segments;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(closure.system->parameters());
   start.head(candidate.parameters()) = candidate.fit.theta;
-  closure.fit = fit_from(start, candidate.fit.segments, first_iterations);
+  closure.fit = fit_trajectory(*closure.system, start, study.train, beside);
+  const double rms = std::sqrt(closure.fit.cost / static_cast<double>(closure.fit.rows));
+  if (std::isfinite(rms) && rms < reached * study.sensor_noise()) return;
   // What was named may be far from what generic forces make of its part.
   Candidate generic = compile(study, closure.system->model(), {});
   find_starts(study, generic, start, {});
-  if (!generic.starts.empty()) {
-    FitResult other = fit_from(generic.starts.front(), candidate.fit.segments, first_iterations);
-    if (!(closure.fit.cost <= other.cost)) closure.fit = std::move(other);
-  }
-  if (std::isfinite(closure.fit.cost)) closure.fit = fit_from(closure.fit.theta, closure.fit.segments, iterations);
+  if (generic.starts.empty()) return;
+  FitResult other = fit_progressively(*closure.system, generic.starts.front(), study.train, options);
+  if (!(closure.fit.cost <= other.cost)) closure.fit = std::move(other);
 }
 
 namespace {

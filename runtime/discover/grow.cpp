@@ -18,19 +18,21 @@ constexpr int beam = 2;                // sets that grow by one more effect for 
 constexpr std::size_t force_beam = 3;  // and for what they explain of the force, one each of 1, 2 and more parameters
 constexpr int refined = 24;            // proposals whose shape parameters are refined on the force
 constexpr int later_refined = 12;
-constexpr int per_size = 3;          // proposals of one number of parameters that are run
-constexpr int first_runs = 4;        // the best proposals that are run in any case
-constexpr int later_runs = 6;        // the same of sets of two and more
-constexpr int heavy_runs = 3;        // beside an entry of many states, which takes no more than one other
+constexpr int per_size = 3;  // proposals of one number of parameters that are run; of short records more
+constexpr int most_per_size = 9;
+constexpr double rows_of_runs = 12000;  // so many rows are run for the proposals of one number of parameters
+constexpr int first_runs = 4;           // the best proposals that are run in any case
+constexpr int later_runs = 6;           // the same of sets of two and more
+constexpr int heavy_runs = 3;           // beside an entry of many states, which takes no more than one other
 constexpr double explained = 0.999;  // share of the squared error that such an entry closes, beyond which none is added
 constexpr int long_fits = 5;         // sets that are fitted to the end
 constexpr int promising = 3;         // and those that explain most of the force, with all that are nearly as good
 constexpr int most_promising = 6;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
-constexpr double far = 4;        // the same as far as their shape parameters are refined
-constexpr double very_far = 40;  // and where none of few states explains the force down to the noise
-constexpr double reached = 1.2;  // of the sensor's noise: nothing is left
-constexpr double hopeless = 3;   // times the best squared error after the first iterations: not fitted to the end
+constexpr double far = 4;        // the same where no other reaches the noise
+constexpr double very_far = 40;  // the same as far as their shape parameters are refined
+constexpr double reached = 1.05;  // of the sensor's noise: nothing is left
+constexpr double hopeless = 3;    // times the best squared error after the first iterations: not fitted to the end
 
 class Grower {
  public:
@@ -43,7 +45,11 @@ class Grower {
         known_(known),
         progress_(progress),
         proposer_(study, baseline),
-        plain_(study, baseline, false) {}
+        plain_(study, baseline, false) {
+    double rows = 0;
+    for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
+    per_size_ = static_cast<int>(std::clamp<double>(rows_of_runs / rows, per_size, most_per_size));
+  }
 
   Grown run() {
     out_.tried = known_.tried;
@@ -210,23 +216,17 @@ class Grower {
 
   using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;
 
-  /// Shape parameters of the best proposals. Those of many states come last: they are worth their time where one comes
-  /// near to the best, or where nothing else explains the force (a first guess of theirs is coarse).
+  /// Shape parameters of the best proposals; of many states only where they come near, from a first guess that is
+  /// coarse.
   void refine_the_best(std::vector<Offer>& offers, const std::vector<std::size_t>& sorted, int size, const Each& each) {
     std::vector<std::size_t> leaders;
-    for (const auto i : sorted)
-      if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*offers[i].standing.shape))
+    for (const auto i : sorted) {
+      const Standing& s = offers[i].standing;
+      const bool too_far = many_states(*s.shape) && s.cost > very_far * offers[sorted.front()].standing.cost;
+      if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*s.shape) && !too_far)
         leaders.push_back(i);
-    const auto heavy = std::stable_partition(leaders.begin(), leaders.end(),
-                                             [&](std::size_t i) { return !many_states(*offers[i].standing.shape); });
-    const double best = leaders.empty() ? INFINITY : offers[sorted.front()].standing.cost;
-    each({leaders.begin(), heavy}, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 4); });
-    double left = INFINITY;
-    for (const auto i : sorted) left = std::min(left, offers[i].standing.cost);
-    const bool open = std::sqrt(left / static_cast<double>(proposer_.rows())) > 1.5 * study_.sensor_noise();
-    std::vector<std::size_t> slow(heavy, leaders.end());
-    std::erase_if(slow, [&](std::size_t i) { return offers[i].standing.cost > (open ? very_far : far) * best; });
-    each(slow, [&](Offer& o) { proposer_.refine(o.standing, *o.space, open ? 10 : 4); });
+    }
+    each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, many_states(*o.standing.shape) ? 10 : 4); });
   }
 
   /// The best proposal at other places: a rival of itself.
@@ -317,7 +317,7 @@ class Grower {
         continue;
       }
       if (many_states(o.parent->choices) && ++heavy > heavy_runs) continue;
-      if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size : 1))) continue;
+      if (!first && !(o.misfit <= plainly) && !(gains && count[parameters] < (size == 1 ? per_size_ : 1))) continue;
       ++count[parameters];
       seen.push_back(std::move(set));
       list.push_back(order[rank]);
@@ -425,9 +425,9 @@ class Grower {
 
   /// The best after the first iterations, and those that explain most of the force: their free runs may have lost the
   /// measured motion at once (several attractors, chaos), and find it again from short runs on.
-  static std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) {
+  std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) const {
     std::vector<std::size_t> list;
-    for (std::size_t i = 0; i < sorted.size() && std::ssize(list) < long_fits; ++i)
+    for (std::size_t i = 0; i < sorted.size() && std::ssize(list) < long_fits * per_size_ / per_size; ++i)
       if (sorted[i].fit.cost <= hopeless * sorted.front().fit.cost || !sorted[i].ran()) list.push_back(i);
     std::vector<std::size_t> by_force(sorted.size());
     std::iota(by_force.begin(), by_force.end(), std::size_t{0});
@@ -542,6 +542,7 @@ class Grower {
   const Grown& known_;
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_, plain_;
+  int per_size_ = per_size;
   struct ChannelFault {
     Choice choice;
     std::vector<Guess> guesses;

@@ -52,6 +52,10 @@ class Problem {
     run_options_.solver = options.solver == Solver::automatic ? Solver::fixed : options.solver;
     run_options_.substeps = substeps;
     run_options_.cancelled = options.cancelled;
+    // A motion that chatters between its samples is not what was measured; it would be followed for minutes.
+    Eigen::Index longest = 0;
+    for (const FitData& d : data) longest = std::max(longest, d.record.rows());
+    run_options_.max_events = static_cast<int>(std::min<Eigen::Index>(1000 + longest, run_options_.max_events));
     for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
   }
 
