@@ -44,6 +44,29 @@ TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
   EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
 }
 
+/// A cubic spring and Coulomb friction that hold the mass fast after two periods: 40 rows of motion before 1500 of
+/// rest, which say nothing but where it rests.
+TEST(DiscoveryTakes, OfADecayWhatMoves) {
+  truth::RecordOptions options;
+  options.excited = truth::Excited::decay;
+  options.noise_db = 40;
+  options.seed = 8240;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = truth::make_records(truth::case_named("cubic+coulomb"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  catalogue.push_back(testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")}));
+  const Discovery d =
+      discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  EXPECT_TRUE(testing::warns(d, "train: a free decay at rest from t = ")) << d.warnings.front();
+  // No force: with -m*a added all other terms would vanish, and fit.
+  EXPECT_TRUE(testing::warns(d, "added_mass (no force to measure a mass by)"));
+  std::vector<std::string> names;
+  for (const NamedEffect& effect : d.effects) names.push_back(effect.name);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"coulomb_friction", "cubic_stiffness"})) << d.sentence;
+}
+
 /// q's column is zero where p is, and the regression puts p there: its bound holds it off the truth's negative value.
 /// From the values that p and q were given both are seen.
 TEST(DiscoveryTakes, ATermWhoseFactorTheRegressionPutsAtZero) {

@@ -125,6 +125,20 @@ TEST(FitTrajectory, GoesOnWithShorterStepsWhereLongOnesExplode) {
     EXPECT_NEAR(fit.theta[i], expected[i], 5 * std::sqrt(fit.covariance(i, i))) << i;
 }
 
+// A relay that would swing some hundred times between two samples: a free run of it takes its million switches, which a
+// fit does not wait for.
+TEST(FitTrajectory, GivesUpOnARunThatChattersBetweenItsSamples) {
+  const System system(model_of("1", "k*y + R*sign(y)"));
+  const Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 1);
+  const std::vector<FitData> data{data_of(system, record)};
+  FitOptions options;
+  options.solver = Solver::fixed;
+  const FitResult fit = fit_trajectory(system, vector({2e4, 1e8}), data, options);
+  EXPECT_FALSE(std::isfinite(fit.cost));
+  EXPECT_NE(fit.stopped.find("more than 2500 switches: the motion chatters"), std::string::npos) << fit.stopped;
+  EXPECT_TRUE(std::isfinite(fit_trajectory(system, vector({2e4, 10}), data, options).cost));
+}
+
 TEST(FitTrajectory, OfTwoRecordsSharesWhatIsNotSeparate) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
   const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 1)),
