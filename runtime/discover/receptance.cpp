@@ -26,8 +26,24 @@ Eigen::MatrixXd regress(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& righ
                                   .solve(scale.asDiagonal() * right);
 }
 
-/// Mass, damping and stiffness of the linear system whose force is nearest to the measured one.
-Eigen::Vector3d linear_system(const Study& study) {
+/// The masses of a model at rest; 1 where there is none.
+Eigen::VectorXd masses(const Candidate& model) {
+  const System& system = *model.force_system;
+  const Eigen::VectorXd& theta = model.best_theta();
+  std::vector<double> in(static_cast<std::size_t>(system.inertia().inputs()), 0.0),
+      out(static_cast<std::size_t>(system.degrees())),
+      scratch(static_cast<std::size_t>(system.inertia().registers()) + 1);
+  std::copy(theta.begin(), theta.end(), in.end() - theta.size());
+  system.inertia().run_point(in.data(), out.data(), scratch.data());
+  Eigen::VectorXd mass = Eigen::VectorXd::Ones(system.degrees());
+  for (Eigen::Index i = 0; i < mass.size(); ++i)
+    if (out[static_cast<std::size_t>(i)] > 0) mass[i] = out[static_cast<std::size_t>(i)];
+  return mass;
+}
+
+/// Mass, damping and stiffness of the linear system whose force is nearest to the measured one; in a free decay, whose
+/// force shows no mass, beside the baseline's.
+Eigen::Vector3d linear_system(const Study& study, const Candidate& baseline) {
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const auto& data : study.force) {
@@ -36,7 +52,12 @@ Eigen::Vector3d linear_system(const Study& study) {
     gram += x.transpose() * x;
     right += x.transpose() * column(data.record, "F");
   }
-  return regress(gram, right);
+  const Eigen::Vector3d found = regress(gram, right);
+  if (found[0] > 0) return found;
+  const double mass = masses(baseline)[0];
+  const Eigen::Vector2d rest =
+      regress(gram.bottomRightCorner(2, 2), right.tail(2) - mass * gram.bottomLeftCorner(2, 1));
+  return {mass, rest[0], rest[1]};
 }
 
 }  // namespace
@@ -46,8 +67,8 @@ Receptance::Receptance(const Study& study, const Candidate& baseline, const std:
     find_modes(study, baseline, data);
     return;
   }
-  const Eigen::Vector3d found = linear_system(study);
-  const double m = found[0] > 0 ? found[0] : 1;
+  const Eigen::Vector3d found = linear_system(study, baseline);
+  const double m = found[0];
   const double w = std::max(std::sqrt(std::max(found[2] / m, 0.0)), least_frequency * study.omega);
   modes_.push_back(mode(m, w, found[1] / (2 * m * w), study.force.front().record.dt()));
 }
@@ -70,13 +91,7 @@ void Receptance::find_modes(const Study& study, const Candidate& baseline, const
   const Eigen::Index n = study.degrees();
   const Eigen::VectorXd& theta = baseline.best_theta();
   const System& system = *baseline.force_system;
-  Eigen::VectorXd mass = Eigen::VectorXd::Ones(n);
-  std::vector<double> in(static_cast<std::size_t>(system.inertia().inputs()), 0.0), out(static_cast<std::size_t>(n)),
-      scratch(static_cast<std::size_t>(system.inertia().registers()) + 1);
-  std::copy(theta.begin(), theta.end(), in.end() - theta.size());  // at rest
-  system.inertia().run_point(in.data(), out.data(), scratch.data());
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (out[static_cast<std::size_t>(i)] > 0) mass[i] = out[static_cast<std::size_t>(i)];
+  const Eigen::VectorXd mass = masses(baseline);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(2 * n, 2 * n), right = Eigen::MatrixXd::Zero(2 * n, n);
   for (const auto& data : data_of) {
     const Eigen::Index rows = data.record.rows();
