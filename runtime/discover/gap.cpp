@@ -142,6 +142,13 @@ void force_run(const System& system, const Eigen::VectorXd& theta, const Record&
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
 }
 
+/// Two runs differ by what could be seen in the record.
+bool tells_apart(const Record& record, const std::string& output, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  constexpr double of_noise = 0.2, of_motion = 1e-3;
+  const double apart = std::sqrt((a - b).squaredNorm() / static_cast<double>(a.size()));
+  return !(apart < std::max(of_noise * record.channel(output).noise, of_motion * standard_deviation(record[output])));
+}
+
 void motion_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record,
                 int substeps, bool floor, std::vector<FreeRun>& out) {
   const FitData data = fit_data(study, record);
@@ -152,13 +159,22 @@ void motion_run(const Study& study, const System& system, const Eigen::VectorXd&
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
   StateEstimate state;
   Run run;
-  // A test may go faster than what the substeps were chosen on: shorter ones are tried before a run counts as
-  // stopped.
-  for (; options.substeps <= std::max(substeps, most_substeps); options.substeps *= 2) {
+  // A test may go faster than what the substeps were chosen on: they are halved until the run is completed and halves
+  // say the same.
+  for (;; options.substeps *= 2) {
     const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
     state = estimate_state(system, theta, data, 0, out.front().lead, options.substeps, spread);
     run = simulate(system, values, data.excitation, state.x0, options);
-    if (run.summary.completed) break;
+    if (2 * options.substeps > std::max(substeps, most_substeps)) break;
+    if (!run.summary.completed) continue;
+    SimulateOptions halves = options;
+    halves.substeps *= 2;
+    const Run finer = simulate(system, values, data.excitation, state.x0, halves);
+    const auto told = [&](const FreeRun& o) {
+      return !finer.summary.completed || tells_apart(record, o.output, shown(system, values, run, o.output),
+                                                     shown(system, values, finer, o.output));
+    };
+    if (std::none_of(out.begin(), out.end(), told)) break;
   }
   for (FreeRun& o : out) {
     o.model = shown(system, values, run, o.output);

@@ -226,7 +226,7 @@ class Grower {
       if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*s.shape) && !too_far)
         leaders.push_back(i);
     }
-    each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, many_states(*o.standing.shape) ? 10 : 4); });
+    each(leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 10); });
   }
 
   /// The best proposal at other places: a rival of itself.
