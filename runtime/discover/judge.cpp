@@ -129,6 +129,26 @@ bool told_from_zero(const Candidate& larger, const Candidate& smaller) {
   return !any;
 }
 
+bool carries_force(const Study& study, const Candidate& larger, const Candidate& smaller) {
+  constexpr double least = 1e-3;
+  const auto& table = larger.system->model().parameters;
+  const Eigen::VectorXd& theta = larger.fit.theta;
+  Eigen::VectorXd without = theta;
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    if (smaller.system->model().find(table[j].name)) continue;
+    if (!larger.linear[j]) return true;
+    without[static_cast<Eigen::Index>(j)] = 0;
+  }
+  double squares = 0, rows = 0;
+  for (const Record& record : study.smooth) {
+    squares += (open_force(larger, theta, record) - open_force(larger, without, record)).squaredNorm();
+    rows += static_cast<double>(record.rows());
+  }
+  std::optional<Place> place;
+  for (const Choice& choice : larger.choices) place = choice.effect->place;
+  return !(std::sqrt(squares / rows) < least * scales(study, 0, place).force_std);
+}
+
 double vuong_z(const Candidate& a, const Candidate& b) {
   const auto n = static_cast<double>(a.innovations.size());
   // Pointwise log-likelihoods, each model with its own noise variance.

@@ -35,6 +35,11 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger);
 /// smaller would do as well, had its own fit ended there, whatever the p-value says. True of entries without one.
 bool told_from_zero(const Candidate& larger, const Candidate& smaller);
 
+/// False where all that `larger` has beyond `smaller` are coefficients whose force along the motion is less than a
+/// thousandth of the force that acts: a motion that amplifies small differences (several wells) may ask for it, but it
+/// names nothing that an engineer would add. True of entries that have other parameters.
+bool carries_force(const Study& study, const Candidate& larger, const Candidate& smaller);
+
 /// z-score from which on a set is rejected against another: 1 %, one-sided.
 inline constexpr double vuong_level = 2.33;
 /// z-score of "a is closer to the truth than b" from the innovations (Vuong 1989, Econometrica 57, 307), Schwarz'

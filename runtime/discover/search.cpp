@@ -222,7 +222,7 @@ class Search {
 
   bool earns(const Candidate& without, const Candidate& with) const {
     if (!without.ran()) return true;
-    if (!told_from_zero(with, without)) return false;
+    if (!told_from_zero(with, without) || !carries_force(study_, with, without)) return false;
     if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     return left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05);
