@@ -56,7 +56,8 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   if (left.seen && named && (!above || left.closure.gain <= least))
     left.closure.gain = left_out_gain(study, c, left.closure);
   left.material = left.seen && (above || named) && left.closure.gain > least;
-  left.whole = left.material && with.value < 1.5 * with_closure(true).floor;
+  const bool far_above = now.value > 3 * now.floor && closed_share(now.value, with.value, now.floor) > 0.9;
+  left.whole = left.material && (far_above || with.value < 1.5 * with_closure(true).floor);
   return left;
 }
 

@@ -15,7 +15,7 @@ struct Left {
   Closure closure;
   bool seen = false;      ///< it is there beyond chance, and free runs over the training records get better by it
   bool material = false;  ///< and it is more than what is asked of an effect
-  bool whole = false;     ///< and these forces explain it down to the noise
+  bool whole = false;     ///< and these forces explain it down to the noise, or nearly all of it where it is far above
 };
 
 /// A search and what was decided on it, the test records closed.

@@ -68,5 +68,21 @@ TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
   EXPECT_EQ(d.effects.size(), 2u) << d.sentence;
 }
 
+/// Under a slow sweep v^2*y is nearly a cubic spring, which closes 99 % of the squared gap; what it leaves is ten times
+/// the noise, and generic forces explain it.
+TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
+  truth::RecordOptions options;
+  options.excited = truth::Excited::chirp;
+  options.noise_db = 40;
+  options.seed = 8240;
+  const truth::Scale& scale = truth::scale_named("metre");
+  const truth::Records records = truth::make_records(truth::case_named("outside_v2y"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  const Discovery d = discover(model, small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
+                               {testing::record_of(records.test, "test")});
+  EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn")) << d.sentence;
+  EXPECT_EQ(d.verdict, "unknown-effect");
+}
+
 }  // namespace
 }  // namespace lunid
