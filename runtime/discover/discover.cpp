@@ -11,6 +11,7 @@
 #include "discover/locate.hpp"
 #include "discover/naming.hpp"
 #include "discover/places.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/removable.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "discover/judge.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
@@ -34,6 +35,11 @@ constexpr double very_far = 40;  // the same as far as their shape parameters ar
 constexpr double reached = 1.05;  // of the sensor's noise: nothing is left
 constexpr double hopeless = 3;    // times the best squared error after the first iterations: not fitted to the end
 
+bool many_states(const Choices& set) {
+  return std::any_of(set.begin(), set.end(),
+                     [](const Choice& c) { return lunid::many_states(c.effect->states.size()); });
+}
+
 class Grower {
  public:
   Grower(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
@@ -45,7 +51,8 @@ class Grower {
         known_(known),
         progress_(progress),
         proposer_(study, baseline),
-        plain_(study, baseline, false) {
+        plain_(study, baseline, false),
+        fits_(study, baseline, proposer_.rows()) {
     double rows = 0;
     for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
     per_size_ = static_cast<int>(std::clamp<double>(rows_of_runs / rows, per_size, most_per_size));
@@ -80,8 +87,6 @@ class Grower {
     std::stable_sort(list.begin(), list.end(),
                      [](const Candidate& a, const Candidate& b) { return a.fit.cost < b.fit.cost; });
   }
-
-  static double rms(const Candidate& c) { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
 
   /// Growing goes on while the error falls visibly and is not yet what the sensor alone leaves.
   bool worth_growing(const Candidate& before, const Candidate& after) const {
@@ -273,11 +278,6 @@ class Grower {
     return standing.shown && std::isfinite(standing.cost) ? standing.cost : INFINITY;
   }
 
-  /// Solved for at once: nothing to refine.
-  static bool all_linear(const Shape& shape) {
-    return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
-  }
-
   void leave_aside(const std::vector<Offer>& offers) {
     for (const auto& o : offers) {
       if (o.standing.shape->columns.empty()) continue;  // not looked at
@@ -323,12 +323,6 @@ class Grower {
       list.push_back(order[rank]);
     }
     return list;
-  }
-
-  static bool many_states(const Shape& shape) { return lunid::many_states(shape.system->model().states.size()); }
-  static bool many_states(const Choices& set) {
-    return std::any_of(set.begin(), set.end(),
-                       [](const Choice& c) { return lunid::many_states(c.effect->states.size()); });
   }
 
   /// The misfit of the second best on the force as it is; those are run in any case.
@@ -399,14 +393,14 @@ class Grower {
       add_faults(parents[k], size, level, parent_of);
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
-      begin_fit(level[k], *parent_of[k]);
-      if (size == 1 && k < shape_of.size()) leave_limits(level[k], *shape_of[k], *parent_of[k]);
+      fits_.begin(level[k], *parent_of[k]);
+      if (size == 1 && k < shape_of.size()) fits_.leave_limits(level[k], *shape_of[k], *parent_of[k]);
     });
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
     const std::vector<std::size_t> ahead = to_the_end(level);
     parallel_for(static_cast<int>(ahead.size()), study_.options->threads,
-                 [&](int i) { end_fit(level[ahead[static_cast<std::size_t>(i)]]); });
+                 [&](int i) { fits_.end(level[ahead[static_cast<std::size_t>(i)]]); });
     std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
     for (const auto& c : known_.sets)
       if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
@@ -450,63 +444,6 @@ class Grower {
                        [&](const Candidate& c) { return same(c.choices, set); });
   }
 
-  int coarse_substeps(const Candidate& c) const {
-    return baseline_.ran() ? std::max(c.state_substeps, (baseline_.fit.substeps + 1) / 2) : 0;
-  }
-
-  /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
-  void begin_fit(Candidate& c, const Candidate& parent) const {
-    c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps(c));
-    if (!parent.ran() || c.fit.cost < 0.9 * parent.fit.cost) return;
-    Eigen::VectorXd warm = c.starts.front();
-    warm.head(parent.fit.theta.size()) = parent.fit.theta;
-    for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
-      if (c.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
-    FitResult again = fit_near(study_, c, warm, 4, coarse_substeps(c));
-    if (again.cost < c.fit.cost) c.fit = std::move(again);
-  }
-
-  /// An effect that has run into a limit of its shape may have started on the wrong side of it: the force, smoothed and
-  /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
-  /// the parent with the effect at zero.
-  void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
-    constexpr std::size_t most = 6;
-    constexpr int iterations = 8;
-    if (!c.ran() || !c.degenerate() || !parent.ran() || all_linear(shape) || many_states(shape) ||
-        shape.guesses.size() > most)
-      return;
-    const auto& table = c.system->model().parameters;
-    const Eigen::Index before = parent.parameters();
-    for (const Guess& guess : shape.guesses) {
-      Eigen::VectorXd start(c.parameters());
-      start.head(before) = parent.fit.theta;
-      for (Eigen::Index j = before; j < start.size(); ++j) {
-        const auto k = static_cast<std::size_t>(j);
-        start[j] = c.linear[k] ? 0 : guessed(table[k], guess);
-      }
-      FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
-      if (other.cost < c.fit.cost) c.fit = std::move(other);
-    }
-  }
-
-  /// To the end; and from short free runs on where the free run stays behind what the force promised.
-  void end_fit(Candidate& c) const {
-    if (c.ran()) {
-      FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(c), c.fit.segments);
-      if (further.cost < c.fit.cost) c.fit = std::move(further);
-    }
-    const double promised = std::sqrt(c.force_cost / static_cast<double>(proposer_.rows()));
-    if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
-    FitOptions options;
-    options.max_iterations = 12;
-    options.tolerance = 1e-4;
-    options.solver = Solver::fixed;
-    options.substeps = coarse_substeps(c);
-    options.cancelled = study_.options->cancelled;
-    FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
-    if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
-  }
-
   /// The best on the trajectory, and those of few and of many parameters that explain most of the force. They differ
   /// where one missing effect makes free runs drift so far that another does not show in them (friction under a
   /// constant force, without a spring): there the force as it is says more than the force as the trajectory feels it.
@@ -542,6 +479,7 @@ class Grower {
   const Grown& known_;
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_, plain_;
+  const ProposalFits fits_;
   int per_size_ = per_size;
   struct ChannelFault {
     Choice choice;
@@ -571,18 +509,6 @@ bool same(Choices a, Choices b) {
 bool within(const Choices& part, const Choices& whole) {
   return std::all_of(part.begin(), part.end(),
                      [&](const Choice& x) { return std::find(whole.begin(), whole.end(), x) != whole.end(); });
-}
-
-FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
-                   int substeps, const std::vector<FitSegment>& first_states) {
-  FitOptions options;
-  options.max_iterations = iterations;
-  options.tolerance = 1e-4;
-  options.first_states = first_states;
-  options.solver = Solver::fixed;  // a set that runs away takes minutes of implicit steps
-  options.substeps = substeps;
-  options.cancelled = study.options->cancelled;
-  return fit_trajectory(*candidate.system, start, study.train, options);
 }
 
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,

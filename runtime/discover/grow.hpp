@@ -26,8 +26,4 @@ bool same(Choices a, Choices b);
 /// Every choice of `part` is in `whole`, with its variant.
 bool within(const Choices& part, const Choices& whole);
 
-/// Fits a set from a start that is near already. `substeps`: 0 chooses them anew.
-FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
-                   int substeps, const std::vector<FitSegment>& first_states = {});
-
 }  // namespace lunid

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discover/gap.hpp"
+#include "discover/sensor.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -107,12 +108,26 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   if (plain.cost <= tolerable_loss * squared_error(candidate.fit)) candidate.fit = std::move(plain);
 }
 
+double bic(const Candidate& c, double log_likelihood, double rows) {
+  return -2 * log_likelihood + c.parameters() * std::log(rows);
+}
+
+double bic(const Candidate& c) { return bic(c, c.log_likelihood, static_cast<double>(c.innovations.size())); }
+
+double improvement_p_value(const Candidate& smaller, const Candidate& larger, double smaller_cost, double larger_cost,
+                           double rows) {
+  const double added = larger.unknowns() - smaller.unknowns(), freedom = rows - larger.unknowns() - 2;
+  if (!(larger_cost < smaller_cost) || added <= 0 || freedom <= 0) return 1;
+  return f_tail((smaller_cost - larger_cost) / added / (larger_cost / freedom), added, freedom);
+}
+
 double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
-  const double added = larger.unknowns() - smaller.unknowns();
-  const double freedom = static_cast<double>(larger.innovations.size()) - larger.unknowns() - 2;
-  if (!(larger.likelihood_cost < smaller.likelihood_cost) || added <= 0 || freedom <= 0) return 1;
-  const double f = (smaller.likelihood_cost - larger.likelihood_cost) / added / (larger.likelihood_cost / freedom);
-  return f_tail(f, added, freedom);
+  return improvement_p_value(smaller, larger, smaller.likelihood_cost, larger.likelihood_cost,
+                             static_cast<double>(larger.innovations.size()));
+}
+
+std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
+  return {c.parameters(), c.choices.size(), physics_in(c.choices)};
 }
 
 bool told_from_zero(const Candidate& larger, const Candidate& smaller) {

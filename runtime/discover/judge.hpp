@@ -1,5 +1,7 @@
 #pragma once
 // How candidates are compared: a likelihood with the noise's colour, and free runs over left-out blocks.
+#include <tuple>
+
 #include "discover/candidate.hpp"
 
 namespace lunid {
@@ -28,8 +30,18 @@ Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts);
 /// left_out, left_out_gap (leave_out.cpp).
 void run_left_out(const Study& study, Candidate& candidate);
 
-/// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs.
+/// Schwarz' criterion (1978, Ann. Statist. 6, 461) of a candidate with this likelihood on so many rows; of its own.
+double bic(const Candidate& c, double log_likelihood, double rows);
+double bic(const Candidate& c);
+
+/// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs,
+/// or on other squared errors of the same models on so many rows.
 double improvement_p_value(const Candidate& smaller, const Candidate& larger);
+double improvement_p_value(const Candidate& smaller, const Candidate& larger, double smaller_cost, double larger_cost,
+                           double rows);
+
+/// What is simpler comes first: fewer parameters, fewer effects, a faulty sensor or input before physics.
+std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 
 /// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero: the
 /// smaller would do as well, had its own fit ended there, whatever the p-value says. True of entries without one.

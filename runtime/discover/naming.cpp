@@ -113,18 +113,13 @@ class Resampler {
 
   int parameters(std::size_t i) const { return finalists_[i].candidate->parameters(); }
 
-  double bic(const Drawn& d, std::size_t i, double rows) const {
-    return -2 * d.log_likelihood.sum() + parameters(i) * std::log(rows);
-  }
-
   const Choices& choices(std::size_t i) const { return finalists_[i].candidate->choices; }
 
   /// Corrected p-value of the larger of two nested sets.
   double p_value(const std::vector<Drawn>& all, std::size_t small, std::size_t large, double rows) const {
-    const double added = parameters(large) - parameters(small), freedom = rows - parameters(large) - 2;
-    if (!(all[large].cost < all[small].cost) || added <= 0 || freedom <= 0) return 1;
-    const double f = (all[small].cost - all[large].cost) / added / (all[large].cost / freedom);
-    return std::min(1.0, tried_ * f_tail(f, added, freedom));
+    const double p = improvement_p_value(*finalists_[small].candidate, *finalists_[large].candidate, all[small].cost,
+                                         all[large].cost, rows);
+    return std::min(1.0, tried_ * p);
   }
 
   double vuong(const std::vector<Drawn>& all, std::size_t a, std::size_t b, double rows) const {
@@ -142,14 +137,15 @@ class Resampler {
 
   std::size_t choose(const std::vector<Drawn>& all, double rows) const {
     std::size_t best = 1;
+    const auto price = [&](std::size_t i) { return bic(*finalists_[i].candidate, all[i].log_likelihood.sum(), rows); };
     for (std::size_t i = 1; i < all.size(); ++i)
-      if (bic(all[i], i, rows) < bic(all[best], best, rows)) best = i;
+      if (price(i) < price(best)) best = i;
     std::size_t pick = best;
     const double alpha = study_.options->alpha;
     for (std::size_t i = 1; i < all.size(); ++i) {
       const bool stays =
           within(choices(i), choices(best)) ? p_value(all, i, best, rows) > alpha : !fits_worse(all, i, best, rows);
-      if (stays && parameters(i) < parameters(pick)) pick = i;
+      if (stays && simplicity(*finalists_[i].candidate) < simplicity(*finalists_[pick].candidate)) pick = i;
     }
     for (bool again = true; again;) {
       again = false;

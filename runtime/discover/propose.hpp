@@ -38,6 +38,7 @@ RecordScales scales_beside(const Study& study, const Candidate& model, const std
 
 /// Free runs of such an entry cost more than those of all others together.
 inline bool many_states(std::size_t states) { return states > 4; }
+inline bool many_states(const Shape& shape) { return many_states(shape.system->model().states.size()); }
 
 /// Compares forces as the trajectory feels them: behind the receptance of the linear system.
 class Proposer {

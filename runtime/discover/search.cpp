@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <tuple>
 
+#include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
 
@@ -42,10 +42,6 @@ class Search {
       const bool rival = c.choices.empty() || c.fit.cost < 2 * best;
       judge(study_, c, result_.whitening, rival ? 30 : 2);
     });
-  }
-
-  static double bic(const Candidate& c) {
-    return -2 * c.log_likelihood + c.parameters() * std::log(static_cast<double>(c.innovations.size()));
   }
 
   void decide() {
@@ -144,10 +140,8 @@ class Search {
       if (i == 0 || not_rejected(field[i], best)) alike.push_back(i);
     // The simplest member that is not rejected; among equals a faulty sensor or input before physics, then the
     // likelier.
-    const auto order = [&](std::size_t i) {
-      return std::make_tuple(field[i].parameters(), field[i].choices.size(), physics_in(field[i].choices));
-    };
-    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
+    std::stable_sort(alike.begin(), alike.end(),
+                     [&](std::size_t a, std::size_t b) { return simplicity(field[a]) < simplicity(field[b]); });
     std::size_t pick = in_the_usual_words(field, alike);
     prune(field, pick);
     Candidate chosen = field[pick];

@@ -290,7 +290,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
     } else {
       row.left_out_gap = c.left_out_gap;
       row.log_likelihood = c.log_likelihood;
-      row.bic = -2 * c.log_likelihood + c.parameters() * std::log(static_cast<double>(c.innovations.size()));
+      row.bic = bic(c);
       row.p_value = i > 0 && kept[0].ran() ? improvement_p_value(kept[0], c) : 1;
       if (c.degenerate()) row.remark = "a parameter sits where the effect is another one, or none";
       row.model = fitted(c);

@@ -5,6 +5,7 @@
 
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/naming.hpp"
 #include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"

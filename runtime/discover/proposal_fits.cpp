@@ -1,0 +1,76 @@
+#include "discover/proposal_fits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lunid {
+
+FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
+                   int substeps, const std::vector<FitSegment>& first_states) {
+  FitOptions options;
+  options.max_iterations = iterations;
+  options.tolerance = 1e-4;
+  options.first_states = first_states;
+  options.solver = Solver::fixed;  // a set that runs away takes minutes of implicit steps
+  options.substeps = substeps;
+  options.cancelled = study.options->cancelled;
+  return fit_trajectory(*candidate.system, start, study.train, options);
+}
+
+bool all_linear(const Shape& shape) {
+  return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
+}
+
+int ProposalFits::coarse_substeps(const Candidate& c) const {
+  return baseline_.ran() ? std::max(c.state_substeps, (baseline_.fit.substeps + 1) / 2) : 0;
+}
+
+void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
+  c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps(c));
+  if (!parent.ran() || c.fit.cost < 0.9 * parent.fit.cost) return;
+  Eigen::VectorXd warm = c.starts.front();
+  warm.head(parent.fit.theta.size()) = parent.fit.theta;
+  for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
+    if (c.linear[static_cast<std::size_t>(j)]) warm[j] = 0;
+  FitResult again = fit_near(study_, c, warm, 4, coarse_substeps(c));
+  if (again.cost < c.fit.cost) c.fit = std::move(again);
+}
+
+void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
+  constexpr std::size_t most = 6;
+  constexpr int iterations = 8;
+  if (!c.ran() || !c.degenerate() || !parent.ran() || all_linear(shape) || many_states(shape) ||
+      shape.guesses.size() > most)
+    return;
+  const auto& table = c.system->model().parameters;
+  const Eigen::Index before = parent.parameters();
+  for (const Guess& guess : shape.guesses) {
+    Eigen::VectorXd start(c.parameters());
+    start.head(before) = parent.fit.theta;
+    for (Eigen::Index j = before; j < start.size(); ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      start[j] = c.linear[k] ? 0 : guessed(table[k], guess);
+    }
+    FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
+    if (other.cost < c.fit.cost) c.fit = std::move(other);
+  }
+}
+
+void ProposalFits::end(Candidate& c) const {
+  if (c.ran()) {
+    FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(c), c.fit.segments);
+    if (further.cost < c.fit.cost) c.fit = std::move(further);
+  }
+  const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));
+  if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
+  FitOptions options;
+  options.max_iterations = 12;
+  options.tolerance = 1e-4;
+  options.solver = Solver::fixed;
+  options.substeps = coarse_substeps(c);
+  options.cancelled = study_.options->cancelled;
+  FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
+  if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
+}
+
+}  // namespace lunid

@@ -1,0 +1,41 @@
+#pragma once
+// Fits of sets on the trajectory while they grow: short ones of all that were proposed, long ones of the best.
+#include "discover/propose.hpp"
+
+namespace lunid {
+
+/// Fits a set from a start that is near already. `substeps`: 0 chooses them anew.
+FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
+                   int substeps, const std::vector<FitSegment>& first_states = {});
+
+/// Root mean square of a fit's weighted residual [m] ([N] with imposed motion).
+inline double rms(const Candidate& c) { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
+
+/// All parameters are solved for at once: none has to be guessed.
+bool all_linear(const Shape& shape);
+
+/// Holds references. Threads may share one.
+class ProposalFits {
+ public:
+  /// `force_rows`: over how many rows a candidate's force_cost is a sum.
+  ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows)
+      : study_(study), baseline_(baseline), force_rows_(force_rows) {}
+
+  /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
+  void begin(Candidate& c, const Candidate& parent) const;
+  /// An effect that has run into a limit of its shape may have started on the wrong side of it: the force, smoothed and
+  /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
+  /// the parent with the effect at zero.
+  void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
+  /// To the end; and from short free runs on where the free run stays behind what the force promised.
+  void end(Candidate& c) const;
+
+ private:
+  int coarse_substeps(const Candidate& c) const;
+
+  const Study& study_;
+  const Candidate& baseline_;
+  Eigen::Index force_rows_;
+};
+
+}  // namespace lunid
