@@ -82,6 +82,7 @@ class Spine {
     } else if (study_.interpolation != before) {
       refit_on_current_force(round.found);
     }
+    tried_ = std::max(tried_, round.found.grown.tried);
     progress("decide", 0.88);
     decide(study_, round);
     return round;
@@ -274,6 +275,9 @@ class Spine {
     round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
   }
 
+  /// For all start points of all rounds, whichever stands.
+  double corrected(double p) const { return std::min(1.0, p * std::max(1, tried_)); }
+
   void name_steps(const SearchResult& found) {
     for (std::size_t i = 0; i < found.steps.size(); ++i) {
       const Candidate& model = found.steps[i];
@@ -290,7 +294,7 @@ class Spine {
       const bool last = i + 1 == found.steps.size();
       named.gap_train = last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), share_).value;
       named.gap_test = last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), share_).value;
-      named.p_value = improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model);
+      named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
       if (last) {
         named.indistinguishable = found.ties;
         named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
@@ -335,7 +339,7 @@ class Spine {
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             improvement_p_value(found.baseline, c), found.remarks[i], fitted(c)});
+                             corrected(improvement_p_value(found.baseline, c)), found.remarks[i], fitted(c)});
     }
     if (!found.grown.left_aside.empty()) {
       std::string list;
@@ -387,6 +391,7 @@ class Spine {
   Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search
   Candidate baseline_;
   std::vector<FreeRun> before_train_, after_train_, before_test_, after_test_;  ///< of baseline and final model
+  int tried_ = 0;     ///< start points of entries, of all rounds
   double share_ = 0;  ///< of the force channel's noise, that the system did not feel
   Discovery out_;
 };

@@ -76,7 +76,7 @@ struct Rival {
   std::string name;
   double gap = 0;  ///< over left-out blocks of the training records
   double log_likelihood = 0;
-  double p_value = 1;
+  double p_value = 1;  ///< against the baseline, corrected alike
   std::string remark;  ///< why it was not named
   Model model;         ///< as it was fitted
 };
@@ -88,7 +88,7 @@ struct NamedEffect {
   std::vector<Parameter> parameters;  ///< under the entry's own names, with std
   std::vector<std::string> indistinguishable;
   double gap_train = 0, gap_test = 0;
-  double p_value = 1;
+  double p_value = 1;  ///< against the model without it (F-test), times the start points tried in the whole search
   std::vector<Rival> rivals;
 };
 

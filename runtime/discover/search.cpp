@@ -201,7 +201,6 @@ class Search {
     if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
-    result_.p_value = named ? corrected(improvement_p_value(result_.baseline, chosen)) : 1;
     if (named && same(chosen.choices, field[pick].choices)) find_ties(field, alike, pick);
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);

@@ -21,7 +21,6 @@ struct SearchResult {
   std::vector<std::string> ties;     ///< rivals of equal simplicity that the record cannot tell from the chosen set
   std::vector<std::string> aliases;  ///< rivals whose free runs are those of the chosen set: the same in other words
   Grown grown;                       ///< all that was fitted, before it was judged
-  double p_value = 1;                ///< of the chosen set against the baseline, corrected for the search
 };
 
 /// Searches the catalogue for what `baseline` (fitted) lacks. `known`: what a search of a part of this catalogue has

@@ -201,5 +201,23 @@ TEST(DiscoveryRounds, FollowsAMotionOfSeveralBranches) {
   EXPECT_LT(d.final_train.value, 1.5 * d.final_train.floor);
 }
 
+/// The same rival beside a linear system that lacks nothing: three entries are three chances to find something.
+TEST(DiscoveryRounds, PValuesCountAllThatWasTried) {
+  const truth::Records records = made("null_linear", 30);
+  const auto p_value = [&](std::size_t entries) {
+    const Model model = baseline("k*y + c*v", truth::scale_named("milli").mass);
+    const std::vector<Effect> all = small_catalogue(*model.pool);
+    const Discovery d = discover(model, {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(entries)},
+                                 {record_of(records.train, "train")}, {record_of(records.test, "test")});
+    for (const Rival& rival : d.rivals)
+      if (rival.name == "cubic_stiffness") return rival.p_value;
+    return -1.0;
+  };
+  const double alone = p_value(1), of_three = p_value(3);
+  ASSERT_GT(alone, 0);
+  ASSERT_LT(alone, 0.9);  // else both are 1
+  EXPECT_NEAR(of_three, std::min(1.0, 3 * alone), 0.01) << alone;
+}
+
 }  // namespace
 }  // namespace lunid
