@@ -30,8 +30,8 @@ constexpr int long_fits = 5;         // sets that are fitted to the end
 constexpr int promising = 3;         // and those that explain most of the force, with all that are nearly as good
 constexpr int most_promising = 6;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
-constexpr double far = 4;        // the same where no other reaches the noise
-constexpr double very_far = 40;  // the same as far as their shape parameters are refined
+constexpr double far = 40;       // the same as far as they are refined, and run where no other reaches the noise
+constexpr std::size_t slow_runs = 2;
 constexpr double reached = 1.05;  // of the sensor's noise: nothing is left
 constexpr double hopeless = 3;    // times the best squared error after the first iterations: not fitted to the end
 
@@ -227,7 +227,7 @@ class Grower {
     std::vector<std::size_t> leaders;
     for (const auto i : sorted) {
       const Standing& s = offers[i].standing;
-      const bool too_far = many_states(*s.shape) && s.cost > very_far * offers[sorted.front()].standing.cost;
+      const bool too_far = many_states(*s.shape) && s.cost > far * offers[sorted.front()].standing.cost;
       if (std::ssize(leaders) < (size == 1 ? refined : later_refined) && !all_linear(*s.shape) && !too_far)
         leaders.push_back(i);
     }
@@ -313,7 +313,7 @@ class Grower {
       const bool first = static_cast<int>(list.size()) < always;
       const double best = offers[order.front()].standing.cost;
       if (many_states(*o.standing.shape) && o.standing.cost > as_good * best) {
-        if (size == 1 && o.standing.cost < far * best) slow.push_back(order[rank]);
+        if (size == 1 && slow.size() < slow_runs && o.standing.cost < far * best) slow.push_back(order[rank]);
         continue;
       }
       if (many_states(o.parent->choices) && ++heavy > heavy_runs) continue;
