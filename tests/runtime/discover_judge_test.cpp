@@ -5,8 +5,8 @@
 
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
-#include "discover/proposal_fits.hpp"
 #include "discover/naming.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
 

@@ -177,6 +177,37 @@ TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
   EXPECT_TRUE(std::isfinite(run.squares));
 }
 
+/// Six rows to a period: whole samples as steps do not explode, and say something else than short ones.
+TEST(FreeRun, TakesShorterStepsUntilHalvesSayTheSame) {
+  const truth::Records records = made("null_linear", 40);
+  const Record record = record_of(records.train, "train");
+  const double mass = truth::scale_named("milli").mass;
+  const Model model = complete(baseline("k*y + c*v", mass));
+  DiscoverOptions options;
+  const Study study = prepare(model, {record}, {record}, options);
+  const Candidate c = compile(study, model, {});
+  Eigen::VectorXd theta(2);
+  for (int i = 0; i < 2; ++i) {
+    const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
+    theta[i] = damper ? 2e-3 * mass / record.dt() : mass / std::pow(record.dt(), 2);
+  }
+  const FitData data = fit_data(study, study.full.front());
+  const auto simulated = [&](int substeps) -> Eigen::VectorXd {
+    SimulateOptions fixed;
+    fixed.solver = Solver::fixed;
+    fixed.substeps = substeps;
+    return simulate(*c.system, {theta.data(), 2}, data.excitation, Eigen::Vector2d(1e-3, 0), fixed).x.col(0);
+  };
+  const auto followed = [&](int substeps) -> Eigen::VectorXd {
+    const FreeRun run = free_run(study, *c.system, theta, study.full.front(), substeps).front();
+    EXPECT_EQ(run.cause, "");
+    return run.model.tail(run.rows);
+  };
+  const double level = record.channel("y").noise * std::sqrt(static_cast<double>(record.rows()));
+  EXPECT_GT((simulated(1) - simulated(32)).norm(), level);
+  EXPECT_LT((followed(1) - followed(32)).norm(), 0.3 * level);
+}
+
 /// Ninety periods of a motion that forgets its first state slowly and takes one of two branches at a time: fitted from
 /// short runs on, each of which begins where three of the last began.
 TEST(DiscoveryRounds, FollowsAMotionOfSeveralBranches) {
