@@ -5,6 +5,7 @@
 
 #include "discover/gap.hpp"
 #include "discover_catalogue.hpp"
+#include "statistics/moments.hpp"
 #include "truth/law.hpp"
 
 namespace lunid {
@@ -177,35 +178,25 @@ TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
   EXPECT_TRUE(std::isfinite(run.squares));
 }
 
-/// Six rows to a period: whole samples as steps do not explode, and say something else than short ones.
+/// A ringing of six rows to a period: whole samples as steps do not explode, and say something else than short ones.
 TEST(FreeRun, TakesShorterStepsUntilHalvesSayTheSame) {
-  const truth::Records records = made("null_linear", 40);
-  const Record record = record_of(records.train, "train");
-  const double mass = truth::scale_named("milli").mass;
-  const Model model = complete(baseline("k*y + c*v", mass));
+  constexpr int rows = 2000;
+  constexpr double decay = 1e-3;
+  std::vector<double> y(rows);
+  for (int i = 0; i < rows; ++i) y[static_cast<std::size_t>(i)] = std::exp(-decay * i) * std::cos(i);
+  const Record record("ringing", 0, 1,
+                      {testing::channel("F", "N", std::vector<double>(rows, 0.0)), testing::channel("y", "m", y)});
+  const Model model = complete(baseline("k*y + c*v", 1));
   DiscoverOptions options;
   const Study study = prepare(model, {record}, {record}, options);
   const Candidate c = compile(study, model, {});
   Eigen::VectorXd theta(2);
   for (int i = 0; i < 2; ++i) {
     const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
-    theta[i] = damper ? 2e-3 * mass / record.dt() : mass / std::pow(record.dt(), 2);
+    theta[i] = damper ? 2 * decay : 1 + decay * decay;
   }
-  const FitData data = fit_data(study, study.full.front());
-  const auto simulated = [&](int substeps) -> Eigen::VectorXd {
-    SimulateOptions fixed;
-    fixed.solver = Solver::fixed;
-    fixed.substeps = substeps;
-    return simulate(*c.system, {theta.data(), 2}, data.excitation, Eigen::Vector2d(1e-3, 0), fixed).x.col(0);
-  };
-  const auto followed = [&](int substeps) -> Eigen::VectorXd {
-    const FreeRun run = free_run(study, *c.system, theta, study.full.front(), substeps).front();
-    EXPECT_EQ(run.cause, "");
-    return run.model.tail(run.rows);
-  };
-  const double level = record.channel("y").noise * std::sqrt(static_cast<double>(record.rows()));
-  EXPECT_GT((simulated(1) - simulated(32)).norm(), level);
-  EXPECT_LT((followed(1) - followed(32)).norm(), 0.3 * level);
+  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1).front();
+  EXPECT_LT(std::sqrt(run.squares / static_cast<double>(run.rows)), 1e-3 * moments::standard_deviation(y));
 }
 
 /// Ninety periods of a motion that forgets its first state slowly and takes one of two branches at a time: fitted from
