@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "record/middle_value.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
 
@@ -109,17 +110,15 @@ Record with_force_of_decay(const Study& study, const Record& record, std::vector
 Record until_rest(const Study& study, const Record& record, std::vector<std::string>& warnings) {
   constexpr double deviations = 5, small = 1e-3, more = 1.25, worth_it = 0.8;
   constexpr Eigen::Index least = 60;
-  for (const std::string& force : study.forces)
-    if (!record.has(force) || !std::ranges::all_of(record[force], [](double f) { return f == 0; })) return record;
+  if (!is_free(study, record)) return record;
   Eigen::Index moves = least;
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string channel = measured_channel(record, suffix_of(study, i));
     if (!record.has(channel)) return record;
     const auto x = record[channel];
-    std::vector<double> tail(x.end() - static_cast<std::ptrdiff_t>(x.size() / 10), x.end());
+    const auto tail = x.last(x.size() / 10);
     if (tail.empty()) return record;
-    std::nth_element(tail.begin(), tail.begin() + std::ssize(tail) / 2, tail.end());
-    const double rest = tail[tail.size() / 2];
+    const double rest = middle_value({tail.begin(), tail.end()});
     double most = 0;
     for (const double value : x) most = std::max(most, std::abs(value - rest));
     const double level = std::max(deviations * record.channel(channel).noise, small * most);
@@ -164,6 +163,12 @@ Record with_all_forces(const Study& study, const Record& record, std::vector<std
 }
 
 }  // namespace
+
+bool is_free(const Study& study, const Record& record) {
+  return std::all_of(study.forces.begin(), study.forces.end(), [&](const std::string& force) {
+    return record.has(force) && std::ranges::all_of(record[force], [](double f) { return f == 0; });
+  });
+}
 
 void check_record(const Study& study, const Record& record) {
   const SourceSpan where{record.name(), 0, 0};

@@ -9,8 +9,12 @@ namespace lunid {
 
 /// The record with all forces that the study's model is driven by: none acts in a free decay, where the motion dies
 /// away; of several coordinates F is the force of the one that is driven, and what the record lacks beside others is
-/// zero. A free decay ends where all has come to rest. `warnings` says what was taken for what. Throws InputError for a force F that may act on several.
+/// zero. A free decay ends where all has come to rest. `warnings` says what was taken for what. Throws InputError for a
+/// force F that may act on several.
 Record with_known_forces(const Study& study, const Record& record, std::vector<std::string>& warnings);
+
+/// No force acts: each that drives the study's model is in the record, and zero throughout.
+bool is_free(const Study& study, const Record& record);
 
 /// Throws InputError for a record that cannot be a discovery's: rows, forces, a motion that is there and moves.
 void check_record(const Study& study, const Record& record);

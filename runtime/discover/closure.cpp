@@ -8,6 +8,7 @@
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/places.hpp"
+#include "discover/proposal_fits.hpp"
 #include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
@@ -122,19 +123,13 @@ std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Ind
 
 void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
   constexpr double reached = 1.1;  // of the sensor's noise: nothing is left
-  FitOptions options;
-  options.max_iterations = 20;
-  options.tolerance = 1e-5;
-  options.solver = Solver::fixed;
-  options.substeps = candidate.whitened.substeps;
-  options.cancelled = study.options->cancelled;
+  const FitOptions options = fixed_fit(study, 20, 1e-5, candidate.whitened.substeps);
   FitOptions beside = options;
   beside.first_states = candidate.fit.segments;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(closure.system->parameters());
   start.head(candidate.parameters()) = candidate.fit.theta;
   closure.fit = fit_trajectory(*closure.system, start, study.train, beside);
-  const double rms = std::sqrt(closure.fit.cost / static_cast<double>(closure.fit.rows));
-  if (std::isfinite(rms) && rms < reached * study.sensor_noise()) return;
+  if (rms(closure.fit) < reached * study.sensor_noise()) return;
   // What was named may be far from what generic forces make of its part.
   Candidate generic = compile(study, closure.system->model(), {});
   find_starts(study, generic, start, {});

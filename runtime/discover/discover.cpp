@@ -276,7 +276,7 @@ class Spine {
   }
 
   /// For all start points of all rounds, whichever stands.
-  double corrected(double p) const { return std::min(1.0, p * std::max(1, tried_)); }
+  double corrected(double p) const { return lunid::corrected(p, tried_); }
 
   void name_steps(const SearchResult& found) {
     for (std::size_t i = 0; i < found.steps.size(); ++i) {

@@ -40,6 +40,12 @@ bool many_states(const Choices& set) {
                      [](const Choice& c) { return lunid::many_states(c.effect->states.size()); });
 }
 
+int runs_per_size(const Study& study) {
+  double rows = 0;
+  for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
+  return static_cast<int>(std::clamp<double>(rows_of_runs / rows, per_size, most_per_size));
+}
+
 class Grower {
  public:
   Grower(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
@@ -52,11 +58,8 @@ class Grower {
         progress_(progress),
         proposer_(study, baseline),
         plain_(study, baseline, false),
-        fits_(study, baseline, proposer_.rows()) {
-    double rows = 0;
-    for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
-    per_size_ = static_cast<int>(std::clamp<double>(rows_of_runs / rows, per_size, most_per_size));
-  }
+        fits_(study, baseline, proposer_.rows()),
+        per_size_(runs_per_size(study)) {}
 
   Grown run() {
     out_.tried = known_.tried;
@@ -301,6 +304,7 @@ class Grower {
     int heavy = 0;
     const int always = size == 1 ? first_runs : later_runs;
     const double plainly = plain_limit(offers, order);
+    const double best = order.empty() ? INFINITY : offers[order.front()].standing.cost;
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
       const Offer& o = offers[order[rank]];
       Choices set = o.parent->choices;
@@ -311,7 +315,6 @@ class Grower {
           std::min<std::size_t>(size == 1 ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
       const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(proposer_.rows())) * o.space->cost;
       const bool first = static_cast<int>(list.size()) < always;
-      const double best = offers[order.front()].standing.cost;
       if (many_states(*o.standing.shape) && o.standing.cost > as_good * best) {
         if (size == 1 && slow.size() < slow_runs && o.standing.cost < far * best) slow.push_back(order[rank]);
         continue;
@@ -480,7 +483,7 @@ class Grower {
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_, plain_;
   const ProposalFits fits_;
-  int per_size_ = per_size;
+  const int per_size_;  ///< proposals of one number of parameters that are run
   struct ChannelFault {
     Choice choice;
     std::vector<Guess> guesses;

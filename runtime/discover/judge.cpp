@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discover/gap.hpp"
+#include "discover/grow.hpp"
 #include "discover/sensor.hpp"
 #include "statistics/statistics.hpp"
 
@@ -126,6 +127,8 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
                              static_cast<double>(larger.innovations.size()));
 }
 
+double corrected(double p_value, int tried) { return std::min(1.0, p_value * std::max(1, tried)); }
+
 std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
   return {c.parameters(), c.choices.size(), physics_in(c.choices)};
 }
@@ -159,8 +162,9 @@ bool carries_force(const Study& study, const Candidate& larger, const Candidate&
     squares += (open_force(larger, theta, record) - open_force(larger, without, record)).squaredNorm();
     rows += static_cast<double>(record.rows());
   }
-  std::optional<Place> place;
-  for (const Choice& choice : larger.choices) place = choice.effect->place;
+  const auto added = std::find_if(larger.choices.begin(), larger.choices.end(),
+                                  [&](const Choice& c) { return !holds(smaller.choices, c.effect); });
+  const std::optional<Place> place = added != larger.choices.end() ? added->effect->place : std::nullopt;
   return !(std::sqrt(squares / rows) < least * scales(study, 0, place).force_std);
 }
 

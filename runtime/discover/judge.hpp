@@ -40,6 +40,9 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger);
 double improvement_p_value(const Candidate& smaller, const Candidate& larger, double smaller_cost, double larger_cost,
                            double rows);
 
+/// A p-value of one of so many tries (Bonferroni).
+double corrected(double p_value, int tried);
+
 /// What is simpler comes first: fewer parameters, fewer effects, a faulty sensor or input before physics.
 std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 

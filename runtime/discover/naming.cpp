@@ -36,7 +36,7 @@ struct Drawn {
 
 class Resampler {
  public:
-  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(std::max(1, found.grown.tried)) {
+  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(found.grown.tried) {
     add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
     for (const Candidate& c : found.rivals)
@@ -119,7 +119,7 @@ class Resampler {
   double p_value(const std::vector<Drawn>& all, std::size_t small, std::size_t large, double rows) const {
     const double p = improvement_p_value(*finalists_[small].candidate, *finalists_[large].candidate, all[small].cost,
                                          all[large].cost, rows);
-    return std::min(1.0, tried_ * p);
+    return corrected(p, tried_);
   }
 
   double vuong(const std::vector<Drawn>& all, std::size_t a, std::size_t b, double rows) const {

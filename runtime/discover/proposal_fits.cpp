@@ -5,15 +5,20 @@
 
 namespace lunid {
 
-FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
-                   int substeps, const std::vector<FitSegment>& first_states) {
+FitOptions fixed_fit(const Study& study, int iterations, double tolerance, int substeps) {
   FitOptions options;
   options.max_iterations = iterations;
-  options.tolerance = 1e-4;
-  options.first_states = first_states;
-  options.solver = Solver::fixed;  // a set that runs away takes minutes of implicit steps
+  options.tolerance = tolerance;
+  options.solver = Solver::fixed;
   options.substeps = substeps;
   options.cancelled = study.options->cancelled;
+  return options;
+}
+
+FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
+                   int substeps, const std::vector<FitSegment>& first_states) {
+  FitOptions options = fixed_fit(study, iterations, 1e-4, substeps);
+  options.first_states = first_states;
   return fit_trajectory(*candidate.system, start, study.train, options);
 }
 
@@ -63,13 +68,8 @@ void ProposalFits::end(Candidate& c) const {
   }
   const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));
   if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
-  FitOptions options;
-  options.max_iterations = 12;
-  options.tolerance = 1e-4;
-  options.solver = Solver::fixed;
-  options.substeps = coarse_substeps(c);
-  options.cancelled = study_.options->cancelled;
-  FitResult again = fit_progressively(*c.system, c.starts.front(), study_.train, options);
+  FitResult again =
+      fit_progressively(*c.system, c.starts.front(), study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
   if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
 }
 

@@ -1,15 +1,22 @@
 #pragma once
 // Fits of sets on the trajectory while they grow: short ones of all that were proposed, long ones of the best.
+#include <cmath>
+
 #include "discover/propose.hpp"
 
 namespace lunid {
+
+/// A fit on the fixed path: a set that runs away would be followed by implicit steps for minutes. `substeps` 0: chosen
+/// anew.
+FitOptions fixed_fit(const Study& study, int iterations, double tolerance, int substeps);
 
 /// Fits a set from a start that is near already. `substeps`: 0 chooses them anew.
 FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::VectorXd& start, int iterations,
                    int substeps, const std::vector<FitSegment>& first_states = {});
 
 /// Root mean square of a fit's weighted residual [m] ([N] with imposed motion).
-inline double rms(const Candidate& c) { return std::sqrt(c.fit.cost / static_cast<double>(c.fit.rows)); }
+inline double rms(const FitResult& fit) { return std::sqrt(fit.cost / static_cast<double>(fit.rows)); }
+inline double rms(const Candidate& c) { return rms(c.fit); }
 
 /// All parameters are solved for at once: none has to be guessed.
 bool all_linear(const Shape& shape);

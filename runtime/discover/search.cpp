@@ -125,7 +125,7 @@ class Search {
     }
   }
 
-  double corrected(double p) const { return std::min(1.0, p * std::max(1, result_.grown.tried)); }
+  double corrected(double p) const { return lunid::corrected(p, result_.grown.tried); }
 
   /// Not rejected against the best: nested sets by the likelihood ratio, others by Vuong's test.
   bool not_rejected(const Candidate& c, const Candidate& best) const {

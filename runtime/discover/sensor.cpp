@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/accept.hpp"
 #include "discover/places.hpp"
 #include "record/spectrum.hpp"
 #include "simulate/measures.hpp"
@@ -67,13 +68,6 @@ bool changes_unmeasured(const Study& study, const Effect& effect) {
   });
 }
 
-bool is_driven(const Study& study) {
-  return std::any_of(study.full.begin(), study.full.end(), [&](const Record& record) {
-    return std::any_of(study.forces.begin(), study.forces.end(),
-                       [&](const std::string& force) { return !column(record, force).isZero(0); });
-  });
-}
-
 /// A constant mass, which only a known force shows: in a free decay it scales all other forces alike.
 bool is_a_mass(const Effect& effect) {
   return std::all_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
@@ -104,7 +98,8 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
-  const bool driven = study.imposed || is_driven(study);
+  const bool driven = study.imposed || !std::all_of(study.full.begin(), study.full.end(),
+                                                    [&](const Record& r) { return is_free(study, r); });
   for (const Effect& given : catalogue) {
     const bool other_channel = given.any_motion && !study.imposed && study.measured != "y";
     const Effect effect = other_channel ? of_channel(study.model, given, study.measured[0]) : given;

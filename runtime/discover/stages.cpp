@@ -150,13 +150,7 @@ Candidate follower(const Stage& stage) {
   if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
   fit_closure(stage.study, judged, closure);
   if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
-  Candidate out;
-  out.system = out.force_system = closure.system;
-  if (!stage.study.imposed) {
-    Model model = closure.system->model();
-    model.imposed_motion = true;
-    out.force_system = std::make_shared<const System>(model);
-  }
+  Candidate out = compile(stage.study, closure.system->model(), {});
   out.fit = std::move(closure.fit);
   return out;
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <sstream>
 
+#include "record/middle_value.hpp"
+
 namespace lunid {
 namespace {
 
@@ -14,12 +16,6 @@ std::string number(double value) {
   text.precision(6);
   text << value;
   return text.str();
-}
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
 }
 
 /// Least-squares line t = t0 + i*dt.
@@ -130,7 +126,7 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
   if (t.size() < 6) throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
   std::vector<double> steps(t.size() - 1);
   for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
-  const double step = median(steps);
+  const double step = middle_value(steps);
 
   const TimeBase line = fit_line(t);
   const Deviation found = deviation(t, line);
@@ -216,7 +212,7 @@ void Stamps::add(std::span<const double> t, std::span<const double> resolution, 
     first_ = t[0];
     std::vector<double> steps(t.size() - 1);
     for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
-    step_ = median(std::move(steps));
+    step_ = middle_value(std::move(steps));
   }
   for (std::size_t i = 0; i < t.size(); ++i, ++rows_) {
     const double row = static_cast<double>(rows_), d = t[i] - last_;

@@ -1,3 +1,4 @@
+#include "record/middle_value.hpp"
 #include "simulate/fit_problem.hpp"
 #include "simulate/integrator.hpp"
 #include "simulate/measures.hpp"
@@ -41,8 +42,7 @@ double robust_scale(const FitResult& result, const std::vector<FitData>& data) {
     for (const double e : result.residual[r])
       if (std::isfinite(e)) sizes.push_back(data[r].weight * std::abs(e));
   if (sizes.empty()) return 0;
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
-  return 1.4826 * sizes[sizes.size() / 2];
+  return 1.4826 * middle_value(std::move(sizes));
 }
 
 FitResult minimise_by(const FitOptions& options, const System& system, const Eigen::VectorXd& theta,

@@ -47,17 +47,12 @@ TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
 /// A cubic spring and Coulomb friction that hold the mass fast after two periods: 40 rows of motion before 1500 of
 /// rest, which say nothing but where it rests.
 TEST(DiscoveryTakes, OfADecayWhatMoves) {
-  truth::RecordOptions options;
-  options.excited = truth::Excited::decay;
-  options.noise_db = 40;
-  options.seed = 8240;
   const truth::Scale& scale = truth::scale_named("milli");
-  const truth::Records records = truth::make_records(truth::case_named("cubic+coulomb"), scale, options);
+  const truth::Records records = testing::records_of("cubic+coulomb", scale, 40, 8240, truth::Excited::decay);
   const Model model = baseline("k*y + c*v", scale.mass);
   std::vector<Effect> catalogue = small_catalogue(*model.pool);
   catalogue.push_back(testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")}));
-  const Discovery d =
-      discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  const Discovery d = testing::discover_case(model, catalogue, records);
   EXPECT_TRUE(testing::warns(d, "train: a free decay at rest from t = ")) << d.warnings.front();
   // No force: with -m*a added all other terms would vanish, and fit.
   EXPECT_TRUE(testing::warns(d, "added_mass (no force to measure a mass by)"));

@@ -61,6 +61,22 @@ inline Record record_of(const truth::Columns& columns, const std::string& name) 
                 {channel("F", "N", columns.F), channel("y", "m", columns.y)});
 }
 
+/// Records of a case of the truth at a scale, 6400 rows.
+inline truth::Records records_of(const char* name, const truth::Scale& scale, double noise_db, std::uint64_t seed,
+                                 truth::Excited excited = truth::Excited::multisine) {
+  truth::RecordOptions options;
+  options.excited = excited;
+  options.noise_db = noise_db;
+  options.seed = seed;
+  return truth::make_records(truth::case_named(name), scale, options);
+}
+
+/// Discovery on the records of a case.
+inline Discovery discover_case(const Model& model, const std::vector<Effect>& catalogue, const truth::Records& records,
+                               const DiscoverOptions& options = {}) {
+  return discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")}, options);
+}
+
 /// 25 rows to a natural period of a truth of mass 1 and k = 1.
 constexpr double spacing = 2 * M_PI / 25;
 

@@ -42,18 +42,14 @@ TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {
 /// One name that is near closes most of the gap; what it leaves is seen, though its slope at the fit is no guide to how
 /// large the forces without a name are.
 TEST(Patchwork, OfOneNameIsSeenByTheForceItLeaves) {
-  truth::RecordOptions options;
-  options.noise_db = 20;
   for (const std::uint64_t seed : {6122, 6124, 6320}) {
-    options.seed = seed;
     const truth::Scale& scale = truth::scale_named("micro");
-    const truth::Records records = truth::make_records(truth::case_named("outside_y_abs_v"), scale, options);
+    const truth::Records records = testing::records_of("outside_y_abs_v", scale, 20, seed);
     const Model model = baseline("k*y + c*v", scale.mass);
     std::vector<Effect> catalogue = small_catalogue(*model.pool);
     catalogue.push_back(testing::entry(*model.pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
                                        {testing::row("odd_quadratic_stiffness_k2")}));
-    const Discovery d = discover(model, catalogue, {testing::record_of(records.train, "train")},
-                                 {testing::record_of(records.test, "test")});
+    const Discovery d = testing::discover_case(model, catalogue, records);
     EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
     EXPECT_TRUE(d.effects.empty());
   }
@@ -71,15 +67,10 @@ TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
 /// Under a slow sweep v^2*y is nearly a cubic spring, which closes 99 % of the squared gap; what it leaves is ten times
 /// the noise, and generic forces explain it.
 TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
-  truth::RecordOptions options;
-  options.excited = truth::Excited::chirp;
-  options.noise_db = 40;
-  options.seed = 8240;
   const truth::Scale& scale = truth::scale_named("metre");
-  const truth::Records records = truth::make_records(truth::case_named("outside_v2y"), scale, options);
+  const truth::Records records = testing::records_of("outside_v2y", scale, 40, 8240, truth::Excited::chirp);
   const Model model = baseline("k*y + c*v", scale.mass);
-  const Discovery d = discover(model, small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
-                               {testing::record_of(records.test, "test")});
+  const Discovery d = testing::discover_case(model, small_catalogue(*model.pool), records);
   EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn")) << d.sentence;
   EXPECT_EQ(d.verdict, "unknown-effect");
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "discover/gap.hpp"
 #include "discover_catalogue.hpp"
@@ -32,7 +33,7 @@ Discovery find(const truth::Records& records, const std::function<Effect(Pool&)>
   DiscoverOptions options;
   options.first = static_cast<int>(catalogue.size());
   catalogue.push_back(rare(*model.pool));
-  return discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")}, options);
+  return testing::discover_case(model, catalogue, records, options);
 }
 
 Effect quintic(Pool& pool) {
@@ -77,11 +78,8 @@ TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
 /// Friction that falls with speed; the force of a record with 10 % noise starts it at a speed far too low, where it
 /// runs into its limit.
 TEST(DiscoveryRounds, ALimitThatWasReachedFromTheWrongSideIsLeft) {
-  truth::RecordOptions options;
-  options.noise_db = 20;
-  options.seed = 6520;
   const truth::Scale& scale = truth::scale_named("micro");
-  const truth::Records records = truth::make_records(truth::case_named("stribeck_friction"), scale, options);
+  const truth::Records records = testing::records_of("stribeck_friction", scale, 20, 6520);
   const Model model = baseline("k*y + c*v", scale.mass);
   std::vector<Effect> catalogue = {
       entry(*model.pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)", {row("coulomb_friction_Fc", 0)})};
@@ -99,8 +97,7 @@ TEST(DiscoveryRounds, ALimitThatWasReachedFromTheWrongSideIsLeft) {
   catalogue.back().range = [](const RecordScales& s, int) {
     return Ranges{{"stribeck_friction_vs", {1e-3 * s.v_max, s.v_max}}};
   };
-  const Discovery d =
-      discover(model, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  const Discovery d = testing::discover_case(model, catalogue, records);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "stribeck_friction");
   EXPECT_LT(d.final_test.value, 1.15 * d.final_test.floor);
@@ -125,6 +122,17 @@ TEST(Candidate, IsAnotherEffectWhereItsConditionsDoNotHold) {
   EXPECT_TRUE(with_parameters(1, 2).degenerate());
 }
 
+/// A free run of k*y + c*v (and more) with values by name over a record that it was prepared with.
+FreeRun run_with(const Model& model, const Record& record, const std::map<std::string, double>& values, int substeps) {
+  const DiscoverOptions options;
+  const Study study = prepare(model, {record}, {record}, options);
+  const Candidate c = compile(study, model, {});
+  Eigen::VectorXd theta(c.parameters());
+  for (int i = 0; i < c.parameters(); ++i)
+    theta[i] = values.at(c.system->model().parameters[static_cast<std::size_t>(i)].name);
+  return free_run(study, *c.system, theta, study.full.front(), substeps).front();
+}
+
 /// Two wells: the first state decides into which one the motion falls, and slopes along the run grow without bound. The
 /// floor is what several runs from the state's spread do, which the wells bound.
 TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
@@ -145,15 +153,7 @@ TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
   for (int i = 0; i < rows; ++i) columns.y[static_cast<std::size_t>(i)] += 0.01 * std::sin(7919.0 * i);
   const Record record = record_of(columns, "two wells");
   const Model model = complete(baseline("k*y + c*v + k3*y^3", 1));
-  DiscoverOptions options;
-  const Study study = prepare(model, {record}, {record}, options);
-  const Candidate c = compile(study, model, {});
-  Eigen::VectorXd theta(3);
-  for (int i = 0; i < 3; ++i) {
-    const std::string& name = c.system->model().parameters[static_cast<std::size_t>(i)].name;
-    theta[i] = name == "k" ? -1 : name == "c" ? 0.2 : 1;
-  }
-  const Gap gap = pool_gap({free_run(study, *c.system, theta, study.full.front(), 2)}, 0);
+  const Gap gap = pool_gap({run_with(model, record, {{"k", -1}, {"c", 0.2}, {"k3", 1}}, 2)}, 0);
   EXPECT_TRUE(std::isfinite(gap.floor));
   EXPECT_LT(gap.floor, 2);    // two independent motions of equal variance are sqrt(2) apart
   EXPECT_GT(gap.floor, 0.1);  // and far above the sensor's noise
@@ -164,16 +164,9 @@ TEST(Floor, IsBoundedWhereTheFirstStateDecides) {
 TEST(FreeRun, TakesShorterStepsBeforeItCountsAsStopped) {
   const truth::Records records = made("null_linear", 40);
   const Record record = record_of(records.train, "train");
-  const Model model = complete(baseline("k*y + c*v", truth::scale_named("milli").mass));
-  DiscoverOptions options;
-  const Study study = prepare(model, {record}, {record}, options);
-  const Candidate c = compile(study, model, {});
-  Eigen::VectorXd theta(2);
-  for (int i = 0; i < 2; ++i) {
-    const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
-    theta[i] = damper ? 12 * truth::scale_named("milli").mass / record.dt() : 1;
-  }
-  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1).front();
+  const double mass = truth::scale_named("milli").mass;
+  const Model model = complete(baseline("k*y + c*v", mass));
+  const FreeRun run = run_with(model, record, {{"k", 1}, {"c", 12 * mass / record.dt()}}, 1);
   EXPECT_EQ(run.cause, "");
   EXPECT_TRUE(std::isfinite(run.squares));
 }
@@ -187,15 +180,7 @@ TEST(FreeRun, TakesShorterStepsUntilHalvesSayTheSame) {
   const Record record("ringing", 0, 1,
                       {testing::channel("F", "N", std::vector<double>(rows, 0.0)), testing::channel("y", "m", y)});
   const Model model = complete(baseline("k*y + c*v", 1));
-  DiscoverOptions options;
-  const Study study = prepare(model, {record}, {record}, options);
-  const Candidate c = compile(study, model, {});
-  Eigen::VectorXd theta(2);
-  for (int i = 0; i < 2; ++i) {
-    const bool damper = c.system->model().parameters[static_cast<std::size_t>(i)].name == "c";
-    theta[i] = damper ? 2 * decay : 1 + decay * decay;
-  }
-  const FreeRun run = free_run(study, *c.system, theta, study.full.front(), 1).front();
+  const FreeRun run = run_with(model, record, {{"k", 1 + decay * decay}, {"c", 2 * decay}}, 1);
   EXPECT_LT(std::sqrt(run.squares / static_cast<double>(run.rows)), 1e-3 * moments::standard_deviation(y));
 }
 
@@ -229,8 +214,8 @@ TEST(DiscoveryRounds, PValuesCountAllThatWasTried) {
   const auto p_value = [&](std::size_t entries) {
     const Model model = baseline("k*y + c*v", truth::scale_named("milli").mass);
     const std::vector<Effect> all = small_catalogue(*model.pool);
-    const Discovery d = discover(model, {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(entries)},
-                                 {record_of(records.train, "train")}, {record_of(records.test, "test")});
+    const Discovery d =
+        testing::discover_case(model, {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(entries)}, records);
     for (const Rival& rival : d.rivals)
       if (rival.name == "cubic_stiffness") return rival.p_value;
     return -1.0;
