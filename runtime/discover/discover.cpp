@@ -229,10 +229,10 @@ class Spine {
       out_.test_p_value = test_p_value(study_, before_test_, after_test_);
       const std::string fault = refuted(study_, round, out_.test_p_value, before_test_, after_test_);
       if (!fault.empty())
-        take_back(round, fault, steps_that_stand(study_, found, before_test_));
+        take_back(round, fault, steps_that_stand(study_, round, before_test_));
       else if (const std::size_t stand = steps_that_help(study_, found, after_test_); stand < found.steps.size())
         take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
-    } else if (round.verdict == "nothing-missing" && far_from_the_floor(pool_gap(before_test_, 0))) {
+    } else if (round.verdict == "nothing-missing" && far_from_the_floor(round.gap(before_test_))) {
       round.verdict = "unknown-effect";
     }
     after_train_ = round.train;
@@ -271,7 +271,7 @@ class Spine {
       before_test_ = after_test_;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
-    const bool open = patched || round.left.material || far_from_the_floor(pool_gap(before_test_, 0));
+    const bool open = patched || round.left.material || far_from_the_floor(round.gap(before_test_));
     round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
   }
 

@@ -32,6 +32,7 @@ constexpr int most_promising = 6;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 40;       // the same as far as they are refined, and run where no other reaches the noise
 constexpr std::size_t slow_runs = 2;
+constexpr int led_out = 4;        // single effects above the noise that begin again from other guesses
 constexpr double reached = 1.05;  // of the sensor's noise: nothing is left
 constexpr double hopeless = 3;    // times the best squared error after the first iterations: not fitted to the end
 
@@ -214,12 +215,27 @@ class Grower {
     std::vector<std::size_t> list = shortlist(offers, order, size, slow);
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
-    const bool open = level.empty() || rms(level.front()) > reached * study_.sensor_noise();
-    if (slow.empty() || !open) return level;
+    if (!getenv("LUNID_OFF") && size == 1 && is_open(level)) leave_minima(level);
+    if (slow.empty() || !is_open(level)) return level;
     std::vector<Candidate> others = fit_list(offers, slow, {}, size);
     level.insert(level.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
     sort_by_cost(level);
     return once_each(level);
+  }
+
+  bool is_open(const std::vector<Candidate>& sorted) const {
+    return sorted.empty() || rms(sorted.front()) > reached * study_.sensor_noise();
+  }
+
+  /// Of the best single effects: noise may have led the force to a minimum that is far from the trajectory's.
+  void leave_minima(std::vector<Candidate>& sorted) const {
+    parallel_for(std::min<int>(led_out, static_cast<int>(sorted.size())), study_.options->threads, [&](int i) {
+      Candidate& c = sorted[static_cast<std::size_t>(i)];
+      const auto shape =
+          std::find_if(shapes_.begin(), shapes_.end(), [&](const Shape& s) { return s.choice == c.choices.front(); });
+      if (shape != shapes_.end()) fits_.leave_minimum(c, *shape);
+    });
+    sort_by_cost(sorted);
   }
 
   using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;

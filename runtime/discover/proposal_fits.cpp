@@ -41,24 +41,36 @@ void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
   if (again.cost < c.fit.cost) c.fit = std::move(again);
 }
 
-void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
-  constexpr std::size_t most = 6;
+void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const {
+  constexpr std::size_t most = 8;
   constexpr int iterations = 8;
-  if (!c.ran() || !c.degenerate() || !parent.ran() || all_linear(shape) || many_states(shape) ||
-      shape.guesses.size() > most)
-    return;
+  if (all_linear(shape) || many_states(shape) || shape.guesses.size() > most) return;
   const auto& table = c.system->model().parameters;
-  const Eigen::Index before = parent.parameters();
+  const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
   for (const Guess& guess : shape.guesses) {
-    Eigen::VectorXd start(c.parameters());
-    start.head(before) = parent.fit.theta;
+    Eigen::VectorXd start = from;
     for (Eigen::Index j = before; j < start.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);
-      start[j] = c.linear[k] ? 0 : guessed(table[k], guess);
+      if (!c.linear[k]) start[j] = guessed(table[k], guess);
     }
     FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
     if (other.cost < c.fit.cost) c.fit = std::move(other);
   }
+}
+
+void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
+  if (!c.ran() || !c.degenerate() || !parent.ran()) return;
+  Eigen::VectorXd from = Eigen::VectorXd::Zero(c.parameters());
+  from.head(parent.parameters()) = parent.fit.theta;
+  try_guesses(c, shape, from);
+}
+
+void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
+  if (!c.ran()) return;
+  try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
+  FitResult other =
+      fit_progressively(*c.system, c.fit.theta, study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
+  if (other.cost < c.fit.cost) c.fit = std::move(other);
 }
 
 void ProposalFits::end(Candidate& c) const {

@@ -34,11 +34,15 @@ class ProposalFits {
   /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
   /// the parent with the effect at zero.
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
+  /// The same for one that has come to its end above the noise, from where it is; and from short free runs on.
+  void leave_minimum(Candidate& c, const Shape& shape) const;
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end(Candidate& c) const;
 
  private:
   int coarse_substeps(const Candidate& c) const;
+  /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed.
+  void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
 
   const Study& study_;
   const Candidate& baseline_;

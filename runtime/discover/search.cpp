@@ -233,15 +233,15 @@ class Search {
   }
 
   /// A part of a fitted set, fitted from the parameters of that set, and from those with the baseline's own; as the
-  /// field has it where that is as good (alone it may have ended elsewhere).
+  /// field has it where that is likelier (alone it may have ended elsewhere).
   Candidate obtain(const std::vector<Candidate>& field, const Choices& set, const Candidate& larger) {
     const auto known =
         std::find_if(field.begin(), field.end(), [&](const Candidate& c) { return same(c.choices, set); });
     Candidate c = known != field.end() ? *known : compile(study_, model_, set);
     fit_from(c, larger);
-    if (known != field.end() && !(squared_error(c.fit) < 0.98 * squared_error(known->fit))) return *known;
     judge(study_, c, result_.whitening);
-    return c;
+    const bool as_known = known != field.end() && (!c.ran() || known->likelihood_cost <= c.likelihood_cost);
+    return as_known ? *known : c;
   }
 
   /// The first states of a set's fit as far as a part of it has the same states in the same order.

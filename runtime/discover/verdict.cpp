@@ -77,7 +77,8 @@ void decide(const Study& study, Round& round) {
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   if (!round.names()) {
-    round.verdict = round.left.material || far_from_the_floor(round.left.gap) ? "unknown-effect" : "nothing-missing";
+    round.verdict =
+        round.left.material || far_from_the_floor(round.gap(round.train)) ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
              closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < 0.95) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
@@ -118,7 +119,7 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after) {
   const Left& left = round.left;
-  const Gap first = pool_gap(before, 0), last = pool_gap(after, 0);
+  const Gap first = round.gap(before), last = round.gap(after);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";
   if (!std::isfinite(first.value)) return "";
   if (!(lowers_the_gap(study, before, after) && p_value < 0.2)) return "did not lower the gap on the test record";
@@ -139,15 +140,16 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole) return "left a force that is repeatable";
-  const Gap generic = pool_gap(runs(study, *left.closure.system, left.closure.fit, study.test), 0);
+  const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
 
-std::size_t steps_that_stand(const Study& study, const SearchResult& found, const std::vector<FreeRun>& before) {
-  const Gap first = pool_gap(before, 0);
+std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
+  const SearchResult& found = round.found;
+  const Gap first = round.gap(before);
   for (std::size_t count = found.steps.size(); count-- > 1;) {
     const std::vector<FreeRun> after = runs(study, found.steps[count - 1], study.test);
-    const Gap last = pool_gap(after, 0);
+    const Gap last = round.gap(after);
     const bool stands = std::isfinite(first.value) && std::isfinite(last.value) &&
                         closed_share(first.value, last.value, last.floor) > 0.95 &&
                         test_p_value(study, before, after) < 0.05;

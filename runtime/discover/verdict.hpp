@@ -25,6 +25,8 @@ struct Round {
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
   std::string verdict, withdrawn;
   bool names() const { return !found.chosen.choices.empty(); }
+  /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
+  Gap gap(const std::vector<FreeRun>& runs) const { return pool_gap(runs, input_noise_share(train)); }
 };
 
 /// Free runs over whole records, each output of the first record, then those of the second ... `floor`: with what noise
@@ -62,7 +64,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
 /// How many of the first steps the test records confirm for themselves where they do not confirm all: what a single
 /// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
 /// gap. `before`: the baseline's runs over the test records.
-std::size_t steps_that_stand(const Study& study, const SearchResult& found, const std::vector<FreeRun>& before);
+std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
 /// The same where they confirm all together: without the last ones whose step has clearly raised the gap. `after`: the
 /// final model's runs over the test records.
 std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after);

@@ -10,13 +10,10 @@ return function(effect)
       u = { rate = "(kh*(y - x) + ch*(v - u))/mh", unit = "m/s" },
     },
     guess = function(scale)
-      local guesses = {}
-      for _, heavier in ipairs { 0.03, 0.3 } do
-        for _, ratio in ipairs { 0.5, 1, 2 } do
-          local mh = heavier * scale.stiffness / scale.omega ^ 2
-          local wh = ratio * scale.omega
-          guesses[#guesses + 1] = { mh = mh, kh = mh * wh ^ 2, ch = 0.05 * mh * wh }
-        end
+      local guesses, mh = {}, 0.1 * scale.stiffness / scale.omega ^ 2  -- how heavy is solved for: all scale with mh
+      for _, ratio in ipairs { 0.35, 0.5, 0.7, 1, 1.4, 2, 2.8 } do
+        local wh = ratio * scale.omega
+        guesses[#guesses + 1] = { mh = mh, kh = mh * wh ^ 2, ch = 0.1 * mh * wh }
       end
       return guesses
     end,
