@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 
 #include "discover/baseline.hpp"
@@ -24,7 +25,15 @@ namespace {
 
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
+constexpr double lost = 0.3;         ///< gap beyond which a run follows nothing
+constexpr double short_run = 2;      ///< in periods of the motion's upper frequency
 constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
+
+std::string seconds(double t) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g s", t);
+  return text;
+}
 
 class Spine {
  public:
@@ -54,11 +63,8 @@ class Spine {
   Discovery run() {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings);
-    Round round = look(first_, {});
-    if (first_ < catalogue_.size() && leaves_open(round))
-      look_further(round, "the whole catalogue", catalogue_.size());
-    else if (with_faults_ > first_ && round.names())
-      look_further(round, "faults of sensors and of the input", with_faults_);
+    Round round = look_at_all();
+    if (nothing_follows(round)) look_in_short_runs(round);
     fit_all_rows(round);
     progress("open the test record", 0.94);
     validate_on_test(round);
@@ -68,6 +74,52 @@ class Spine {
   }
 
  private:
+  /// The common entries, and the others where those leave something open.
+  Round look_at_all() {
+    Round round = look(first_, {});
+    if (first_ < catalogue_.size() && leaves_open(round))
+      look_further(round, "the whole catalogue", catalogue_.size());
+    else if (with_faults_ > first_ && round.names())
+      look_further(round, "faults of sensors and of the input", with_faults_);
+    return round;
+  }
+
+  // ---- motions that forget where they came from ----
+  /// No set that was fitted comes near the measured motion.
+  bool nothing_follows(const Round& round) const {
+    if (study_.imposed || round.names()) return false;
+    const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < lost * study_.measured_std(); };
+    return !(round.left.gap.value < lost) &&
+           std::none_of(round.found.grown.sets.begin(), round.found.grown.sets.end(), follows);
+  }
+
+  /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
+  /// reaches the noise; and the long runs of that model are lost to noise alone.
+  void look_in_short_runs(Round& round) {
+    const Study whole = whole_, study = study_;
+    const Candidate baseline = baseline_;
+    whole_ = study_ = in_short_runs(whole, short_run);
+    progress("runs of " + seconds(study_.run_length), 0.1);
+    std::vector<std::string> unsaid;
+    baseline_ = fit_baseline(study_, model_, unsaid);
+    Round shorter = look_at_all();
+    const bool reached = rms_error(shorter.found.chosen.fit) < 1.5 * study_.sensor_noise();
+    if (shorter.verdict != "unknown-effect" && reached &&
+        lost_to_noise(pool_gap(runs(study, shorter.found.chosen, study.full), 1))) {
+      round = std::move(shorter);
+      out_.warnings.push_back(
+          "runs over whole records are lost to noise, whatever the model: all runs, fits and gaps are of " +
+          seconds(study_.run_length) + ", each from a first state of its own");
+      return;
+    }
+    whole_ = whole;
+    study_ = study;
+    baseline_ = baseline;
+  }
+
+  /// Most of the gap, and much of the motion, is what noise makes of it.
+  static bool lost_to_noise(const Gap& gap) { return gap.floor > lost && gap.value < 2 * gap.floor; }
+
   /// Searches the first entries of the catalogue. What is found may show how the force is to be read between its
   /// samples; where that matters the search is made again.
   Round look(std::size_t entries, const Grown& known) {
@@ -226,11 +278,12 @@ class Spine {
     after_test_ = runs(study_, found.chosen, study_.test);
     before_test_ = round.names() ? runs(study_, found.baseline, study_.test, false) : after_test_;
     if (round.names()) {
-      out_.test_p_value = test_p_value(study_, before_test_, after_test_);
-      const std::string fault = refuted(study_, round, out_.test_p_value, before_test_, after_test_);
+      const TestRuns test = runs_that_tell(round);
+      out_.test_p_value = test_p_value(test.study, test.before, test.after);
+      const std::string fault = refuted(test.study, round, out_.test_p_value, test.before, test.after);
       if (!fault.empty())
-        take_back(round, fault, steps_that_stand(study_, round, before_test_));
-      else if (const std::size_t stand = steps_that_help(study_, found, after_test_); stand < found.steps.size())
+        take_back(round, fault, steps_that_stand(test.study, round, test.before));
+      else if (const std::size_t stand = steps_that_help(test.study, found, test.after); stand < found.steps.size())
         take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
     } else if (round.verdict == "nothing-missing" && far_from_the_floor(round.gap(before_test_))) {
       round.verdict = "unknown-effect";
@@ -248,6 +301,25 @@ class Spine {
       out_.outputs.push_back({outputs[i], gap(before_train_), gap(before_test_), gap(after_train_), gap(after_test_)});
     }
     name_steps(found);
+  }
+
+  struct TestRuns {
+    Study study;
+    std::vector<FreeRun> before, after;
+  };
+
+  /// Runs over the test records, in short ones where noise alone would have lost the model over the whole of them.
+  TestRuns runs_that_tell(const Round& round) {
+    TestRuns out{study_, before_test_, after_test_};
+    if (study_.imposed || study_.run_length > 0) return out;
+    if (!(round.gap(out.after).floor > lost)) return out;
+    out.study = in_short_runs(study_, short_run);
+    out.after = runs(out.study, round.found.chosen, out.study.test);
+    out.before = runs(out.study, round.found.baseline, out.study.test, false);
+    out_.warnings.push_back(
+        "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +
+        seconds(out.study.run_length) + " there");
+    return out;
   }
 
   /// All names but those of the first steps that stand.
@@ -363,6 +435,7 @@ class Spine {
     for (const Choice& choice : found.order)
       if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
     out_.output = study_.output();
+    out_.run_length = study_.run_length;
     out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
     out_.solver =
         study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
@@ -376,7 +449,9 @@ class Spine {
   void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,
                    std::span<const FreeRun> after, const std::string& role) {
     const std::size_t outputs = study_.outputs().size();
-    for (std::size_t i = 0; i < records.size(); ++i)
+    // Of short runs a few: there are dozens.
+    const std::size_t step = study_.run_length > 0 ? std::max<std::size_t>(1, records.size() / 3) : 1;
+    for (std::size_t i = 0; i < records.size(); i += step)
       for (Comparison& c : compare(study_, found.baseline, found.chosen, records[i],
                                    before.subspan(i * outputs, outputs), after.subspan(i * outputs, outputs), role))
         out_.comparisons.push_back(std::move(c));

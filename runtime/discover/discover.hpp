@@ -130,6 +130,7 @@ struct Discovery {
   ExperimentDesign experiment;        ///< what would tell an ambiguous class apart; else empty
   ExperimentOptions same_experiment;  ///< limits, rate and noise as these records had them
   std::string output = "y";           ///< what free runs are held against: y, or v or a alone; F with imposed motion
+  double run_length = 0;  ///< [s] of the free runs, where those over whole records are lost to noise; else 0
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

@@ -196,8 +196,9 @@ void weigh(double weight, FreeRun& out) {
 
 Eigen::Index lead_in(const Record& record, double omega) {
   const auto rows = static_cast<double>(record.rows());
-  const double periods = omega > 0 ? 2 * 2 * M_PI / omega / record.dt() : rows;
-  return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(periods, 0.05 * rows)));
+  const double period = omega > 0 ? 2 * M_PI / omega / record.dt() : rows;
+  const double few = std::min(0.5 * period, 0.2 * rows);
+  return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(2 * period, std::max(0.05 * rows, few))));
 }
 
 std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,

@@ -4,7 +4,8 @@
 
 namespace lunid {
 
-/// Rows whose motion gives the first state: two periods or 5 % of the rows, whichever is less, never under 5.
+/// Rows whose motion gives the first state: two periods or 5 % of the rows, whichever is less; of a record of few
+/// periods half a one or 20 %; never under 5.
 Eigen::Index lead_in(const Record& record, double omega);
 
 /// One output of a record beside the free run of a model.

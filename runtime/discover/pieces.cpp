@@ -1,4 +1,5 @@
-// Pieces of long records: enough to find a name by, when all rows would take minutes to each candidate.
+// Pieces of long records: enough to find a name by, when all rows would take minutes to each candidate. And short runs,
+// of records over which no run holds.
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +14,8 @@ using Eigen::Index;
 constexpr Index searched_rows = 16000;  // of all training records together
 constexpr Index fewest_rows = 1500;     // of a piece
 constexpr double fewest_periods = 20;   // of the motion in a piece
+constexpr Index run_rows = 12000;       // of all parts of the records together, where those are cut into short runs
+constexpr Index fewest_rows_of_run = 40;
 
 struct Piece {
   std::size_t record;
@@ -46,7 +49,7 @@ void cut(const Record& record, std::size_t index, const std::string& channel, In
 std::vector<Piece> pieces_of(const Study& study) {
   Index all = 0;
   for (const FitData& data : study.train) all += data.record.rows();
-  if (study.imposed || all <= searched_rows * 3 / 2) return {};
+  if (study.imposed || study.run_length > 0 || all <= searched_rows * 3 / 2) return {};
   std::vector<Piece> out;
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const Record& record = study.train[r].record;
@@ -69,7 +72,43 @@ FitData piece_of(const FitData& data, const Piece& piece) {
   return out;
 }
 
+/// Consecutive parts of a record, evenly spread where they would be more than `most` rows together.
+std::vector<Piece> parts_of(const Record& record, std::size_t index, double length, Index most) {
+  const Index rows = record.rows();
+  const Index own = std::clamp<Index>(static_cast<Index>(std::lround(length / record.dt())), fewest_rows_of_run, rows);
+  const Index all = rows / own, count = std::clamp<Index>(most / own, 1, all);
+  std::vector<Piece> out;
+  for (Index k = 0; k < count; ++k) out.push_back({index, k * all / count * own, own});
+  return out;
+}
+
+std::vector<Record> cut(const std::vector<Record>& records, double length) {
+  std::vector<Record> out;
+  for (std::size_t r = 0; r < records.size(); ++r)
+    for (const Piece& p : parts_of(records[r], r, length, run_rows / std::ssize(records)))
+      out.push_back(records[r].slice(p.first, p.count));
+  return out;
+}
+
 }  // namespace
+
+Study in_short_runs(const Study& whole, double periods) {
+  Study out = whole;
+  out.run_length = periods * 2 * M_PI / upper_frequency(whole);
+  out.full = cut(whole.full, out.run_length);
+  out.test = cut(whole.test, out.run_length);
+  for (auto* list : {&out.train, &out.force}) list->clear();
+  out.smooth.clear();
+  out.guesses.clear();
+  for (std::size_t r = 0; r < whole.train.size(); ++r)
+    for (const Piece& p : parts_of(whole.train[r].record, r, out.run_length, run_rows / std::ssize(whole.train))) {
+      out.train.push_back(piece_of(whole.train[r], p));
+      out.smooth.push_back(whole.smooth[r].slice(p.first, p.count));
+      out.force.push_back(piece_of(whole.force[r], p));
+      out.guesses.push_back(whole.guesses[r]);
+    }
+  return out;
+}
 
 Study shortened(const Study& whole) {
   const std::vector<Piece> pieces = pieces_of(whole);

@@ -20,6 +20,7 @@ struct Study {
   std::vector<Record> smooth;  ///< training records with y v a F through one Savitzky-Golay kernel
   std::vector<FitData> force;  ///< the same for fits of the force; edges of the kernel left out
   bool in_pieces = false;      ///< train, smooth and force are pieces of longer records (shortened)
+  double run_length = 0;       ///< [s] of the parts that records were cut into (in_short_runs); 0: whole
   std::vector<std::string> warnings;
   double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
@@ -57,6 +58,11 @@ FitData fit_data(const Study& study, const Record& record);
 /// all rows is made on these. `full` and `test` stay what they are; short records, and an imposed motion, whose
 /// internal states need all that came before, are taken whole. To be made again after set_interpolation.
 Study shortened(const Study& whole);
+
+/// The study on consecutive parts of its records, each so many periods of its upper frequency long and with a first
+/// state of its own: for a motion that forgets where it came from (chaos, several attractors), which a run over the
+/// whole record loses, whatever the model. Of long records evenly spread parts.
+Study in_short_runs(const Study& whole, double periods);
 
 /// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
 std::vector<std::string> side_channels(const Record& record);

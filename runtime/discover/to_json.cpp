@@ -173,6 +173,7 @@ json to_json(const Discovery& d) {
       {"force_between_samples", d.interpolation},
       {"solver", d.solver},
       {"noise", d.noise_model}};
+  if (d.run_length > 0) out["method"]["run_length"] = d.run_length;
   if (!d.check_solver.empty())
     out["method"]["check"] = {
         {"solver", d.check_solver},

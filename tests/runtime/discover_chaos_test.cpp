@@ -1,0 +1,71 @@
+// Motions that forget where they came from: a run over the whole record is lost to noise, whatever the model.
+#include <gtest/gtest.h>
+
+#include "discover_catalogue.hpp"
+#include "statistics/moments.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::small_catalogue;
+
+/// A mass between two wells, -x + x^3, under several tones: it changes wells at no period (Holmes 1979).
+Record between_wells(double level, std::uint64_t seed, int rows) {
+  truth::Physics physics;
+  physics.zeta = 0.1;
+  physics.k = -1;
+  physics.k3 = 1;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.3, 2.2, 40, seed), level, {1, 0, 0}, rows, testing::spacing, 12);
+  const double noise = 0.01 * moments::standard_deviation(motion.x);
+  const Record record = testing::noisy_record(motion, "y", motion.x, noise, seed);
+  return derive_motion(Record("wells", 0, testing::spacing, {record.channel("F"), record.channel("y")}));
+}
+
+Discovery found_between(const Record& train, const Record& test) {
+  const Model model = baseline("k*y + c*v", 1);
+  return discover(model, small_catalogue(*model.pool), {train}, {test});
+}
+
+TEST(DiscoveryOfChaos, NamesACubicSpringByShortRuns) {
+  const Discovery d = found_between(between_wells(0.1, 5, 2500), between_wells(0.1, 6, 1500));
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 1, 0.02);
+  EXPECT_TRUE(testing::warns(d, "runs over whole records are lost to noise"));
+  EXPECT_GT(d.run_length, 0);
+  EXPECT_LT(d.final_test.value, 0.15);
+}
+
+TEST(DiscoveryOfChaos, NamesNothingBesideACubicSpringThatIsKnown) {
+  const Model model = baseline("k*y + c*v + k3*y^3", 1);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  catalogue.erase(catalogue.begin());
+  const Discovery d = discover(model, catalogue, {between_wells(0.4, 3, 3000)}, {between_wells(0.4, 4, 1500)});
+  EXPECT_TRUE(d.effects.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, "nothing-missing");
+  EXPECT_LT(d.final_train.value, 0.1);
+}
+
+/// The test refutes nothing by a run that noise has led astray.
+TEST(DiscoveryOfChaos, OfTheTestRecordAloneTakesNoNameBack) {
+  const Discovery d = found_between(between_wells(0.4, 1, 3000), between_wells(0.4, 2, 1500));
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_GT(d.final_test.value, 0.5);
+  EXPECT_TRUE(testing::warns(d, "runs over the whole test record are lost to noise"));
+  EXPECT_EQ(d.run_length, 0);
+}
+
+/// A motion that runs follow is looked at in whole records, whatever is missing.
+TEST(DiscoveryOfChaos, IsNotSeenWhereRunsHold) {
+  const Model model = baseline("k*y + c*v", truth::scale_named("milli").mass);
+  const Discovery d = testing::discover_case(
+      model, small_catalogue(*model.pool), testing::records_of("cubic_hardening", truth::scale_named("milli"), 40, 7));
+  EXPECT_EQ(d.run_length, 0);
+  EXPECT_FALSE(testing::warns(d, "lost to noise"));
+}
+
+}  // namespace
+}  // namespace lunid
