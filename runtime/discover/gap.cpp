@@ -194,11 +194,11 @@ void weigh(double weight, FreeRun& out) {
 
 }  // namespace
 
-Eigen::Index lead_in(const Record& record, double omega) {
+Eigen::Index lead_in(const Study& study, const Record& record) {
   const auto rows = static_cast<double>(record.rows());
-  const double period = omega > 0 ? 2 * M_PI / omega / record.dt() : rows;
-  const double few = std::min(0.5 * period, 0.2 * rows);
-  return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(2 * period, std::max(0.05 * rows, few))));
+  const double periods = study.omega > 0 ? 2 * 2 * M_PI / study.omega / record.dt() : rows;
+  const double part = study.run_length > 0 ? 0.2 : 0.05;
+  return std::max<Eigen::Index>(5, static_cast<Eigen::Index>(std::min(periods, part * rows)));
 }
 
 std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,
@@ -207,7 +207,7 @@ std::vector<FreeRun> free_run(const Study& study, const System& system, const Ei
   for (const std::string& output : study.outputs()) {
     out.emplace_back();
     out.back().output = output;
-    out.back().lead = lead_in(record, study.omega);
+    out.back().lead = lead_in(study, record);
     out.back().rows = record.rows() - out.back().lead;
   }
   if (study.imposed)

@@ -4,9 +4,9 @@
 
 namespace lunid {
 
-/// Rows whose motion gives the first state: two periods or 5 % of the rows, whichever is less; of a record of few
-/// periods half a one or 20 %; never under 5.
-Eigen::Index lead_in(const Record& record, double omega);
+/// Rows whose motion gives the first state: two periods or 5 % of the rows (of a short run 20 %), whichever is less,
+/// never under 5.
+Eigen::Index lead_in(const Study& study, const Record& record);
 
 /// One output of a record beside the free run of a model.
 struct FreeRun {

@@ -14,7 +14,7 @@ bool left_out(const Study& study, std::size_t r, Eigen::Index row, int part, int
   const Record& record = study.train[r].record;
   const int own =
       static_cast<int>(study.train.size()) >= parts ? static_cast<int>(r) % parts : part_of(row, record.rows(), parts);
-  return own == part && row >= lead_in(record, study.omega);
+  return own == part && row >= lead_in(study, record);
 }
 
 /// Residuals of free runs, as a fit has them; empty where one did not come to its end.

@@ -82,6 +82,22 @@ std::vector<Piece> parts_of(const Record& record, std::size_t index, double leng
   return out;
 }
 
+/// What is searched, of these pieces.
+Study of_pieces(const Study& whole, const std::vector<Piece>& pieces) {
+  Study out = whole;
+  out.train.clear();
+  out.smooth.clear();
+  out.force.clear();
+  out.guesses.clear();
+  for (const Piece& piece : pieces) {
+    out.train.push_back(piece_of(whole.train[piece.record], piece));
+    out.smooth.push_back(whole.smooth[piece.record].slice(piece.first, piece.count));
+    out.force.push_back(piece_of(whole.force[piece.record], piece));
+    out.guesses.push_back(whole.guesses[piece.record]);
+  }
+  return out;
+}
+
 std::vector<Record> cut(const std::vector<Record>& records, double length) {
   std::vector<Record> out;
   for (std::size_t r = 0; r < records.size(); ++r)
@@ -93,38 +109,23 @@ std::vector<Record> cut(const std::vector<Record>& records, double length) {
 }  // namespace
 
 Study in_short_runs(const Study& whole, double periods) {
-  Study out = whole;
-  out.run_length = periods * 2 * M_PI / upper_frequency(whole);
-  out.full = cut(whole.full, out.run_length);
-  out.test = cut(whole.test, out.run_length);
-  for (auto* list : {&out.train, &out.force}) list->clear();
-  out.smooth.clear();
-  out.guesses.clear();
+  const double length = periods * 2 * M_PI / upper_frequency(whole);
+  std::vector<Piece> pieces;
   for (std::size_t r = 0; r < whole.train.size(); ++r)
-    for (const Piece& p : parts_of(whole.train[r].record, r, out.run_length, run_rows / std::ssize(whole.train))) {
-      out.train.push_back(piece_of(whole.train[r], p));
-      out.smooth.push_back(whole.smooth[r].slice(p.first, p.count));
-      out.force.push_back(piece_of(whole.force[r], p));
-      out.guesses.push_back(whole.guesses[r]);
-    }
+    for (const Piece& p : parts_of(whole.train[r].record, r, length, run_rows / std::ssize(whole.train)))
+      pieces.push_back(p);
+  Study out = of_pieces(whole, pieces);
+  out.run_length = length;
+  out.full = cut(whole.full, length);
+  out.test = cut(whole.test, length);
   return out;
 }
 
 Study shortened(const Study& whole) {
   const std::vector<Piece> pieces = pieces_of(whole);
   if (pieces.empty()) return whole;
-  Study out = whole;
+  Study out = of_pieces(whole, pieces);
   out.in_pieces = true;
-  out.train.clear();
-  out.smooth.clear();
-  out.force.clear();
-  out.guesses.clear();
-  for (const Piece& piece : pieces) {
-    out.train.push_back(piece_of(whole.train[piece.record], piece));
-    out.smooth.push_back(whole.smooth[piece.record].slice(piece.first, piece.count));
-    out.force.push_back(piece_of(whole.force[piece.record], piece));
-    out.guesses.push_back(whole.guesses[piece.record]);
-  }
   return out;
 }
 
