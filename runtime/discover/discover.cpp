@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
+#include <optional>
 
 #include "discover/baseline.hpp"
 #include "discover/conclusion.hpp"
@@ -278,12 +279,15 @@ class Spine {
     after_test_ = runs(study_, found.chosen, study_.test);
     before_test_ = round.names() ? runs(study_, found.baseline, study_.test, false) : after_test_;
     if (round.names()) {
-      const TestRuns test = runs_that_tell(round);
-      out_.test_p_value = test_p_value(test.study, test.before, test.after);
-      const std::string fault = refuted(test.study, round, out_.test_p_value, test.before, test.after);
+      const std::optional<TestRuns> shorter = short_test_runs(round);
+      const Study& study = shorter ? shorter->study : study_;
+      const std::vector<FreeRun>&before = shorter ? shorter->before : before_test_,
+            &after = shorter ? shorter->after : after_test_;
+      out_.test_p_value = test_p_value(study, before, after);
+      const std::string fault = refuted(study, round, out_.test_p_value, before, after);
       if (!fault.empty())
-        take_back(round, fault, steps_that_stand(test.study, round, test.before));
-      else if (const std::size_t stand = steps_that_help(test.study, found, test.after); stand < found.steps.size())
+        take_back(round, fault, steps_that_stand(study, round, before));
+      else if (const std::size_t stand = steps_that_help(study, found, after); stand < found.steps.size())
         take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
     } else if (round.verdict == "nothing-missing" && far_from_the_floor(round.gap(before_test_))) {
       round.verdict = "unknown-effect";
@@ -308,12 +312,10 @@ class Spine {
     std::vector<FreeRun> before, after;
   };
 
-  /// Runs over the test records, in short ones where noise alone would have lost the model over the whole of them.
-  TestRuns runs_that_tell(const Round& round) {
-    TestRuns out{study_, before_test_, after_test_};
-    if (study_.imposed || study_.run_length > 0) return out;
-    if (!(round.gap(out.after).floor > lost)) return out;
-    out.study = in_short_runs(study_, short_run);
+  /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
+  std::optional<TestRuns> short_test_runs(const Round& round) {
+    if (study_.imposed || study_.run_length > 0 || !(round.gap(after_test_).floor > lost)) return {};
+    TestRuns out{in_short_runs(study_, short_run), {}, {}};
     out.after = runs(out.study, round.found.chosen, out.study.test);
     out.before = runs(out.study, round.found.baseline, out.study.test, false);
     out_.warnings.push_back(

@@ -215,7 +215,7 @@ class Grower {
     std::vector<std::size_t> list = shortlist(offers, order, size, slow);
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
-    if (!getenv("LUNID_OFF") && size == 1 && is_open(level)) leave_minima(level);
+    if (size == 1 && is_open(level)) leave_minima(level);
     if (slow.empty() || !is_open(level)) return level;
     std::vector<Candidate> others = fit_list(offers, slow, {}, size);
     level.insert(level.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));

@@ -68,9 +68,12 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran()) return;
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
-  FitResult other =
-      fit_progressively(*c.system, c.fit.theta, study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
-  if (other.cost < c.fit.cost) c.fit = std::move(other);
+  try_short_runs(c, c.fit.theta);
+}
+
+void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) const {
+  FitResult other = fit_progressively(*c.system, from, study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
+  if (!c.ran() || other.cost < c.fit.cost) c.fit = std::move(other);
 }
 
 void ProposalFits::end(Candidate& c) const {
@@ -80,9 +83,7 @@ void ProposalFits::end(Candidate& c) const {
   }
   const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));
   if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
-  FitResult again =
-      fit_progressively(*c.system, c.starts.front(), study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
-  if (!c.ran() || again.cost < c.fit.cost) c.fit = std::move(again);
+  try_short_runs(c, c.starts.front());
 }
 
 }  // namespace lunid
