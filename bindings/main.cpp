@@ -1,5 +1,6 @@
 // The lunid executable: reads the command line and hands the command to stdlib/commands.
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <thread>
@@ -23,6 +24,7 @@ namespace {
 
 int main(int argc, char** argv) {
   using namespace lunid;
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away (`| head`) does not cost the results
   const lua::Command command = lua::parse_command_line(argc, argv);
   if (command.exit_code) return *command.exit_code;
   try {

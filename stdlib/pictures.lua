@@ -129,7 +129,8 @@ end
 local function of_output(comparison) return #comparison.output > 1 and "_" .. comparison.output or "" end
 
 local function add_histories(list, found)
-  local seen = {}
+  local seen, length = {}, found.data.method.run_length
+  local free_runs = length and ("free runs of %.3g s, some of many,"):format(length) or "free runs, never re-initialised,"
   for _, comparison in ipairs(found.comparisons) do
     local which = comparison.role .. of_output(comparison)
     seen[which] = (seen[which] or 0) + 1
@@ -137,7 +138,7 @@ local function add_histories(list, found)
       figure = figures.make(pictures.history(found, comparison)),
       caption = ("%s (%s): measured, and the %s of %s; the force that is left unexplained along the measured motion."):format(
         comparison.record, #comparison.output > 1 and comparison.role .. ", " .. comparison.output or comparison.role,
-        found.model.imposed_motion and "forces along the measured motion" or "free runs, never re-initialised,",
+        found.model.imposed_motion and "forces along the measured motion" or free_runs,
         #found.effects > 0 and "baseline and final model" or "the baseline") }
   end
 end

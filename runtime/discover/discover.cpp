@@ -217,14 +217,16 @@ class Spine {
 
   /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
   /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns
-  /// the relative drop of the squared error.
+  /// the relative drop of the squared error. A baseline far above the noise tells little: a force that is read half a
+  /// sample late can stand in for what it lacks.
   double rechoose_interpolation(const Candidate& chosen) {
     if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
     const Interpolation before = study_.interpolation;
     Interpolation best = before;
     const double first = squared_error(chosen.fit);
     double cost = first;
-    const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
+    const bool tells = !chosen.choices.empty() || rms_error(chosen.fit) < 2 * study_.sensor_noise();
+    const double needed = tells ? std::exp(-12.0 / static_cast<double>(chosen.fit.rows)) : 0.9;
     for (const auto kind :
          {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
       if (kind == before) continue;
@@ -430,6 +432,8 @@ class Spine {
     if (out_.verdict == "ambiguous") progress("design the experiment that would decide", 0.97);
     design_next(study_, found, out_);
     check_by_sundials(study_, found.chosen, out_);
+    list_records(study_.full, "train");
+    list_records(study_.test, "test");
     compare_all(found, study_.full, before_train_, after_train_, "train");
     compare_all(found, study_.test, before_test_, after_test_, "test");
     out_.map = residual_map(study_, found.baseline, found.chosen, place);
@@ -448,11 +452,29 @@ class Spine {
     out_.sentence = sentence(round, out_);
   }
 
+  /// Short runs of one record follow each other.
+  void list_records(const std::vector<Record>& records, const std::string& role) {
+    const std::size_t first = out_.records.size();
+    double begin = 0;
+    for (const Record& r : records) {
+      const bool same = study_.run_length > 0 && out_.records.size() > first && out_.records.back().record == r.name() &&
+                        r.start() > begin;
+      if (!same) {
+        begin = r.start();
+        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0});
+      }
+      RecordUsed& used = out_.records.back();
+      used.rows += r.rows();
+      used.seconds = r.start() + r.duration() - begin;
+      ++used.runs;
+    }
+  }
+
   void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,
                    std::span<const FreeRun> after, const std::string& role) {
     const std::size_t outputs = study_.outputs().size();
     // Of short runs a few: there are dozens.
-    const std::size_t step = study_.run_length > 0 ? std::max<std::size_t>(1, records.size() / 3) : 1;
+    const std::size_t step = study_.run_length > 0 ? (records.size() + 2) / 3 : 1;
     for (std::size_t i = 0; i < records.size(); i += step)
       for (Comparison& c : compare(study_, found.baseline, found.chosen, records[i],
                                    before.subspan(i * outputs, outputs), after.subspan(i * outputs, outputs), role))

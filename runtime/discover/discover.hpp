@@ -42,6 +42,15 @@ struct Gap {
   std::string cause;
 };
 
+/// What was looked at of a record: all of it in one run, or short runs of it.
+struct RecordUsed {
+  std::string record, role;  ///< path; "train" or "test"
+  Eigen::Index rows = 0;     ///< of all runs together
+  double seconds = 0;        ///< from the first row to the last
+  double rate = 0;           ///< [Hz]
+  int runs = 1;
+};
+
 /// A measured record beside the free runs of baseline and final model, for figures and reports. All in SI.
 struct Comparison {
   std::string record, role;                         ///< path; "train" or "test"
@@ -120,7 +129,8 @@ struct Discovery {
   std::vector<NamedEffect> effects;
   std::vector<Rival> rivals;  ///< of the last round, where nothing (more) was named
   std::vector<std::string> warnings;
-  std::vector<Comparison> comparisons;
+  std::vector<RecordUsed> records;
+  std::vector<Comparison> comparisons;  ///< of each record; of short runs a few
   std::vector<OutputGaps> outputs;  ///< with several coordinates: of each
   std::vector<PlacedForce> forces;  ///< with several coordinates: of each named effect
   std::string map_place;            ///< with several coordinates: what the map's y is, "y2" or "y1 - y2"

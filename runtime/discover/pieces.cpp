@@ -98,7 +98,7 @@ Study of_pieces(const Study& whole, const std::vector<Piece>& pieces) {
   return out;
 }
 
-std::vector<Record> cut(const std::vector<Record>& records, double length) {
+std::vector<Record> short_runs(const std::vector<Record>& records, double length) {
   std::vector<Record> out;
   for (std::size_t r = 0; r < records.size(); ++r)
     for (const Piece& p : parts_of(records[r], r, length, run_rows / std::ssize(records)))
@@ -116,8 +116,8 @@ Study in_short_runs(const Study& whole, double periods) {
       pieces.push_back(p);
   Study out = of_pieces(whole, pieces);
   out.run_length = length;
-  out.full = cut(whole.full, length);
-  out.test = cut(whole.test, length);
+  out.full = short_runs(whole.full, length);
+  out.test = short_runs(whole.test, length);
   return out;
 }
 

@@ -388,7 +388,7 @@ std::string sensor_hint(const Study& study, const Candidate& baseline) {
   for (std::size_t i = 0; i < study.train.size(); ++i) {
     flat = std::max(flat, flat_share(column(study.full[i], study.imposed ? "y" : study.output())));
     if (study.imposed || !baseline.ran()) continue;
-    trend = std::max(trend, trend_share(baseline.fit.residual[i]));
+    if (study.run_length == 0) trend = std::max(trend, trend_share(baseline.fit.residual[i]));
     lag = std::max(lag, lag_share(study, baseline, i));
   }
   if (flat > few_rows) text += "; the measured motion is flat at its extremes, as of a clipped channel";

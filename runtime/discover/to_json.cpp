@@ -137,6 +137,14 @@ json to_json(const ExperimentDesign& design) {
 
 json to_json(const Discovery& d) {
   json out = {{"schema", 1}, {"verdict", d.verdict}, {"sentence", d.sentence}, {"where", d.where}};
+  out["records"] = json::array();
+  for (const auto& r : d.records)
+    out["records"].push_back({{"record", r.record},
+                              {"role", r.role},
+                              {"rows", r.rows},
+                              {"duration", r.seconds},
+                              {"rate", r.rate},
+                              {"runs", r.runs}});
   out["baseline"] = model(d.baseline, d.baseline_train, d.baseline_test);
   out["baseline"]["first_guess"] = parameters(d.baseline_before);
   out["effects"] = json::array();

@@ -85,13 +85,13 @@ std::string to_terminal(const Discovery& d) {
       text.insert(at + 1, 11, ' ');
     out << label << text << '\n';
   };
-  for (const auto& c : d.comparisons) {
-    if (c.output != d.comparisons.front().output) continue;  // another output of a record that is listed
-    const auto rows = c.t.size();
-    char text[128];
-    std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", c.role.c_str(), static_cast<long>(rows),
-                  c.t[rows - 1] - c.t[0], static_cast<double>(rows - 1) / (c.t[rows - 1] - c.t[0]));
-    line("record", c.record + text);
+  for (const auto& r : d.records) {
+    char text[160];
+    std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", r.role.c_str(), static_cast<long>(r.rows),
+                  r.seconds, r.rate);
+    std::string words = r.record + text;
+    if (d.run_length > 0) words += ", in " + std::to_string(r.runs) + " runs of " + number(d.run_length) + " s";
+    line("record", words);
   }
   for (const auto& w : d.warnings) line("note", w);
   line("baseline", list(d.baseline.parameters));

@@ -258,6 +258,13 @@ spec.case("a second run replaces the files of the first and keeps the user's own
   spec.equal(spec.shell "ls third", "b.lua\nnotes.txt\nrun.json\n")
 end)
 
+spec.case("a reader that goes away does not cost the results", function()
+  spec.write("long.lua", 'local lunid = require "lunid"\nfor i = 1, 20000 do print("a line of many", i) end\n'
+    .. 'lunid.model { mass = 1, restoring = lunid.displacement }:save "m.lua"\n')
+  spec.equal(spec.shell(("'%s' run long.lua --out read | head -1"):format(spec.executable)), "a line of many\t1\n")
+  spec.equal(spec.shell "ls read", "m.lua\nrun.json\n")
+end)
+
 spec.case("simulate", function()
   spec.write("m.lua", 'local lunid = require "lunid"\nreturn lunid.model { mass = 1, restoring = 100*lunid.displacement }\n')
   local said, code = spec.lunid "simulate m.lua --excitation good.csv --from 0.01,0 --out sim"

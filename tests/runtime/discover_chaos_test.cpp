@@ -36,6 +36,13 @@ TEST(DiscoveryOfChaos, NamesACubicSpringByShortRuns) {
   EXPECT_TRUE(testing::warns(d, "runs over whole records are lost to noise"));
   EXPECT_GT(d.run_length, 0);
   EXPECT_LT(d.final_test.value, 0.15);
+  ASSERT_EQ(d.records.size(), 2u);  // each once, however many its runs
+  EXPECT_GT(d.records[0].runs, 10);
+  EXPECT_GT(d.records[0].rows, 2400);
+  EXPECT_EQ(d.records[1].role, "test");
+  EXPECT_NE(to_terminal(d).find("wells: train, "), std::string::npos);
+  EXPECT_NE(to_terminal(d).find(" runs of "), std::string::npos);
+  EXPECT_EQ(d.where.find("drifting sensor"), std::string::npos) << d.where;
 }
 
 TEST(DiscoveryOfChaos, NamesNothingBesideACubicSpringThatIsKnown) {
@@ -64,6 +71,7 @@ TEST(DiscoveryOfChaos, IsNotSeenWhereRunsHold) {
   const Discovery d = testing::discover_case(
       model, small_catalogue(*model.pool), testing::records_of("cubic_hardening", truth::scale_named("milli"), 40, 7));
   EXPECT_EQ(d.run_length, 0);
+  EXPECT_EQ(d.records[0].runs, 1);
   EXPECT_FALSE(testing::warns(d, "lost to noise"));
 }
 

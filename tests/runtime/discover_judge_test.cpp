@@ -35,7 +35,8 @@ struct Compared {
     const Model model = testing::baseline("k*y", 1);
     Channel y = testing::channel("y", "m", std::vector<double>(rows, 0.0));
     y.noise = noise;
-    study.train.push_back({Record("r", 0, 1, {y}), {}, {}});
+    study.full.emplace_back("r", 0, 1, std::vector<Channel>{y});
+    study.train.push_back({study.full.front(), {}, {}});
     fill(best, model, residual(deviation, 0));
     fill(other, model, residual(deviation, burst));
   }
