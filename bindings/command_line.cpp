@@ -21,8 +21,8 @@ using nlohmann::json;
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
   std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
-  std::string study, mass, restoring, baseline, columns, out, model, excitation, from, solver, initial;
-  double alpha = 0.01, duration = 0, step = 0;
+  std::string study, mass, restoring, baseline, columns, catalogue, out, model, excitation, from, solver, initial;
+  double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
   bool imposed_motion = false, resample = false, quick = false;
@@ -58,6 +58,12 @@ void add_discover(CLI::App& app, Values& values) {
         const double alpha = std::strtod(text.c_str(), nullptr);
         return alpha > 0 && alpha < 0.5 ? "" : "expected > 0 and < 0.5, got " + text;
       });
+  discover->add_option("--minimum-gain", values.minimum_gain, "least drop of the left-out gap for a name (0.05)")
+      ->check([](const std::string& text) {
+        const double gain = std::strtod(text.c_str(), nullptr);
+        return gain >= 0 && gain < 1 ? "" : "expected >= 0 and < 1, got " + text;
+      });
+  discover->add_option("--catalogue", values.catalogue, "names of entries to try, \"clearance,cubic_stiffness\"");
   add_shared(discover, values);
 }
 
@@ -124,6 +130,8 @@ json to_json(const CLI::App& app, const Values& values) {
   put(options, "topic", topic);
   if (app.get_name() == "discover") {
     options["alpha"] = values.alpha;
+    options["minimum_gain"] = values.minimum_gain;
+    put(options, "catalogue", values.catalogue);
     options["imposed_motion"] = values.imposed_motion;
   }
   put(options, "cases", values.cases);

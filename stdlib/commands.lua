@@ -122,6 +122,16 @@ local function read_all(lunid, paths, options)
   return list
 end
 
+--- "clearance, cubic_stiffness" -> a list of entries that there are
+local function names(text)
+  if not text then return nil end
+  local list = {}
+  for name in text:gmatch "[^,%s]+" do list[#list + 1] = name end
+  local good, message = pcall(require("lunid.catalogue").entries, list)
+  if not good then fault("--catalogue: " .. tostring(message):gsub("^.-catalogue: ", ""), "usage") end
+  return list
+end
+
 commands["discover"] = function(options)
   local lunid = require "lunid"
   with_output("discover", options, function()
@@ -131,6 +141,7 @@ commands["discover"] = function(options)
     if not options.baseline then model = require("lunid.units").complete(model, train[1]) end
     local test = options.test and read_all(lunid, options.test, options)
     local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
+      minimum_gain = options.minimum_gain, catalogue = names(options.catalogue),
       window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }
     print(found)
     print(discovery.where_it_is(discovery.save(found)))

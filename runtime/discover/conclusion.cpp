@@ -24,6 +24,29 @@ std::string not_physics(const Choices& named) {
          (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
 }
 
+/// What lowers the left-out gap beyond chance, though by less than is asked of a name: the best such rival, and by how
+/// much.
+std::string below_the_least_gain(const Study& study, const SearchResult& found) {
+  constexpr std::size_t most = 5;
+  constexpr double chance = 0.01;
+  std::string name;
+  double best = found.baseline.left_out_gap;
+  for (std::size_t i = 0; i < std::min(most, found.rivals.size()); ++i) {
+    Candidate rival = found.rivals[i];
+    if (corrected(improvement_p_value(found.baseline, rival), found.grown.tried) > study.options->alpha) continue;
+    if (rival.left_out.size() == 0) run_left_out(study, rival);
+    if (!(rival.left_out_gap < best && left_out_p_value(study, found.baseline, rival) < chance)) continue;
+    best = rival.left_out_gap;
+    name = rival.name();
+  }
+  const double gain = 1 - best / found.baseline.left_out_gap;
+  if (name.empty() || gain >= study.options->minimum_gain) return "";
+  char text[160];
+  std::snprintf(text, sizeof text, " lowers it beyond chance, but by %.2g %%: less than the least gain of %.2g %%",
+                100 * gain, 100 * study.options->minimum_gain);
+  return name + text;
+}
+
 }  // namespace
 
 void design_next(const Study& study, const SearchResult& found, Discovery& out) {
@@ -86,7 +109,7 @@ void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
     out.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
 }
 
-std::string sentence(const Round& round, const Discovery& out) {
+std::string sentence(const Study& study, const Round& round, const Discovery& out) {
   const SearchResult& found = round.found;
   const Left& left = round.left;
   char text[160];
@@ -114,10 +137,13 @@ std::string sentence(const Round& round, const Discovery& out) {
                   "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
                   out.final_test.value, out.final_test.floor);
     const bool rough = out.final_test.value > 3 * out.final_test.floor;
-    return std::string(
-               "no effect of the catalogue and no generic force of the motion lowers the left-out gap beyond "
-               "chance") +
-           (rough ? text : "");
+    const std::string small = below_the_least_gain(study, found);
+    std::string said = "no effect of the catalogue and no generic force of the motion lowers the left-out gap ";
+    if (!round.withdrawn.empty())
+      said += "and is confirmed; nearest: " + round.withdrawn;
+    else
+      said += small.empty() ? "beyond chance" : "enough; " + small;
+    return said + (rough ? text : "");
   }
   if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
   const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn;

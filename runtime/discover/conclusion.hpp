@@ -8,7 +8,7 @@ namespace lunid {
 
 /// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
 /// there.
-std::string sentence(const Round& round, const Discovery& out);
+std::string sentence(const Study& study, const Round& round, const Discovery& out);
 
 /// What would tell an ambiguous class apart, within the force, displacement and band that these records had; of a
 /// Discovery whose verdict, final model and rivals are there.

@@ -449,7 +449,7 @@ class Spine {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
-    out_.sentence = sentence(round, out_);
+    out_.sentence = sentence(study_, round, out_);
   }
 
   /// Short runs of one record follow each other.

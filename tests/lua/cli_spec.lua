@@ -126,6 +126,25 @@ spec.case("wrong usage", function()
   said, code = spec.lunid("discover good.csv --alpha 2 " .. usual)
   spec.contains(said, "--alpha: expected > 0 and < 0.5, got 2\n")
   spec.equal(code, 2)
+  said, code = spec.lunid("discover good.csv --minimum-gain 1 " .. usual)
+  spec.contains(said, "--minimum-gain: expected >= 0 and < 1, got 1\n")
+  spec.equal(code, 2)
+  said, code = spec.lunid("discover good.csv --catalogue cubic_stiffness,clearence " .. usual)
+  spec.contains(said, "--catalogue: unknown effect 'clearence', did you mean 'clearance'?\n")
+  spec.equal(code, 2)
+end)
+
+spec.case("--catalogue and --minimum-gain say what may be named", function()
+  local _, code = spec.lunid([[discover good.csv --mass 1 --restoring "k*y + c*v" --out few]]
+    .. " --catalogue 'cubic_stiffness, quadratic_drag' --minimum-gain 0")
+  spec.equal(code, 0)
+  local tried = spec.shell [[grep -o '"name": "[a-z_ +]*"' few/discovery.json | sort -u]]
+  spec.contains(tried, "cubic_stiffness")
+  for name in tried:gmatch '"name": "([^"]*)"' do
+    for word in name:gmatch "[%w_]+" do
+      if word ~= "nothing" then spec.equal(word == "cubic_stiffness" or word == "quadratic_drag", true) end
+    end
+  end
 end)
 
 spec.case("a directory or nothing in place of a study", function()

@@ -67,6 +67,32 @@ TEST(Discovery, NamesNothingWhereNothingIsMissing) {
   }
 }
 
+/// Mass 1, k = 1, a cubic spring that moves the motion by a few percent, in noise of 5 %.
+Discovery slightly_hard(double minimum_gain) {
+  truth::Physics physics;
+  physics.zeta = 0.05;
+  physics.k3 = 0.01;
+  const auto record = [&](std::uint64_t seed) {
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.03, {}, 1600, testing::spacing, 24);
+    return testing::noisy_record(motion, "y", motion.x, 0.05 * moments::standard_deviation(motion.x), seed);
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  DiscoverOptions options;
+  options.minimum_gain = minimum_gain;
+  return discover(model, small_catalogue(*model.pool), {record(3)}, {record(4)}, options);
+}
+
+TEST(Discovery, SaysWhatIsLessThanTheLeastGainAndNamesItWhereLessIsAsked) {
+  const Discovery d = slightly_hard(0.05);
+  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_NE(d.sentence.find("cubic_stiffness lowers it beyond chance, but by "), std::string::npos) << d.sentence;
+  EXPECT_NE(d.sentence.find("less than the least gain of 5 %"), std::string::npos) << d.sentence;
+  const Discovery asked = slightly_hard(0.005);
+  ASSERT_EQ(asked.effects.size(), 1u) << asked.sentence;
+  EXPECT_EQ(asked.effects[0].name, "cubic_stiffness");
+}
+
 /// m*a + c*v + k*y + k3*y^3 = F with m = 1, k = 1, c = 0.06 from rest by RK4 at a 24th of a sample; F(t, row) is the
 /// force within the interval after a row. Noise of 1 % is added to y.
 Record oscillator(double k3, const std::function<double(double, int)>& force, std::uint64_t seed) {
