@@ -118,15 +118,17 @@ void push_slow(lua_State* L, const SlowTime& slow) {
   }
 }
 
-/// locate(model, {records}, options)
+/// locate(model, {records}, {place=})
 int run_locate(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> records = read_records(L, 2);
   const ProgressLine line;
-  const Located found = locate(model, records, read_discover_options(L, 3));
+  const Located found =
+      locate(model, records, read_discover_options(L, 3), string_field(L, 3, "place").value_or(""));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
+  if (!found.place.empty()) set_text(L, "place", found.place);
   set_text(L, "sentence", found.maps.sentence);
   set_text(L, "no_data", found.maps.no_data);
   set_number(L, "rms", found.maps.rms);
@@ -184,14 +186,14 @@ int run_propose(lua_State* L) {
   return 1;
 }
 
-/// rank_sets(model, {effects}, {{places from 1}}, {records}, options)
+/// rank_sets(model, {effects}, {{names}}, {records}, options)
 int run_rank(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
-  std::vector<std::vector<int>> sets;
+  std::vector<std::vector<std::string>> sets;
   for_each(L, 3, [&](lua_Integer) {
     sets.emplace_back();
-    for_each(L, -1, [&](lua_Integer) { sets.back().push_back(static_cast<int>(check_integer(L, lua_gettop(L))) - 1); });
+    for_each(L, -1, [&](lua_Integer) { sets.back().push_back(check_string(L, lua_gettop(L))); });
   });
   const std::vector<Record> records = read_records(L, 4);
   const ProgressLine line;

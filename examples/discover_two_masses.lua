@@ -20,7 +20,9 @@ local function measure(seed)
 end
 
 local k, c = lunid.parameter { "k", min = 0, unit = "N/m" }, lunid.parameter { "c", min = 0, unit = "N s/m" }
-local found = lunid.discover { model = two_masses(k, c, function() return 0 end), train = measure(1), test = measure(2) }
+local model, train = two_masses(k, c, function() return 0 end), measure(1)
+print(lunid.locate { model = model, record = train })  -- where most is left; place = "y2" looks there
+local found = lunid.discover { model = model, train = train, test = measure(2) }
 print(found)
 for _, effect in ipairs(found.effects) do print(effect.name .. " of " .. effect.place) end
 found.model:save "two_masses.lua"

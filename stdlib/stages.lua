@@ -37,13 +37,14 @@ local locate = schema.define({
   help = "Where a model fails: the force that it leaves unexplained along the smoothed measured motion, over time, "
     .. "displacement, velocity, the phase plane, amplitude, harmonic order, frequency and slow time, each with the level "
     .. "that noise of any colour stays below (95 %, over all bins at once).",
-  fields = { model_field, record_field, window_field },
+  fields = { model_field, record_field, window_field,
+    { "place", types.string, help = 'with several coordinates where to look, "y2" or "y1 - y2"; else where most is left' } },
   returns = "location",
   example = [[local where = lunid.locate { model = model, record = train }
 print(where)
 print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
 }, function(given)
-  local found = core.locate(given.model, record_list(given.record, given.window), {})
+  local found = core.locate(given.model, record_list(given.record, given.window), { place = given.place })
   return schema.object("location", found, nil, function(self)
     local where = {}
     for _, over in ipairs { "time", "y", "v", "amplitude", "harmonic", "frequency" } do
@@ -60,7 +61,8 @@ end)
 local propose = schema.define({
   name = "propose",
   help = "Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the "
-    .. "model's own parameters and first states can do. To first order: lunid.rank fits them.",
+    .. "model's own parameters and first states can do, and on the force along the motion. Best first, by the larger of "
+    .. "both gains. To first order: lunid.rank fits them.",
   fields = { model_field, record_field, window_field, catalogue_field, effects_field },
   returns = "proposals",
   example = [[local list = lunid.propose { model = model, record = train }
@@ -70,40 +72,30 @@ print(list[1].name, list[1].gain)]],
   local list = found.proposals
   list.model, list.gap, list.warnings = found.model, found.gap, found.warnings
   return schema.object("proposals", list, nil, function(self)
-    return with_warnings(self.warnings, lines_of(("%-32s %8s %12s %10s"):format("effect", "gain", "of the force", "p"),
+    return with_warnings(self.warnings, lines_of(("%-36s %8s %12s %10s"):format("effect", "gain", "of the force", "p"),
       self, function(row)
-        return row.remark and ("%-32s %s"):format(row.name, row.remark)
-          or ("%-32s %8.3g %12.3g %10.2g"):format(row.name, row.gain, row.force_gain, row.p_value)
+        return row.remark and ("%-36s %s"):format(row.name, row.remark)
+          or ("%-36s %8.3g %12.3g %10.2g"):format(row.name, row.gain, row.force_gain, row.p_value)
       end))
   end)
 end)
 
 -- ---- rank ----
 
---- Sets as lists of names: "a", { "a", "b" }.
-local function sets_of(given, entries)
-  local place, names, sets = {}, {}, {}
-  for i, entry in ipairs(entries) do place[entry.name], names[i] = i, entry.name end
-  for i, set in ipairs(given.sets) do
-    sets[i] = {}
-    for j, name in ipairs(type(set) == "table" and set or { set }) do
-      if not place[name] then
-        local near = core.nearest(name, names)
-        schema.fail("rank: sets", ("entry %d: unknown effect '%s'%s"):format(i, name,
-          near and (", did you mean '%s'?"):format(near) or ""))
-      end
-      sets[i][j] = place[name]
-    end
-  end
+--- Sets as lists of names: "a", { "a", "b at y2" }.
+local function sets_of(given)
+  local sets = {}
+  for i, set in ipairs(given.sets) do sets[i] = type(set) == "table" and set or { set } end
   return sets
 end
 
---- The entries that the sets name, and the user's own.
+--- The entries that the sets name, at whatever place, and the user's own.
 local function entries_named(given)
   local own, wanted, seen = {}, {}, {}
   for _, entry in ipairs(given.effects) do own[entry.name] = true end
-  for _, set in ipairs(given.sets) do
-    for _, name in ipairs(type(set) == "table" and set or { set }) do
+  for _, set in ipairs(sets_of(given)) do
+    for _, label in ipairs(set) do
+      local name = label:match "^%S*"
       if not own[name] and not seen[name] then wanted[#wanted + 1] = name end
       seen[name] = true
     end
@@ -148,7 +140,7 @@ local rank = schema.define({
     .. "over left-out blocks and by a likelihood with the noise's colour. The baseline takes part. Best left-out gap first.",
   fields = { model_field, record_field,
     { "sets", types.list(types.either(types.string, types.list(types.string, 1)), 1), required = true,
-      help = "names, and lists of names for several effects at once" },
+      help = 'names, and lists of names for several effects at once; with several coordinates "cubic_stiffness at y2", or that name alone for each place' },
     window_field, effects_field,
     { "blocks", types.integer { min = 3, max = 100 }, default = 6, help = "left-out blocks of the records" },
     { "criterion", types.callable, help = "function(row) of your own: false rejects a set, a number orders them, least first" },
@@ -158,8 +150,7 @@ local rank = schema.define({
   "constant_force" } }, criterion = function(row) return row.model and row.left_out_gap end }
 print(rows[1].name, rows[1].model)]],
 }, function(given)
-  local entries = entries_named(given)
-  local rows = core.rank_sets(given.model, entries, sets_of(given, entries), record_list(given.record, given.window), { blocks = given.blocks })
+  local rows = core.rank_sets(given.model, entries_named(given), sets_of(given), record_list(given.record, given.window), { blocks = given.blocks })
   rows = judge(rows, given.criterion or function() return true end)
   return schema.object("ranking", rows, nil, function(self)
     local text = lines_of(("%-40s %10s %10s %12s %8s"):format("set", "left out", "gap", "log L", "z"), self, function(row)

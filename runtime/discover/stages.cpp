@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/baseline.hpp"
 #include "discover/closure.hpp"
+#include "discover/grow.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
@@ -21,15 +23,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int baseline_iterations = 40, set_iterations = 25;
-
-FitOptions fit_options(const DiscoverOptions& options, int iterations) {
-  FitOptions out;
-  out.max_iterations = iterations;
-  out.tolerance = 1e-6;
-  out.cancelled = options.cancelled;
-  return out;
-}
+constexpr int set_iterations = 25;
 
 void progress(const DiscoverOptions& options, const std::string& stage, double fraction) {
   if (options.cancelled && *options.cancelled) throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
@@ -46,22 +40,11 @@ struct Stage {
     validate(options);
     check_baseline(given);
     const Model model = complete(given);
-    if (model.degrees() > 1)
-      throw InputError("locate, propose and rank look at one coordinate, got " + std::to_string(model.degrees()) +
-                       ": lunid.discover takes several");
     study = prepare(model, records, records, options);
-    baseline = compile(study, model, {});
-    find_starts(study, baseline, VectorXd(), {});
-    if (baseline.starts.empty())
-      throw InputError(
-          "discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");
     progress(options, "refit the baseline", 0.1);
-    fit(study, baseline, fit_options(options, baseline_iterations));
-    warnings = study.warnings;
-    if (!baseline.ran())
-      warnings.push_back("the baseline cannot be simulated over the records (" + baseline.fit.stopped +
-                         "): its parameters are those of the force alone");
-    if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();
+    baseline = fit_baseline(study, model, warnings);
+    warnings.insert(warnings.end(), study.warnings.begin(), study.warnings.end());
+    if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();  // those of the force alone
   }
 
   double gap(const Candidate& c) const {
@@ -118,13 +101,27 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
   if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
 }
 
-std::vector<Guess> guesses_of(const Choice& choice, const RecordScales& scale) {
-  return choice.effect->guess ? choice.effect->guess(scale, choice.variant) : std::vector<Guess>{};
-}
+/// What the records say at each place that was asked for.
+class Scales {
+ public:
+  explicit Scales(const Stage& stage) : stage_(stage) {}
+  const RecordScales& at(const std::optional<Place>& place) {
+    for (const auto& [known, scale] : all_)
+      if (known == place) return scale;
+    return all_.emplace_back(place, scales_beside(stage_.study, stage_.baseline, place)).second;
+  }
+  std::vector<Guess> guesses(const Choice& choice) {
+    return choice.effect->guess ? choice.effect->guess(at(choice.effect->place), choice.variant) : std::vector<Guess>{};
+  }
+
+ private:
+  const Stage& stage_;
+  std::vector<std::pair<std::optional<Place>, RecordScales>> all_;
+};
 
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
-void fit_set(const Stage& stage, const DiscoverOptions& options, Candidate& candidate) {
-  const FitOptions o = fit_options(options, set_iterations);
+void fit_set(const Stage& stage, Candidate& candidate) {
+  const FitOptions o = full_fit(stage.study, set_iterations);
   fit(stage.study, candidate, o);
   if (!stage.baseline.ran()) return;
   VectorXd warm = candidate.starts.front();
@@ -135,18 +132,15 @@ void fit_set(const Stage& stage, const DiscoverOptions& options, Candidate& cand
   if (again.cost < candidate.fit.cost) candidate.fit = std::move(again);
 }
 
-}  // namespace
-
-namespace {
-
 /// The baseline with generic forces fitted: its free run follows the record, so that what smoothing makes of it can be
-/// taken away (locate.hpp). The baseline itself where they do not help.
-Candidate follower(const Stage& stage) {
+/// taken away (locate.hpp). The baseline itself where they do not help. `place`: where these forces act.
+Candidate follower(const Stage& stage, std::optional<Place>& place) {
   Candidate judged = stage.baseline;
   if (!judged.ran()) return judged;
   const Whitening whitening = residual_colour(stage.study, judged);
   judge(stage.study, judged, whitening);
   Closure closure = test_closure(stage.study, judged, whitening);
+  if (closure.place) place = closure.place;
   if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
   fit_closure(stage.study, judged, closure);
   if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
@@ -155,18 +149,75 @@ Candidate follower(const Stage& stage) {
   return out;
 }
 
+/// The place of that text, "y2" or "y1 - y2".
+Place place_named(const Model& model, const std::string& text) {
+  std::string known;
+  for (const Place& place : places_of(model)) {
+    if (motion_of(place) == text) return place;
+    known += (known.empty() ? "" : ", ") + motion_of(place);
+  }
+  throw InputError("locate: place: expected one of " + (known.empty() ? "none: there is one coordinate" : known) +
+                       ", got '" + text + "'",
+                   {}, Fault::usage);
+}
+
+/// The testable entries that a word means: of "cubic_stiffness" that entry at each place, of "cubic_stiffness at y2"
+/// that one.
+std::vector<const Effect*> meant_by(const std::string& word, const std::vector<Effect>& testable,
+                                    const std::vector<std::string>& untestable) {
+  std::vector<const Effect*> out;
+  std::string known;
+  for (const Effect& effect : testable) {
+    if (effect.label() == word || effect.name == word) out.push_back(&effect);
+    if (word.rfind(effect.name + " ", 0) == 0) known += (known.empty() ? "" : ", ") + effect.label();
+  }
+  if (!out.empty()) return out;
+  for (const std::string& reason : untestable)
+    if (reason.rfind(word.substr(0, word.find(' ')) + " ", 0) == 0)
+      throw InputError("rank: sets: not to be tested on these records: " + reason, {}, Fault::usage);
+  throw InputError("rank: sets: no effect '" + word + "'" + (known.empty() ? "" : ", there are: " + known), {},
+                   Fault::usage);
+}
+
+/// Every combination of places and variants of a set.
+std::vector<Choices> ways_of(const std::vector<std::string>& set, const std::vector<Effect>& testable,
+                             const std::vector<std::string>& untestable) {
+  std::vector<Choices> ways{{}};
+  for (const std::string& word : set) {
+    std::vector<Choices> next;
+    for (const Effect* effect : meant_by(word, testable, untestable))
+      for (const Choices& way : ways)
+        for (int variant = 0; variant < static_cast<int>(effect->variants.size()); ++variant) {
+          next.push_back(way);
+          next.back().push_back({effect, variant});
+        }
+    ways = std::move(next);
+  }
+  return ways;
+}
+
 }  // namespace
 
-Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options) {
+Located locate(const Model& baseline, const std::vector<Record>& records, const DiscoverOptions& options,
+               const std::string& where) {
   const Stage stage(baseline, records, options);
+  std::optional<Place> place, seen;
+  if (!where.empty()) place = place_named(stage.study.model, where);
   progress(options, "map the residual", 0.7);
   Located out;
   out.baseline = fitted(stage.baseline);
   out.gap = stage.gap(stage.baseline);
-  out.rows = residual_rows(stage.study, stage.baseline, follower(stage));
+  const Candidate reference = follower(stage, seen);
+  if (!place && stage.study.degrees() > 1) place = seen.value_or(Place{});
+  out.rows = residual_rows(stage.study, stage.baseline, reference, place);
   if (!out.rows.force.allFinite())
     throw InputError("locate: the model's force is not finite along the measured motion");
   out.maps = map_residual(out.rows);
+  if (place) {
+    out.place = motion_of(*place);
+    out.maps.sentence = words_of(*place) + ": " + sizes_at(out.maps.sentence, *place);
+    out.maps.no_data = out.place + sizes_at(out.maps.no_data, *place).substr(1);  // "y below ..."
+  }
   out.warnings = stage.warnings;
   return out;
 }
@@ -183,13 +234,14 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   out.baseline = fitted(stage.baseline);
   out.gap = stage.gap(stage.baseline);
   out.warnings = stage.warnings;
-  const RecordScales scale = scales_beside(stage.study, stage.baseline);
+  for (const std::string& entry : untested) out.warnings.push_back("not tried: " + entry);
+  Scales scales(stage);
   std::vector<Candidate> all;
   std::vector<std::vector<Guess>> guesses;
   for (const Effect& effect : catalogue)
     for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
       all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
-      guesses.push_back(guesses_of({&effect, variant}, scale));
+      guesses.push_back(scales.guesses({&effect, variant}));
     }
   progress(options, "project the entries", 0.4);
   const Whitening whitening = residual_colour(stage.study, stage.baseline);
@@ -209,44 +261,35 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
     found[k].parameters = own_parameters(c, *c.choices.front().effect, c.starts.front());
     project(stage, whitening, c, found[k]);
   });
-  std::stable_sort(found.begin(), found.end(), [](const Proposal& a, const Proposal& b) { return a.gain > b.gain; });
+  const auto promise = [](const Proposal& p) { return p.remark.empty() ? std::max(p.gain, p.force_gain) : 0; };
+  std::stable_sort(found.begin(), found.end(),
+                   [&](const Proposal& a, const Proposal& b) { return promise(a) > promise(b); });
   for (Proposal& p : found)
     if (std::none_of(out.proposals.begin(), out.proposals.end(), [&](const Proposal& q) { return q.name == p.name; }))
       out.proposals.push_back(std::move(p));
   return out;
 }
 
-std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& catalogue,
-                              const std::vector<std::vector<int>>& sets, const std::vector<Record>& records,
+std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& given,
+                              const std::vector<std::vector<std::string>>& sets, const std::vector<Record>& records,
                               const DiscoverOptions& options) {
-  Stage stage(baseline, records, options);
-  const RecordScales scale = scales_beside(stage.study, stage.baseline);
+  const Stage stage(baseline, records, options);
+  std::vector<std::string> untestable;
+  const std::vector<Effect> catalogue = testable(stage.study, given, untestable);
+  Scales scales(stage);
   std::vector<Candidate> all{stage.baseline};
   std::vector<std::vector<std::vector<Guess>>> guesses{{}};
-  for (const auto& set : sets) {
-    // every combination of variants; the best of them is kept
-    std::vector<Choices> ways{{}};
-    for (const int place : set) {
-      const Effect& effect = catalogue[static_cast<std::size_t>(place)];
-      std::vector<Choices> next;
-      for (const Choices& way : ways)
-        for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
-          next.push_back(way);
-          next.back().push_back({&effect, variant});
-        }
-      ways = std::move(next);
-    }
-    for (const Choices& way : ways) {
+  for (const auto& set : sets)
+    for (const Choices& way : ways_of(set, catalogue, untestable)) {
       all.push_back(compile(stage.study, complete(baseline), way));
       guesses.emplace_back();
-      for (const Choice& choice : way) guesses.back().push_back(guesses_of(choice, scale));
+      for (const Choice& choice : way) guesses.back().push_back(scales.guesses(choice));
     }
-  }
   progress(options, "fit the sets", 0.3);
   parallel_for(static_cast<int>(all.size()) - 1, options.threads, [&](int i) {
     const auto k = static_cast<std::size_t>(i) + 1;
     find_starts(stage.study, all[k], stage.baseline.fit.theta, guesses[k]);
-    if (!all[k].starts.empty()) fit_set(stage, options, all[k]);
+    if (!all[k].starts.empty()) fit_set(stage, all[k]);
   });
   std::vector<Candidate> kept;
   for (Candidate& c : all) {
@@ -292,8 +335,11 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
     out.push_back(std::move(row));
     if (out[i].bic < out[likeliest].bic) likeliest = i;
   }
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    if (i != likeliest && kept[i].ran()) out[i].z = vuong_z(kept[likeliest], kept[i]);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (i == likeliest || !kept[i].ran()) continue;
+    const bool holds_it = within(kept[likeliest].choices, kept[i].choices);
+    out[i].z = holds_it ? std::numeric_limits<double>::quiet_NaN() : vuong_z(kept[likeliest], kept[i]);
+  }
   std::stable_sort(out.begin(), out.end(),
                    [](const Ranked& a, const Ranked& b) { return a.left_out_gap < b.left_out_gap; });
   return out;

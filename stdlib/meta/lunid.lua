@@ -1374,11 +1374,12 @@ function lunid.discover(fields) end
 ---@field model lunid.model # the baseline, fitted first
 ---@field record any # one record or several; all rows are used
 ---@field window? lunid.window # part of the records
+---@field place? string # with several coordinates where to look, "y2" or "y1 - y2"; else where most is left
 ---@param fields lunid.locate.fields
 ---@return lunid.location
 function lunid.locate(fields) end
 
----Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the model's own parameters and first states can do. To first order: lunid.rank fits them.
+---Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the model's own parameters and first states can do, and on the force along the motion. Best first, by the larger of both gains. To first order: lunid.rank fits them.
 ---@class lunid.propose.fields
 ---@field model lunid.model # the baseline, fitted first
 ---@field record any # one record or several; all rows are used
@@ -1393,7 +1394,7 @@ function lunid.propose(fields) end
 ---@class lunid.rank.fields
 ---@field model lunid.model # the baseline, fitted first
 ---@field record any # one record or several; all rows are used
----@field sets table # names, and lists of names for several effects at once
+---@field sets table # names, and lists of names for several effects at once; with several coordinates "cubic_stiffness at y2", or that name alone for each place
 ---@field window? lunid.window # part of the records
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field blocks? integer # left-out blocks of the records

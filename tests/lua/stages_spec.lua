@@ -70,10 +70,57 @@ spec.case("stages say what is wrong with their fields", function()
     "locate: missing field 'model': a model from lunid.model")
 end)
 
-spec.case("stages look at one coordinate", function()
-  local two = lunid.chain { masses = { 1, 1 }, element = function(d, w) return 10*d + w end }
-  spec.equal(spec.message_of(function() lunid.locate { model = two, record = train } end),
-    "locate, propose and rank look at one coordinate, got 2: lunid.discover takes several")
+-- ---- several coordinates ----
+
+local function two_masses(k, c, joint)
+  return lunid.chain { masses = { 1.2, 0.8 }, ends = "left", forces = { 1 },
+    element = function(d, w, index) return k*d + c*w + (index == 2 and joint(d) or 0) end }
+end
+local two = two_masses(lunid.parameter { "k", min = 0, unit = "N/m" }, lunid.parameter { "c", min = 0, unit = "N s/m" },
+  function() return 0 end)
+-- The cubic spring of the joint is hidden.
+local push = lunid.excitation.multisine { from = 4, to = 45, rms = 12, dt = 1/1000, duration = 3, seed = 4 }
+local shaken = lunid.simulate { model = two_masses(2e4, 6, function(d) return 4e9*d^3 end),
+  excitation = lunid.record { channels = { { "F1", push:column "F" } }, dt = push.dt } }:record():with_noise { y1 = 0.01, y2 = 0.01, seed = 2 }
+local pair = lunid.record { channels = { { "F1", shaken:column "F1" }, { "y1", shaken:column "y1" }, { "y2", shaken:column "y2" } },
+  dt = shaken.dt }
+
+spec.case("locate looks where most is left, or at the place that is asked for", function()
+  local where = lunid.locate { model = two, record = pair }
+  spec.equal(where.place, "y1 - y2")
+  spec.contains(where.sentence, "in y1 - y2: ")
+  spec.contains(where.sentence, "odd")
+  spec.contains(where.no_data, "y1 - y2 below ")
+  local other = lunid.locate { model = two, record = pair, place = "y2" }
+  spec.equal(other.place, "y2")
+  assert(other.maps.y.share < 0.6 * where.maps.y.share)
+  spec.equal(spec.message_of(function() lunid.locate { model = two, record = pair, place = "y3" } end),
+    "locate: place: expected one of y1, y2, y1 - y2, got 'y3'")
+  spec.equal(spec.message_of(function() lunid.locate { model = baseline, record = train, place = "y" } end),
+    "locate: place: expected one of none: there is one coordinate, got 'y'")
+end)
+
+spec.case("entries are proposed and ranked at their places", function()
+  local tried = { "cubic_stiffness", "quadratic_drag", "constant_force" }
+  local list = lunid.propose { model = two, record = pair, catalogue = tried }
+  spec.equal(#list, 9)
+  spec.equal(list[1].name, "cubic_stiffness in y1 - y2")
+  spec.equal(list[1].parameters[1].name, "k3")
+  local rows = lunid.rank { model = two, record = pair, sets = { "cubic_stiffness", "quadratic_drag at y1",
+    { "cubic_stiffness in y1 - y2", "constant_force at y2" } } }
+  spec.equal(#rows, 6)  -- the first name at each of three places, two more sets, the baseline
+  local by_name = {}
+  for _, row in ipairs(rows) do by_name[row.name] = row end
+  local right = by_name["cubic_stiffness in y1 - y2"]
+  assert(right.left_out_gap < 0.1 * by_name.baseline.left_out_gap)
+  assert(by_name["cubic_stiffness at y2"].left_out_gap > 5 * right.left_out_gap)
+  spec.equal(by_name["cubic_stiffness in y1 - y2 + constant_force at y2"].z, nil)  -- holds the likeliest
+  spec.near(right.model.parameters.cubic_stiffness_k3_1_2.value / 4e9, 1, 0.02)
+  spec.equal(spec.message_of(function() lunid.rank { model = two, record = pair, sets = { "cubic_stiffness at y3" } } end),
+    "rank: sets: no effect 'cubic_stiffness at y3', there are: cubic_stiffness at y1, cubic_stiffness at y2, "
+    .. "cubic_stiffness in y1 - y2")
+  spec.equal(spec.message_of(function() lunid.rank { model = two, record = pair, sets = { "base_motion" } } end),
+    "rank: sets: not to be tested on these records: base_motion (with one coordinate alone: a base moves all)")
 end)
 
 -- ---- design_experiment ----

@@ -148,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(DiscoveryRounds, Stops, ::testing::Values(5, 29));
 
 Candidate with_parameters(double first, double second) {
   const Model model = baseline("k*y", 1);
-  Effect effect = entry(*model.pool, "horn", "horn_a*v + horn_b*v^3", {row("horn_a"), row("horn_b")});
+  static Effect effect;  // a candidate keeps its address
+  effect = entry(*model.pool, "horn", "horn_a*v + horn_b*v^3", {row("horn_a"), row("horn_b")});
   effect.margins = {parse(*model.pool, "horn_a - horn_b")};
   const truth::Records records = made("null_linear", 30);
   DiscoverOptions options;
