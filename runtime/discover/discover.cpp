@@ -217,16 +217,14 @@ class Spine {
 
   /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
   /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns
-  /// the relative drop of the squared error. A baseline far above the noise tells little: a force that is read half a
-  /// sample late can stand in for what it lacks.
+  /// the relative drop of the squared error.
   double rechoose_interpolation(const Candidate& chosen) {
     if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
     const Interpolation before = study_.interpolation;
     Interpolation best = before;
     const double first = squared_error(chosen.fit);
     double cost = first;
-    const bool tells = !chosen.choices.empty() || rms_error(chosen.fit) < 2 * study_.sensor_noise();
-    const double needed = tells ? std::exp(-12.0 / static_cast<double>(chosen.fit.rows)) : 0.9;
+    const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
     for (const auto kind :
          {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
       if (kind == before) continue;
@@ -261,8 +259,18 @@ class Spine {
     });
   }
 
+  /// As many entries, each that of `special` or one of which it is a special case.
+  static bool is_general_form(const Choices& general, const Choices& special) {
+    const auto is_covered = [&](const Choice& s) {
+      return std::ranges::any_of(
+          general, [&](const Choice& g) { return s.effect == g.effect || s.effect->is_special_case(*g.effect); });
+    };
+    return general.size() == special.size() && std::ranges::all_of(special, is_covered);
+  }
+
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
-  /// that lacks nothing, where they close what is left. A record with disturbances of its own (a loop that is closed, a
+  /// that lacks nothing, where they close what is left; a more general form of the same where it takes away the force
+  /// that the common one leaves. A record with disturbances of its own (a loop that is closed, a
   /// foundation that moves) would otherwise be followed by ever more of them.
   bool takes_the_place(const Round& further, const Round& round) const {
     if (round.verdict == "unknown-effect") return true;
@@ -272,7 +280,8 @@ class Spine {
     if (round.names() && rare.parameters() <= common.parameters() &&
         rms_error(rare.fit) <= as_well * rms_error(common.fit))
       return true;
-    return closed_share(common.left_out_gap, rare.left_out_gap, study_.noise_gap()) > 0.95;
+    const bool mends = round.left.material && !further.left.material && is_general_form(rare.choices, common.choices);
+    return closed_share(common.left_out_gap, rare.left_out_gap, study_.noise_gap()) > (mends ? 0.8 : 0.95);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
@@ -291,7 +300,7 @@ class Spine {
         take_back(round, fault, steps_that_stand(study, round, before));
       else if (const std::size_t stand = steps_that_help(study, found, after); stand < found.steps.size())
         take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
-    } else if (round.verdict == "nothing-missing" && far_from_the_floor(round.gap(before_test_))) {
+    } else if (round.verdict == "nothing-missing" && leaves_motion_open(study_, round.gap(before_test_))) {
       round.verdict = "unknown-effect";
     }
     after_train_ = round.train;
@@ -347,7 +356,7 @@ class Spine {
       before_test_ = after_test_;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
-    const bool open = patched || round.left.material || far_from_the_floor(round.gap(before_test_));
+    const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(before_test_));
     round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
   }
 

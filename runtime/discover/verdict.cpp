@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/accept.hpp"
 #include "discover/judge.hpp"
 #include "statistics/statistics.hpp"
 
@@ -61,7 +62,14 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   return left;
 }
 
-bool far_from_the_floor(const Gap& gap) { return !(gap.value < std::max(3 * gap.floor, 0.15)); }
+bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
+
+bool leaves_motion_open(const Study& study, const Gap& gap) {
+  const auto is_decay = [&](const Record& record) { return is_free(study, record); };
+  const bool decays =
+      !study.imposed && std::ranges::all_of(study.full, is_decay) && std::ranges::all_of(study.test, is_decay);
+  return far_from_the_floor(gap, decays ? 0.05 : 0.15);
+}
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
   const double first = pool_gap(before, 0).value, last = pool_gap(after, 0).value;
@@ -78,7 +86,7 @@ void decide(const Study& study, Round& round) {
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   if (!round.names()) {
     round.verdict =
-        round.left.material || far_from_the_floor(round.gap(round.train)) ? "unknown-effect" : "nothing-missing";
+        round.left.material || leaves_motion_open(study, round.gap(round.train)) ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
              closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < 0.95) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
@@ -126,7 +134,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
-  const bool far = far_from_the_floor(last) && last.value - last.floor > part * (first.value - last.floor);
+  const bool far = far_from_the_floor(last, 0.15) && last.value - last.floor > part * (first.value - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more

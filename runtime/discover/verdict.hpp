@@ -36,8 +36,12 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,
                           bool floor = true);
 
+/// Three floors and more, and no less than `least`.
+bool far_from_the_floor(const Gap& gap, double least);
+
 /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
-bool far_from_the_floor(const Gap& gap);
+/// Less is enough in free decays, where no force is there to be known badly.
+bool leaves_motion_open(const Study& study, const Gap& gap);
 
 /// `train`: the model's runs over the training records.
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,

@@ -146,6 +146,48 @@ TEST_P(Stops, AreLeftForAMinimumThatReachesTheNoise) {
 }
 INSTANTIATE_TEST_SUITE_P(DiscoveryRounds, Stops, ::testing::Values(5, 29));
 
+/// A free decay from x0 with a law of its own beside k = 1 and c, and noise on the displacement; 25 rows to a period.
+Record decay_with(const std::function<double(double, double)>& law, double zeta, double noise, double x0, int rows,
+                  std::uint64_t seed, const std::string& what = "y") {
+  truth::Physics physics;
+  physics.zeta = zeta;
+  physics.law = std::make_shared<const truth::Law>(truth::laws::of_motion(law, [](double, double v) { return v; }));
+  const truth::Motion motion = truth::integrate(physics, truth::none(), 0, {x0, 0, 0}, rows, testing::spacing, 24);
+  std::vector<double> shown = what == "y" ? motion.x : motion.restoring;
+  if (what == "a")
+    for (double& a : shown) a = -a;
+  const Record noisy = testing::noisy_record(motion, what, shown, noise * moments::standard_deviation(shown), seed);
+  return derive_motion(Record("decay", 0, testing::spacing, {noisy.channel(what)}));
+}
+
+/// A force that acts in the first periods alone: no left-out block shows what it was, and no force is there whose
+/// noise could be what is left.
+TEST(DiscoveryRounds, ADecayFarAboveItsNoiseLacksSomething) {
+  const auto brake = [](double x, double v) { return 0.3 * x * x * v * v; };
+  const Model model = baseline("k*y + c*v", 1);
+  const Discovery d = discover(model, small_catalogue(*model.pool), {decay_with(brake, 0.035, 0.005, 1.3, 600, 1)},
+                               {decay_with(brake, 0.035, 0.005, 1, 600, 2)});
+  EXPECT_TRUE(d.effects.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_LT(d.baseline_train.value, 0.15);
+}
+
+/// Friction of one level closes most of the gap, and leaves a force that the rarer entry explains.
+TEST(DiscoveryRounds, ARareEffectThatMendsWhatACommonOneLeavesTakesItsPlace) {
+  const auto friction = [](double, double v) {
+    return v == 0 ? 0 : (0.036 + 0.05 * std::exp(-std::pow(v / 0.15, 2))) * (v > 0 ? 1 : -1);
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  DiscoverOptions options;
+  options.first = 1;  // Coulomb's friction
+  std::vector<Effect> catalogue = frictions(*model.pool);
+  catalogue[0].special_case_of = {"stribeck_friction"};
+  const Discovery d = discover(model, catalogue, {decay_with(friction, 0.02, 0.02, 1.3, 600, 9, "a")},
+                               {decay_with(friction, 0.02, 0.02, 1, 600, 10, "a")}, options);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "stribeck_friction") << to_terminal(d);
+}
+
 Candidate with_parameters(double first, double second) {
   const Model model = baseline("k*y", 1);
   static Effect effect;  // a candidate keeps its address
