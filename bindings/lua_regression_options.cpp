@@ -156,7 +156,7 @@ RegressionSolver read_solver(lua_State* L, std::uint64_t seed) {
     return options;
   }
   if (kind == "ensemble_of") {
-    EnsembleOptions options;
+    BaggingOptions options;
     with_field(L, -1, "solver", [&] { options.solver = read_statistic_solver(L, seed); });
     read(L, "members", options.members);
     read(L, "features", options.features);

@@ -123,8 +123,7 @@ int run_locate(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> records = read_records(L, 2);
   const ProgressLine line;
-  const Located found =
-      locate(model, records, read_discover_options(L, 3), string_field(L, 3, "place").value_or(""));
+  const Located found = locate(model, records, read_discover_options(L, 3), string_field(L, 3, "place").value_or(""));
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);

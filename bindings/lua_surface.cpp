@@ -12,13 +12,13 @@ namespace lunid::lua {
 struct ForceMap {
   std::string name;
   SurfacePoints points;
-  std::vector<Rival> rivals;
+  std::vector<SurfaceRival> rivals;
   std::shared_ptr<const PolynomialSurface> polynomial;
   double truncation = 0;  ///< rms of what the polynomial leaves of what is drawn, where there are data [N]
   double continued = 0;   ///< part of the quadrature's nodes without data
   FunctionPtr function;   ///< of y and v; a polynomial is an expression already
 
-  const Rival& best() const { return rivals.front(); }
+  const SurfaceRival& best() const { return rivals.front(); }
   const ForceSurface& drawn() const { return *best().fit.surface; }
 };
 
@@ -163,9 +163,9 @@ int cut(lua_State* L) {
   const ForceMap& map = check<ForceMap>(L, 1);
   check_table(L, 2);
   const auto y = number_field(L, 2, "y"), v = number_field(L, 2, "v");
-  const Section s = section(map.drawn(), map.points, !y, y ? *y : v.value_or(0),
-                            static_cast<int>(number_field(L, 2, "count").value_or(200)),
-                            number_field(L, 2, "half_width").value_or(0));
+  const SurfaceSection s = section(map.drawn(), map.points, !y, y ? *y : v.value_or(0),
+                                   static_cast<int>(number_field(L, 2, "count").value_or(200)),
+                                   number_field(L, 2, "half_width").value_or(0));
   lua_newtable(L);
   for (const auto& [field, column] : {std::pair{"place", &s.place}, std::pair{"f", &s.f}, std::pair{"std", &s.std},
                                       std::pair{"points_place", &s.points_place}, std::pair{"points_f", &s.points_f}}) {
@@ -228,10 +228,10 @@ void push_score(lua_State* L, const SurfaceScore& score) {
 }
 
 /// One row for each kind that was tried, the best first.
-void push_rivals(lua_State* L, const std::vector<Rival>& rivals) {
+void push_rivals(lua_State* L, const std::vector<SurfaceRival>& rivals) {
   lua_newtable(L);
   lua_Integer place = 0;
-  for (const Rival& rival : rivals) {
+  for (const SurfaceRival& rival : rivals) {
     lua_newtable(L);
     const auto text = [&](const char* field, const std::string& value) {
       if (value.empty()) return;
@@ -298,7 +298,7 @@ int get(lua_State* L) {
   return 1;
 }
 
-std::string rival_line(const Rival& rival) {
+std::string rival_line(const SurfaceRival& rival) {
   char text[256];
   const std::string kind = name_of(rival.how);
   if (!rival.fault.empty()) return "  " + kind + ": " + rival.fault;
@@ -309,7 +309,7 @@ std::string rival_line(const Rival& rival) {
 
 int to_string(lua_State* L) {
   const ForceMap& map = check<ForceMap>(L, 1);
-  const Rival& best = map.best();
+  const SurfaceRival& best = map.best();
   char text[256];
   std::snprintf(
       text, sizeof text,
@@ -321,7 +321,7 @@ int to_string(lua_State* L) {
   if (map.rivals.size() == 1 && !best.fit.converged) all += "\n  not converged: " + best.fit.stopped;
   if (map.rivals.size() > 1) {
     all += "\n  kind                  R2 data    R2 left out    rmse left out  time [s]";
-    for (const Rival& rival : map.rivals) all += "\n" + rival_line(rival);
+    for (const SurfaceRival& rival : map.rivals) all += "\n" + rival_line(rival);
   }
   push_text(L, all);
   return 1;

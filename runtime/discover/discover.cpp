@@ -466,8 +466,8 @@ class Spine {
     const std::size_t first = out_.records.size();
     double begin = 0;
     for (const Record& r : records) {
-      const bool same = study_.run_length > 0 && out_.records.size() > first && out_.records.back().record == r.name() &&
-                        r.start() > begin;
+      const bool same = study_.run_length > 0 && out_.records.size() > first &&
+                        out_.records.back().record == r.name() && r.start() > begin;
       if (!same) {
         begin = r.start();
         out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0});

@@ -131,9 +131,9 @@ struct Discovery {
   std::vector<std::string> warnings;
   std::vector<RecordUsed> records;
   std::vector<Comparison> comparisons;  ///< of each record; of short runs a few
-  std::vector<OutputGaps> outputs;  ///< with several coordinates: of each
-  std::vector<PlacedForce> forces;  ///< with several coordinates: of each named effect
-  std::string map_place;            ///< with several coordinates: what the map's y is, "y2" or "y1 - y2"
+  std::vector<OutputGaps> outputs;      ///< with several coordinates: of each
+  std::vector<PlacedForce> forces;      ///< with several coordinates: of each named effect
+  std::string map_place;                ///< with several coordinates: what the map's y is, "y2" or "y1 - y2"
   ResidualMap map;
   Naming naming;                      ///< how often resampled records give the same names
   std::vector<Removable> removable;   ///< terms of the baseline that these records do not need

@@ -7,8 +7,8 @@ namespace lunid {
 
 /// A baseline, fitted to the records, and where it fails.
 struct Located {
-  Model baseline;  ///< fitted
-  double gap = 0;  ///< of its fit on these records
+  Model baseline;     ///< fitted
+  double gap = 0;     ///< of its fit on these records
   std::string place;  ///< with several coordinates: what the maps' y is, "y2" or "y1 - y2"
   ResidualRows rows;
   ResidualMaps maps;

@@ -21,7 +21,7 @@ double mean_of(std::span<const double> x) {
 
 }  // namespace
 
-AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, Criterion criterion) {
+AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, OrderCriterion criterion) {
   AutoregressiveFit best;
   best.mean = mean_of(x);
   const auto n = static_cast<Eigen::Index>(x.size());
@@ -31,7 +31,7 @@ AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, C
   double variance = forward.squaredNorm() / static_cast<double>(n);
   best.variance = variance;
   if (!(variance > 0)) return best;
-  const double rows = static_cast<double>(n), penalty = criterion == Criterion::bic ? std::log(rows) : 2;
+  const double rows = static_cast<double>(n), penalty = criterion == OrderCriterion::bic ? std::log(rows) : 2;
   best.criterion = rows * std::log(variance);
   std::vector<double> a;
   for (Eigen::Index order = 1; order <= std::min<Eigen::Index>(max_order, n / 3); ++order) {

@@ -14,11 +14,12 @@ struct AutoregressiveFit {
   double criterion = 0;  ///< value of the criterion that chose the order: n log(variance) + penalty
 };
 
-enum class Criterion { bic, aic };
+enum class OrderCriterion { bic, aic };
 
 /// Burg's method (always stable) of the order 0 .. max_order that minimises the criterion. (Burg 1975;
 /// Schwarz 1978, Akaike 1974.) max_order is cut to a third of the rows.
-AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order, Criterion criterion = Criterion::bic);
+AutoregressiveFit fit_autoregression(std::span<const double> x, int max_order,
+                                     OrderCriterion criterion = OrderCriterion::bic);
 
 /// The columns filtered as x would be to give its innovations: u_t - sum coefficients[i-1] u_(t-i). The first
 /// rows, which lack their history, are left out: rows - order of them are left. The mean is not taken off.

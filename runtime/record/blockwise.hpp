@@ -32,13 +32,13 @@ std::vector<BlockwiseChannels> derive_blockwise(const RowSource& source, RowSour
 // ---- how far a method sees [blockwise_reach.cpp] ----
 
 /// A method with nothing left to choose.
-struct Settled {
+struct SettledReach {
   DerivativeMethod method;
   Eigen::Index reach = 0;  ///< rows on either side beyond which its weights are under 1e-12 of the largest
 };
 /// `noise`: standard deviations of the channels of these ranks, the lowest first; `dt` [s]. Throws InputError where a
 /// parameter is open still and for a method whose weights have no end.
-Settled settled_reach(const DerivativeMethod& method, std::span<const int> ranks, std::span<const double> noise,
-                      double dt, int derivative);
+SettledReach settled_reach(const DerivativeMethod& method, std::span<const int> ranks, std::span<const double> noise,
+                           double dt, int derivative);
 
 }  // namespace lunid

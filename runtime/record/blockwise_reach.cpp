@@ -40,27 +40,30 @@ Index rows_of_decay(const char* method, double decay, double most) {
   return static_cast<Index>(rows);
 }
 
-Settled settled(const FiniteDifferences& m, std::span<const int>, std::span<const double>, double, int derivative) {
+SettledReach settled(const FiniteDifferences& m, std::span<const int>, std::span<const double>, double,
+                     int derivative) {
   // One-sided differences at the ends of the record reach as far as twice the central ones.
   return {m, static_cast<Index>(derivative + m.accuracy) * m.step};
 }
 
-Settled settled(const PolynomialWindow& m, std::span<const int>, std::span<const double>, double, int) {
+SettledReach settled(const PolynomialWindow& m, std::span<const int>, std::span<const double>, double, int) {
   return {m, m.rows / 2};
 }
 
-Settled settled(const SmoothedDifferences& m, std::span<const int>, std::span<const double>, double, int derivative) {
+SettledReach settled(const SmoothedDifferences& m, std::span<const int>, std::span<const double>, double,
+                     int derivative) {
   return {m, m.rows / 2 + derivative + m.accuracy};
 }
 
-Settled settled(const SmoothingSpline& m, std::span<const int>, std::span<const double>, double dt, int) {
+SettledReach settled(const SmoothingSpline& m, std::span<const int>, std::span<const double>, double dt, int) {
   const int n = (m.degree + 1) / 2;
   Eigen::VectorXd c = Eigen::VectorXd::Zero(n);
   c[0] = std::pow(dt, m.degree) / m.weight;
   return {m, rows_of_decay("spline", slowest_decay(c), 0.8)};
 }
 
-Settled settled(const KalmanSmoother& m, std::span<const int> ranks, std::span<const double> noise, double dt, int) {
+SettledReach settled(const KalmanSmoother& m, std::span<const int> ranks, std::span<const double> noise, double dt,
+                     int) {
   Eigen::VectorXd c = Eigen::VectorXd::Zero(m.order - ranks.front());
   const double density = m.density * std::pow(dt, 2 * m.order - 1);  // rows one apart
   for (std::size_t i = 0; i < ranks.size(); ++i)
@@ -69,25 +72,25 @@ Settled settled(const KalmanSmoother& m, std::span<const int> ranks, std::span<c
 }
 
 template <class Method>
-[[noreturn]] Settled endless(const Method& m, const std::string& why) {
+[[noreturn]] SettledReach endless(const Method& m, const std::string& why) {
   refuse(where,
          "derivative: " + name_of(DerivativeMethod(m)) + ": " + why +
              ": take savitzky_golay, spline or kalman, which a stream makes block by block, or the whole record by "
              "lunid.read");
 }
 
-Settled settled(const FourierFilter& m, std::span<const int>, std::span<const double>, double, int) {
+SettledReach settled(const FourierFilter& m, std::span<const int>, std::span<const double>, double, int) {
   return endless(m, "its weights have no end");
 }
 
-Settled settled(const TotalVariation& m, std::span<const int>, std::span<const double>, double, int) {
+SettledReach settled(const TotalVariation& m, std::span<const int>, std::span<const double>, double, int) {
   return endless(m, "each of its pieces depends on all rows");
 }
 
 }  // namespace
 
-Settled settled_reach(const DerivativeMethod& method, std::span<const int> ranks, std::span<const double> noise,
-                      double dt, int derivative) {
+SettledReach settled_reach(const DerivativeMethod& method, std::span<const int> ranks, std::span<const double> noise,
+                           double dt, int derivative) {
   return std::visit([&](const auto& m) { return settled(m, ranks, noise, dt, derivative); }, method);
 }
 

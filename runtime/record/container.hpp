@@ -80,18 +80,18 @@ bool is_container(const std::string& path);
 std::unique_ptr<Container> open_container(const std::string& path);
 
 /// Which variable a name asks for, and which of its columns ("data:2"), or -1 for all of it.
-struct Choice {
+struct ContainerChoice {
   std::size_t variable = 0;
   int column = -1;
   std::size_t rows = 0;
 };
 /// Finds a vector of numbers. `asked_for`: what it is to be, for messages ("for channel 'y'"). Throws InputError
 /// (Fault::data): no such variable (with a list and "did you mean"), text, complex numbers, an array without a column.
-Choice choose_variable(const Container& file, const std::string& path, const std::string& name,
-                       const std::string& asked_for);
+ContainerChoice choose_variable(const Container& file, const std::string& path, const std::string& name,
+                                const std::string& asked_for);
 /// All of a choice, or rows [first, first + count). Throws InputError (Fault::data) naming the path.
-Eigen::VectorXd read_choice(Container& file, const std::string& path, const Choice& choice, std::size_t first = 0,
-                            std::size_t count = static_cast<std::size_t>(-1));
+Eigen::VectorXd read_choice(Container& file, const std::string& path, const ContainerChoice& choice,
+                            std::size_t first = 0, std::size_t count = static_cast<std::size_t>(-1));
 
 /// As read_csv, from a MAT or HDF5 file.
 Record read_container(const std::string& path, const ReadOptions& options);

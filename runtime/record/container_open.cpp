@@ -97,8 +97,8 @@ std::unique_ptr<Container> open_container(const std::string& path) {
   return file;
 }
 
-Choice choose_variable(const Container& file, const std::string& path, const std::string& name,
-                       const std::string& asked_for) {
+ContainerChoice choose_variable(const Container& file, const std::string& path, const std::string& name,
+                                const std::string& asked_for) {
   const Variable* found = find(file, name);
   int column = -1;
   if (const auto colon = name.rfind(':'); !found && colon != std::string::npos) {
@@ -124,7 +124,7 @@ Choice choose_variable(const Container& file, const std::string& path, const std
           column < 0 ? found->size() : found->shape[0]};
 }
 
-Eigen::VectorXd read_choice(Container& file, const std::string& path, const Choice& choice, std::size_t first,
+Eigen::VectorXd read_choice(Container& file, const std::string& path, const ContainerChoice& choice, std::size_t first,
                             std::size_t count) {
   count = std::min(count, choice.rows - first);
   Eigen::VectorXd values(static_cast<Eigen::Index>(count));

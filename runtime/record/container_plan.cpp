@@ -12,7 +12,7 @@ namespace {
   throw InputError(message, {path}, Fault::data);
 }
 
-void add(ContainerPlan& plan, const Variable& variable, const Choice& choice, const std::string& name) {
+void add(ContainerPlan& plan, const Variable& variable, const ContainerChoice& choice, const std::string& name) {
   plan.choices.push_back(choice);
   plan.header.push_back({name, name, variable.unit});
 }
@@ -25,7 +25,7 @@ bool has(const ContainerPlan& plan, const std::string& name) {
 ContainerPlan candidates_of(const Container& file, const std::string& path, ReadOptions& options) {
   ContainerPlan found;
   for (ColumnMap& map : options.columns) {
-    const Choice choice = choose_variable(file, path, map.header, "for channel '" + map.channel + "'");
+    const ContainerChoice choice = choose_variable(file, path, map.header, "for channel '" + map.channel + "'");
     const Variable& variable = file.variables()[choice.variable];
     if (choice.column < 0) map.header = variable.name;
     if (!has(found, map.header)) add(found, variable, choice, map.header);
@@ -44,7 +44,7 @@ double interval_of(Container& file, const std::string& path, const ReadOptions& 
   const std::string& name = is_rate ? options.rate_name : options.interval_name;
   if (name.empty()) return options.interval;
   const std::string words = is_rate ? "as the rate" : "as the interval";
-  const Choice choice = choose_variable(file, path, name, words);
+  const ContainerChoice choice = choose_variable(file, path, name, words);
   if (choice.rows != 1)
     fail(path, "variable '" + name + "' " + words + ": expected a number, got " +
                    file.variables()[choice.variable].shape_text());

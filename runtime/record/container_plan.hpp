@@ -10,7 +10,7 @@ namespace lunid {
 
 /// The vectors of a file that may become channels, each with the header that a CSV file would give it.
 struct ContainerPlan {
-  std::vector<Choice> choices;
+  std::vector<ContainerChoice> choices;
   std::vector<HeaderCell> header;
   std::vector<ColumnPlan> plans;
   std::vector<std::string> warnings;

@@ -19,7 +19,7 @@ constexpr int most_order = 256;
 VectorXd continuation(const VectorXd& x, Index reach) {
   const VectorXd near = x.tail(std::min(x.size(), most_rows));
   const AutoregressiveFit fit =
-      fit_autoregression({near.data(), static_cast<std::size_t>(near.size())}, most_order, Criterion::aic);
+      fit_autoregression({near.data(), static_cast<std::size_t>(near.size())}, most_order, OrderCriterion::aic);
   const auto order = static_cast<Index>(fit.coefficients.size());
   const VectorXd last_first = Eigen::Map<const VectorXd>(fit.coefficients.data(), order).reverse();
   VectorXd path(order + reach);

@@ -83,7 +83,7 @@ struct Solver {
   const Data& data;
   std::vector<Constraint> constraints;
 
-  Solved operator()(const EnsembleOptions& options) const {
+  Solved operator()(const BaggingOptions& options) const {
     return finished({ensemble(data.parts, options, constraints), {}, {}, {}, {}, {}});
   }
   Solved operator()(const TotalOptions& options) const {

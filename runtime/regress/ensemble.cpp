@@ -72,7 +72,7 @@ Fit solve(std::span<const Statistic> blocks, const StatisticSolver& solver, std:
   return std::visit(Solve{data, constraints}, solver);
 }
 
-void validate(const EnsembleOptions& options) {
+void validate(const BaggingOptions& options) {
   if (options.members < 2)
     throw InputError("ensemble_of: members: expected >= 2, got " + std::to_string(options.members));
   const auto share = [](const char* field, double value) {
@@ -84,7 +84,7 @@ void validate(const EnsembleOptions& options) {
   validate(options.solver);
 }
 
-Fit ensemble(std::span<const Statistic> blocks, const EnsembleOptions& options,
+Fit ensemble(std::span<const Statistic> blocks, const BaggingOptions& options,
              std::span<const Constraint> constraints) {
   const detail::Stopwatch watch;
   validate(options);

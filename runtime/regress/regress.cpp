@@ -215,7 +215,7 @@ namespace {
 void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
   const auto& solver = options.solver;
   if (options.weak || std::holds_alternative<TotalOptions>(solver) || std::holds_alternative<HuberOptions>(solver) ||
-      std::holds_alternative<EnsembleOptions>(solver))
+      std::holds_alternative<BaggingOptions>(solver))
     throw InputError("regress: objective: mean_force: not with a weak form, total_least_squares, huber or ensemble_of");
   for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
 }

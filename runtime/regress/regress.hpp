@@ -54,7 +54,7 @@ struct TotalOptions {
 
 using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions, NonNegativeOptions,
                                       Sr3Options, FrolsOptions, StepwiseOptions, BestSubsetOptions, SpikeSlabOptions,
-                                      EnsembleOptions, TotalOptions, HuberOptions>;
+                                      BaggingOptions, TotalOptions, HuberOptions>;
 
 /// What a regression minimises: (1 - mean_force) * mean square of the residual + mean_force * mean over the blocks of
 /// time of the squared mean residual. A penalty on the mean keeps the force from shifting where no constant is among

@@ -85,19 +85,19 @@ void validate(const StatisticSolver& solver);
 Fit solve(std::span<const Statistic> blocks, const StatisticSolver& solver,
           std::span<const Constraint> constraints = {}, std::vector<PathPoint>* path = nullptr);
 
-struct EnsembleOptions {
+struct BaggingOptions {
   StatisticSolver solver = StlsqOptions{};  ///< of each member
   int members = 100;                        ///< >= 2
   double features = 1;                      ///< 0 < features <= 1: share of the features that a member sees
   double inclusion = 0.5;                   ///< 0 < inclusion <= 1: least share of members that keep a feature
   std::uint64_t seed = 1;
 };
-void validate(const EnsembleOptions& options);
+void validate(const BaggingOptions& options);
 /// Bagging (Fasel, Kutz, Brunton & Brunton 2022, Proc. R. Soc. A 478, 20210904): each member sees blocks of time drawn
 /// with replacement and some of the features; a feature's inclusion probability is the share of the members that saw it
 /// and kept it. What reaches `inclusion` is refitted by least squares on all rows. Features that the constraints need
 /// are seen by all. Needs at least 3 blocks.
-Fit ensemble(std::span<const Statistic> blocks, const EnsembleOptions& options,
+Fit ensemble(std::span<const Statistic> blocks, const BaggingOptions& options,
              std::span<const Constraint> constraints = {});
 
 /// Total least squares: the least change of features and target, in units of their noise, that makes an exact equation

@@ -201,11 +201,11 @@ void follow(BackboneCurve& curve, const Mode& mode, const BackboneOptions& optio
       continue;
     }
     const auto beyond = [&](double part) {
-      Place place;
+      BranchPlace place;
       return continuation.between(part, place) ? amplitude(point_at(curve, place.x)) / options.to - 1 : std::nan("");
     };
     const double part = root_between(before / options.to - 1, now / options.to - 1, beyond);
-    if (Place place; continuation.between(part, place)) out.points.push_back(point_at(curve, place.x));
+    if (BranchPlace place; continuation.between(part, place)) out.points.push_back(point_at(curve, place.x));
     out.complete = true;
     out.stopped = "reached the end of the range";
     return;

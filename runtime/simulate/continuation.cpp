@@ -48,7 +48,7 @@ bool solve(MatrixXd& a, VectorXd& b, MatrixXd* more) {
 
 /// Newton's method on the branch and the plane through `place` across `direction` (weighted, of any length); leaves the
 /// tangent.
-bool Continuation::newton(Place& place, const VectorXd& direction, double direction_lambda, int iterations) {
+bool Continuation::newton(BranchPlace& place, const VectorXd& direction, double direction_lambda, int iterations) {
   const Index n = curve_.size();
   const VectorXd start = place.x;
   const double start_lambda = place.lambda;
@@ -132,7 +132,7 @@ bool Continuation::adapt() {
 }
 
 /// A step of the present length from here.
-bool Continuation::take_step(Place& next) {
+bool Continuation::take_step(BranchPlace& next) {
   const VectorXd direction = weights_.cwiseProduct(here_.tangent);
   next = here_;
   next.x += step_ * here_.tangent;
@@ -152,7 +152,7 @@ bool Continuation::advance() {
   const double length = std::hypot(weights_.cwiseProduct(here_.tangent).norm(), here_.tangent_lambda);
   here_.tangent /= length;
   here_.tangent_lambda /= length;
-  Place next;
+  BranchPlace next;
   while (!take_step(next)) {
     step_ *= 0.4;
     if (step_ < options_.min_step) return false;
@@ -164,7 +164,7 @@ bool Continuation::advance() {
 
 /// On the cubic through the last two places along their tangents: near a branch point only a close start stays on the
 /// branch.
-bool Continuation::between(double part, Place& place) {
+bool Continuation::between(double part, BranchPlace& place) {
   const VectorXd chord = weights_.cwiseProduct(here_.x - previous_.x);
   const double chord_lambda = here_.lambda - previous_.lambda, length = std::hypot(chord.norm(), chord_lambda);
   const double rest = 1 - part, a = rest * rest * (1 + 2 * part), b = part * part * (3 - 2 * part);
@@ -174,7 +174,7 @@ bool Continuation::between(double part, Place& place) {
   return newton(place, chord / length, chord_lambda / length, options_.iterations);
 }
 
-bool Continuation::between_at(double lambda, Place& place) {
+bool Continuation::between_at(double lambda, BranchPlace& place) {
   const double part = (lambda - previous_.lambda) / (here_.lambda - previous_.lambda);
   place.x = previous_.x + part * (here_.x - previous_.x);
   place.lambda = lambda;

@@ -33,7 +33,7 @@ struct ContinuationOptions {
 };
 
 /// A solution with the direction of the branch, of unit weighted length.
-struct Place {
+struct BranchPlace {
   Eigen::VectorXd x, tangent;
   double lambda = 0, tangent_lambda = 0;
 };
@@ -49,22 +49,22 @@ class Continuation {
   /// The next place on the branch; false when no step of at least min_step leads on.
   bool advance();
   /// The place at a part (0 to 1) of the way from the previous place to the present one.
-  bool between(double part, Place& place);
+  bool between(double part, BranchPlace& place);
   /// Solution at a parameter between the last two.
-  bool between_at(double lambda, Place& place);
+  bool between_at(double lambda, BranchPlace& place);
 
-  const Place& here() const { return here_; }
-  const Place& previous() const { return previous_; }
+  const BranchPlace& here() const { return here_; }
+  const BranchPlace& previous() const { return previous_; }
   long corrections() const { return corrections_; }  ///< iterations of Newton's method so far
 
  private:
-  bool newton(Place& place, const Eigen::VectorXd& direction, double direction_lambda, int iterations);
-  bool take_step(Place& next);
+  bool newton(BranchPlace& place, const Eigen::VectorXd& direction, double direction_lambda, int iterations);
+  bool take_step(BranchPlace& next);
   bool adapt();
 
   Curve& curve_;
   ContinuationOptions options_;
-  Place here_, previous_;
+  BranchPlace here_, previous_;
   Eigen::VectorXd weights_, r_, dlambda_;
   Eigen::MatrixXd dx_, matrix_;
   double step_ = 0, last_correction_ = 0;

@@ -61,8 +61,8 @@ class Tracer {
   bool begin(double from, int direction, bool simulate_first);
   bool step(double from, double to);
   bool leave(double at, std::string why);
-  ResponsePoint point_at(const Place& place);
-  Signs signs_at(const Place& place, const ResponsePoint& point);
+  ResponsePoint point_at(const BranchPlace& place);
+  Signs signs_at(const BranchPlace& place, const ResponsePoint& point);
   void add(ResponsePoint point, const std::string& mark);
   void mark_between(const Signs& before, const Signs& now, double low, double high);
   double locate_change(int total_before);
@@ -85,7 +85,7 @@ class Tracer {
   std::size_t first_ = 0;  ///< point of the branch
 };
 
-ResponsePoint Tracer::point_at(const Place& place) {
+ResponsePoint Tracer::point_at(const BranchPlace& place) {
   ResponsePoint point;
   point.frequency = hertz(place.lambda);
   point.branch = branch_;
@@ -97,7 +97,7 @@ ResponsePoint Tracer::point_at(const Place& place) {
   return point;
 }
 
-Signs Tracer::signs_at(const Place& place, const ResponsePoint& point) {
+Signs Tracer::signs_at(const BranchPlace& place, const ResponsePoint& point) {
   Signs s;
   s.turn = place.tangent_lambda;
   s.outside = outside(point.multipliers);
@@ -162,7 +162,7 @@ bool Tracer::follow(double from, double to, bool simulate_first) {
       continue;
     }
     const bool reached = (lambda > high) == (to > from);
-    Place end;
+    BranchPlace end;
     if (continuation_.between_at(lambda > high ? high : low, end)) {
       ResponsePoint last = point_at(end);
       last.frequency = reached ? to_ : from_;
@@ -181,7 +181,7 @@ double Tracer::locate_change(int total_before) {
   double low = 0, high = 1;
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
-    Place place;
+    BranchPlace place;
     if (!continuation_.between(middle, place)) break;
     const bool same = outside(curve_.multipliers(place.x, place.lambda)).total() == total_before;
     (same ? low : high) = middle;
@@ -194,14 +194,14 @@ void Tracer::mark_between(const Signs& before, const Signs& now, double low, dou
   const bool turned = before.turn * now.turn < 0;
   if (turned) {
     const auto turn = [&](double part) {
-      Place place;
+      BranchPlace place;
       return continuation_.between(part, place) ? place.tangent_lambda : std::nan("");
     };
     found.emplace_back(root_between(before.turn, now.turn, turn), "fold");
   }
   if (before.rise > 0 && now.rise < 0) {
     const auto rise = [&](double part) {
-      Place place;
+      BranchPlace place;
       if (!continuation_.between(part, place)) return std::nan("");
       const double amplitude = curve_.amplitude(place.x, place.lambda, output_);
       return (curve_.amplitude(place.x + aside * place.tangent, place.lambda + aside * place.tangent_lambda, output_) -
@@ -222,7 +222,7 @@ void Tracer::mark_between(const Signs& before, const Signs& now, double low, dou
   if (!kind.empty()) found.emplace_back(locate_change(before.outside.total()), kind);
   std::sort(found.begin(), found.end());
   for (const auto& [part, mark] : found) {
-    Place place;
+    BranchPlace place;
     if (!continuation_.between(part, place) || place.lambda < low || place.lambda > high) continue;
     add(point_at(place), mark);
   }

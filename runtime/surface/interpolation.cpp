@@ -118,12 +118,13 @@ FittedSurface fit_surface(const SurfacePoints& points, const Interpolator& how) 
   return out;
 }
 
-std::vector<Rival> compare_surfaces(const SurfacePoints& points, std::span<const Interpolator> kinds, int blocks) {
+std::vector<SurfaceRival> compare_surfaces(const SurfacePoints& points, std::span<const Interpolator> kinds,
+                                           int blocks) {
   if (kinds.empty()) throw InputError("surface: expected at least one kind of interpolation");
-  std::vector<Rival> rivals;
+  std::vector<SurfaceRival> rivals;
   std::vector<VectorXd> predicted;
   for (const Interpolator& how : kinds) {
-    Rival rival{how, {}, {}, {}, {}};
+    SurfaceRival rival{how, {}, {}, {}, {}};
     predicted.emplace_back();
     try {
       rival.fit = fit_surface(points, how);
@@ -138,7 +139,7 @@ std::vector<Rival> compare_surfaces(const SurfacePoints& points, std::span<const
     }
     rivals.push_back(std::move(rival));
   }
-  if (std::all_of(rivals.begin(), rivals.end(), [](const Rival& r) { return !r.fault.empty(); }))
+  if (std::all_of(rivals.begin(), rivals.end(), [](const SurfaceRival& r) { return !r.fault.empty(); }))
     throw InputError(rivals.front().fault, {}, Fault::data);
   VectorXd common = VectorXd::Zero(points.size());  // NaN where one of them has no data
   for (const VectorXd& each : predicted)
@@ -146,7 +147,7 @@ std::vector<Rival> compare_surfaces(const SurfacePoints& points, std::span<const
   for (std::size_t k = 0; k < rivals.size(); ++k)
     if (rivals[k].fault.empty())
       rivals[k].left_out = score(points, common.array().isNaN().select(common, predicted[k]));
-  std::stable_sort(rivals.begin(), rivals.end(), [](const Rival& a, const Rival& b) {
+  std::stable_sort(rivals.begin(), rivals.end(), [](const SurfaceRival& a, const SurfaceRival& b) {
     if (a.fault.empty() != b.fault.empty()) return a.fault.empty();
     return a.left_out.rmse < b.left_out.rmse;
   });

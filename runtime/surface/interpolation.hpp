@@ -71,7 +71,7 @@ struct FittedSurface {
 FittedSurface fit_surface(const SurfacePoints& points, const Interpolator& how);
 
 /// One of several surfaces of the same points.
-struct Rival {
+struct SurfaceRival {
   Interpolator how;
   FittedSurface fit;
   SurfaceScore left_out;  ///< on the points that all rivals predict
@@ -80,6 +80,7 @@ struct Rival {
 };
 /// Fits each to all points and to all but each of `blocks` (>= 2) blocks of time; the one with the least left-out rmse
 /// comes first, those that failed come last. Throws InputError: no kind, blocks, or the fault when all fail.
-std::vector<Rival> compare_surfaces(const SurfacePoints& points, std::span<const Interpolator> kinds, int blocks);
+std::vector<SurfaceRival> compare_surfaces(const SurfacePoints& points, std::span<const Interpolator> kinds,
+                                           int blocks);
 
 }  // namespace lunid

@@ -11,8 +11,8 @@ using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-Section section(const ForceSurface& surface, const SurfacePoints& points, bool along_y, double at, int count,
-                double half_width) {
+SurfaceSection section(const ForceSurface& surface, const SurfacePoints& points, bool along_y, double at, int count,
+                       double half_width) {
   const Cells& cells = surface.cells();
   const double across_min = along_y ? cells.v_min() : cells.y_min(),
                across_max = along_y ? cells.v_max() : cells.y_max();
@@ -22,14 +22,14 @@ Section section(const ForceSurface& surface, const SurfacePoints& points, bool a
     throw InputError("surface: section: " + axis + ": expected within the data, " + number(across_min, 4) + " to " +
                      number(across_max, 4) + ", got " + number(at, 6));
   if (count < 2) throw InputError("surface: section: count: expected >= 2, got " + std::to_string(count));
-  Section out{along_y,
-              at,
-              half_width > 0 ? half_width : (across_max - across_min) / 20,
-              VectorXd(count),
-              VectorXd(count),
-              VectorXd(count),
-              {},
-              {}};
+  SurfaceSection out{along_y,
+                     at,
+                     half_width > 0 ? half_width : (across_max - across_min) / 20,
+                     VectorXd(count),
+                     VectorXd(count),
+                     VectorXd(count),
+                     {},
+                     {}};
   for (int k = 0; k < count; ++k) {
     out.place[k] = least + (most - least) * k / (count - 1);
     const double y = along_y ? out.place[k] : at, v = along_y ? at : out.place[k];

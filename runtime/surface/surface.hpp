@@ -162,15 +162,15 @@ double truncation(const PolynomialSurface& polynomial, const ForceSurface& surfa
 
 // ---- section.cpp ----
 /// A cut through a surface along one axis, with the points near it.
-struct Section {
+struct SurfaceSection {
   bool along_y = true;            ///< along y at v = `at`, else along v at y = `at`
   double at = 0, half_width = 0;  ///< of the band from which the points come
   Eigen::VectorXd place, f, std;  ///< f is NaN where there is no data, std where the kind gives none
   Eigen::VectorXd points_place, points_f;
 };
 /// `half_width` 0: a twentieth of the range of the other axis. Throws InputError: count < 2, at outside the data.
-Section section(const ForceSurface& surface, const SurfacePoints& points, bool along_y, double at, int count = 200,
-                double half_width = 0);
+SurfaceSection section(const ForceSurface& surface, const SurfacePoints& points, bool along_y, double at,
+                       int count = 200, double half_width = 0);
 
 // ---- score.cpp ----
 using SurfaceFit = std::function<std::shared_ptr<const ForceSurface>(const SurfacePoints&)>;

@@ -80,7 +80,7 @@ TEST(Autoregression, IsRecovered) {
   EXPECT_NEAR(fit.coefficients[0], 1.5, 0.025);
   EXPECT_NEAR(fit.coefficients[1], -0.8, 0.025);
   EXPECT_NEAR(fit.variance, 1, 0.06);  // sqrt(2 / n) = 0.014
-  EXPECT_GE(fit_autoregression(span_of(x), 20, Criterion::aic).coefficients.size(), fit.coefficients.size());
+  EXPECT_GE(fit_autoregression(span_of(x), 20, OrderCriterion::aic).coefficients.size(), fit.coefficients.size());
 }
 
 TEST(Autoregression, OfWhiteNoiseIsEmpty) {

@@ -97,7 +97,7 @@ TEST(SurfaceSection, cuts_along_either_axis_with_the_points_near_it) {
   const auto f = [](double y, double v) { return 2e4 * y + 10 * v; };
   const SurfacePoints p = spiral(20000, f);
   const FittedSurface grid = fit_surface(p, GridOptions{});
-  const Section along_y = section(*grid.surface, p, true, 0.1, 51);
+  const SurfaceSection along_y = section(*grid.surface, p, true, 0.1, 51);
   for (Index k = 0; k < 51; ++k)
     if (!std::isnan(along_y.f[k])) {
       EXPECT_NEAR(along_y.f[k], f(along_y.place[k], 0.1), 1e-5);
@@ -106,7 +106,7 @@ TEST(SurfaceSection, cuts_along_either_axis_with_the_points_near_it) {
   ASSERT_GT(along_y.points_place.size(), 500);
   for (Index k = 0; k < along_y.points_place.size(); ++k)
     EXPECT_NEAR(along_y.points_f[k], f(along_y.points_place[k], 0.1), 10 * along_y.half_width + 1e-9);
-  const Section along_v = section(*grid.surface, p, false, 0.5e-3, 11, 1e-4);
+  const SurfaceSection along_v = section(*grid.surface, p, false, 0.5e-3, 11, 1e-4);
   EXPECT_EQ(along_v.half_width, 1e-4);
   EXPECT_NEAR(along_v.f[5], f(0.5e-3, along_v.place[5]), 1e-5);
   EXPECT_EQ(message([&] { section(*grid.surface, p, true, 0.7); }).substr(0, 52),

@@ -133,7 +133,7 @@ TEST_F(Hdf5File, groups_units_arrays_and_single_numbers) {
             "(40 values), run1/y (40 x 1); did you mean 'run1/y'?");
   // A window of rows, as a reader of large files takes it.
   const auto file = open_container(path("lab.h5"));
-  const Choice choice = choose_variable(*file, path("lab.h5"), "run1/array:1", "here");
+  const ContainerChoice choice = choose_variable(*file, path("lab.h5"), "run1/array:1", "here");
   EXPECT_EQ(read_choice(*file, path("lab.h5"), choice, 10, 5), Eigen::VectorXd::LinSpaced(5, 10, 14));
 }
 
