@@ -41,6 +41,13 @@ void add_run(CLI::App& app, Values& values) {
   add_shared(run, values);
 }
 
+/// A check of an option's number, as CLI11 takes it: what is wrong, or nothing.
+std::function<std::string(const std::string&)> expects(const std::string& range, bool (*holds)(double)) {
+  return [=](const std::string& text) {
+    return holds(std::strtod(text.c_str(), nullptr)) ? "" : "expected " + range + ", got " + text;
+  };
+}
+
 void add_discover(CLI::App& app, Values& values) {
   CLI::App* discover = app.add_subcommand("discover", "name the effect that a model of a record lacks");
   discover->add_option("train", values.files, "TRAIN.csv [MORE.csv ...]")->required();
@@ -54,15 +61,9 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
-      ->check([](const std::string& text) {
-        const double alpha = std::strtod(text.c_str(), nullptr);
-        return alpha > 0 && alpha < 0.5 ? "" : "expected > 0 and < 0.5, got " + text;
-      });
+      ->check(expects("> 0 and < 0.5", [](double alpha) { return alpha > 0 && alpha < 0.5; }));
   discover->add_option("--minimum-gain", values.minimum_gain, "least drop of the left-out gap for a name (0.05)")
-      ->check([](const std::string& text) {
-        const double gain = std::strtod(text.c_str(), nullptr);
-        return gain >= 0 && gain < 1 ? "" : "expected >= 0 and < 1, got " + text;
-      });
+      ->check(expects(">= 0 and < 1", [](double gain) { return gain >= 0 && gain < 1; }));
   discover->add_option("--catalogue", values.catalogue, "names of entries to try, \"clearance,cubic_stiffness\"");
   add_shared(discover, values);
 }

@@ -137,12 +137,13 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
                   "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
                   out.final_test.value, out.final_test.floor);
     const bool rough = out.final_test.value > 3 * out.final_test.floor;
-    const std::string small = below_the_least_gain(study, found);
     std::string said = "no effect of the catalogue and no generic force of the motion lowers the left-out gap ";
     if (!round.withdrawn.empty())
       said += "and is confirmed; nearest: " + round.withdrawn;
+    else if (const std::string small = below_the_least_gain(study, found); !small.empty())
+      said += "enough; " + small;
     else
-      said += small.empty() ? "beyond chance" : "enough; " + small;
+      said += "beyond chance";
     return said + (rough ? text : "");
   }
   if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";

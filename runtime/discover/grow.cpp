@@ -117,24 +117,17 @@ class Grower {
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
-    const auto scales_at = [&](const std::optional<Place>& place) -> const RecordScales& {
-      for (const auto& [at, scale] : scales_)
-        if (at == place) return scale;
-      scales_.emplace_back(place, scales_beside(study_, baseline_, place));
-      return scales_.back().second;
-    };
     for (const auto& effect : catalogue_) {
       if (in_baseline(effect)) {
         out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
         continue;
       }
-      const RecordScales& scale = scales_at(effect.place);
       for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
         const Choice choice{&effect, variant};
         if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
-          shapes_.push_back(proposer_.shape(model_, choice, scale));
+          shapes_.push_back(proposer_.shape(model_, choice, scales_.at(effect.place)));
         else
-          faults_.push_back({choice, effect.guess ? effect.guess(scale, variant) : std::vector<Guess>{}});
+          faults_.push_back({choice, scales_.guesses(choice)});
       }
     }
     run_shapes([](const Shape& shape) { return !many_states(shape); });
@@ -188,7 +181,7 @@ class Grower {
     each(order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
     if (size == 1) {
       std::vector<std::optional<Place>> near;
-      for (const auto& [place, scale] : scales_)
+      for (const auto& place : scales_.places())
         if (memory_comes_near(offers, place)) near.push_back(place);
       const auto wanted = [&](const Shape& shape) {
         return many_states(shape) && std::find(near.begin(), near.end(), shape.choice.effect->place) != near.end();
@@ -504,7 +497,7 @@ class Grower {
     Choice choice;
     std::vector<Guess> guesses;
   };
-  std::vector<std::pair<std::optional<Place>, RecordScales>> scales_;  ///< of each place
+  PlacedScales scales_{study_, baseline_};
   std::vector<Shape> shapes_;
   std::vector<ChannelFault> faults_;
   Grown out_;

@@ -98,11 +98,16 @@ Study of_pieces(const Study& whole, const std::vector<Piece>& pieces) {
   return out;
 }
 
+std::vector<Piece> short_parts(const std::vector<Record>& records, double length) {
+  std::vector<Piece> out;
+  for (std::size_t r = 0; r < records.size(); ++r)
+    for (const Piece& p : parts_of(records[r], r, length, run_rows / std::ssize(records))) out.push_back(p);
+  return out;
+}
+
 std::vector<Record> short_runs(const std::vector<Record>& records, double length) {
   std::vector<Record> out;
-  for (std::size_t r = 0; r < records.size(); ++r)
-    for (const Piece& p : parts_of(records[r], r, length, run_rows / std::ssize(records)))
-      out.push_back(records[r].slice(p.first, p.count));
+  for (const Piece& p : short_parts(records, length)) out.push_back(records[p.record].slice(p.first, p.count));
   return out;
 }
 
@@ -110,11 +115,9 @@ std::vector<Record> short_runs(const std::vector<Record>& records, double length
 
 Study in_short_runs(const Study& whole, double periods) {
   const double length = periods * 2 * M_PI / upper_frequency(whole);
-  std::vector<Piece> pieces;
-  for (std::size_t r = 0; r < whole.train.size(); ++r)
-    for (const Piece& p : parts_of(whole.train[r].record, r, length, run_rows / std::ssize(whole.train)))
-      pieces.push_back(p);
-  Study out = of_pieces(whole, pieces);
+  std::vector<Record> trained;
+  for (const FitData& data : whole.train) trained.push_back(data.record);
+  Study out = of_pieces(whole, short_parts(trained, length));
   out.run_length = length;
   out.full = short_runs(whole.full, length);
   out.test = short_runs(whole.test, length);

@@ -133,6 +133,23 @@ RecordScales scales_beside(const Study& study, const Candidate& model, const std
   return scale;
 }
 
+const RecordScales& PlacedScales::at(const std::optional<Place>& place) {
+  for (const auto& [known, scale] : all_)
+    if (known == place) return scale;
+  return all_.emplace_back(place, scales_beside(study_, model_, place)).second;
+}
+
+std::vector<Guess> PlacedScales::guesses(const Choice& choice) {
+  if (!choice.effect->guess) return {};
+  return choice.effect->guess(at(choice.effect->place), choice.variant);
+}
+
+std::vector<std::optional<Place>> PlacedScales::places() const {
+  std::vector<std::optional<Place>> out;
+  for (const auto& [place, scale] : all_) out.push_back(place);
+  return out;
+}
+
 Proposer::Proposer(const Study& study, const Candidate& baseline, bool weigh) : degrees_(study.degrees()) {
   Eigen::Index all = 0;
   for (const auto& data : study.force) all += degrees_ * data.record.rows();

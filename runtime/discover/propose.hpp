@@ -36,6 +36,23 @@ struct Standing {
 /// The records' scales at a place with what a model leaves open of them, for the guesses of the entries beside it.
 RecordScales scales_beside(const Study& study, const Candidate& model, const std::optional<Place>& place = {});
 
+/// The same at each place that was asked for, worked out once.
+class PlacedScales {
+ public:
+  PlacedScales(const Study& study, const Candidate& model) : study_(study), model_(model) {}
+  /// Good until the next place is asked for.
+  const RecordScales& at(const std::optional<Place>& place);
+  /// First guesses of a choice where it stands; none where its entry has none.
+  std::vector<Guess> guesses(const Choice& choice);
+  /// In the order in which they were asked for.
+  std::vector<std::optional<Place>> places() const;
+
+ private:
+  const Study& study_;
+  const Candidate& model_;
+  std::vector<std::pair<std::optional<Place>, RecordScales>> all_;
+};
+
 /// Free runs of such an entry cost more than those of all others together.
 inline bool many_states(std::size_t states) { return states > 4; }
 inline bool many_states(const Shape& shape) { return many_states(shape.system->model().states.size()); }

@@ -101,24 +101,6 @@ void project(const Stage& stage, const Whitening& whitening, const Candidate& ca
   if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
 }
 
-/// What the records say at each place that was asked for.
-class Scales {
- public:
-  explicit Scales(const Stage& stage) : stage_(stage) {}
-  const RecordScales& at(const std::optional<Place>& place) {
-    for (const auto& [known, scale] : all_)
-      if (known == place) return scale;
-    return all_.emplace_back(place, scales_beside(stage_.study, stage_.baseline, place)).second;
-  }
-  std::vector<Guess> guesses(const Choice& choice) {
-    return choice.effect->guess ? choice.effect->guess(at(choice.effect->place), choice.variant) : std::vector<Guess>{};
-  }
-
- private:
-  const Stage& stage_;
-  std::vector<std::pair<std::optional<Place>, RecordScales>> all_;
-};
-
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
 void fit_set(const Stage& stage, Candidate& candidate) {
   const FitOptions o = full_fit(stage.study, set_iterations);
@@ -235,7 +217,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   out.gap = stage.gap(stage.baseline);
   out.warnings = stage.warnings;
   for (const std::string& entry : untested) out.warnings.push_back("not tried: " + entry);
-  Scales scales(stage);
+  PlacedScales scales(stage.study, stage.baseline);
   std::vector<Candidate> all;
   std::vector<std::vector<Guess>> guesses;
   for (const Effect& effect : catalogue)
@@ -276,7 +258,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
   const Stage stage(baseline, records, options);
   std::vector<std::string> untestable;
   const std::vector<Effect> catalogue = testable(stage.study, given, untestable);
-  Scales scales(stage);
+  PlacedScales scales(stage.study, stage.baseline);
   std::vector<Candidate> all{stage.baseline};
   std::vector<std::vector<std::vector<Guess>>> guesses{{}};
   for (const auto& set : sets)

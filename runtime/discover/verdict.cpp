@@ -62,13 +62,19 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   return left;
 }
 
+namespace {
+
+constexpr double much_open = 0.15;  ///< of the motion
+
+}  // namespace
+
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
   const auto is_decay = [&](const Record& record) { return is_free(study, record); };
   const bool decays =
       !study.imposed && std::ranges::all_of(study.full, is_decay) && std::ranges::all_of(study.test, is_decay);
-  return far_from_the_floor(gap, decays ? 0.05 : 0.15);
+  return far_from_the_floor(gap, decays ? 0.05 : much_open);
 }
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -134,7 +140,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
-  const bool far = far_from_the_floor(last, 0.15) && last.value - last.floor > part * (first.value - last.floor);
+  const bool far = far_from_the_floor(last, much_open) && last.value - last.floor > part * (first.value - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
