@@ -133,7 +133,8 @@ std::vector<Parameter> read_rows(lua_State* L) {
   return rows;
 }
 
-/// The variants of the entry on top of the stack: a force each, or what a channel makes of it where `maps` names one.
+/// The variants of the entry on top of the stack: a force each, or where `maps` says so what a channel makes of it or
+/// the delay of the force.
 std::vector<EffectVariant> read_variants(lua_State* L) {
   std::vector<EffectVariant> variants;
   with_field(L, -1, "variants",
@@ -143,6 +144,10 @@ std::vector<EffectVariant> read_variants(lua_State* L) {
       EffectVariant& variant = variants.at(static_cast<std::size_t>(i - 1));
       const auto field = string_field(L, -1, "field");
       if (!field) return;
+      if (*field == "delay") {
+        variant.delay = std::exchange(variant.force, {});
+        return;
+      }
       const ChannelMap map{string_field(L, -1, "channel").value_or(""), variant.force};
       (*field == "acts" ? variant.acts : variant.measures).push_back(map);
       variant.force = {};

@@ -18,7 +18,7 @@ catalogue.names = {
   "vibro_liquefaction", "soil_plug", "radiation_damping", "degrading_resistance", "setup_recovery",
   "depth_resistance", "crane_lowering",
   "added_mass", "velocity_dependent_mass", "displacement_dependent_mass", "stiffness_drift", "damping_drift",
-  "parametric_stiffness", "hidden_mode",
+  "parametric_stiffness", "hidden_mode", "force_delay",
   "missing_harmonic", "base_motion", "rotating_unbalance", "force_gain",
   "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain", "clipping",
 }

@@ -52,8 +52,8 @@ local function list(value)
   return type(value) == "table" and getmetatable(value) ~= "lunid.expression" and value or { value }
 end
 
---- What the variants are: forces, then what channels show, then what acts of what a channel shows. Of the latter two
---- each is { field = "measures", channel = "y", form = "y + b" }.
+--- What the variants are: forces, then what channels show, then what acts of what a channel shows, then the force's
+--- delay. Of what channels show and what acts each is { field = "measures", channel = "y", form = "y + b" }.
 local function forms_of(given)
   local forms, where = {}, "effect: " .. given.name
   for i, form in ipairs(given.contribution and list(given.contribution) or {}) do forms[i] = { form = form } end
@@ -72,7 +72,8 @@ local function forms_of(given)
       forms[#forms + 1] = { field = field, channel = channel, form = form }
     end
   end
-  if #forms == 0 then schema.fail(where, "expected a contribution, or a channel that measures or acts") end
+  if given.delay then forms[#forms + 1] = { field = "delay", form = given.delay } end
+  if #forms == 0 then schema.fail(where, "expected a contribution, a channel that measures or acts, or a delay") end
   return forms
 end
 
@@ -115,6 +116,7 @@ return schema.define({
     { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
       .. "and of force_rate, the rate of that; affine in F" },
+    { "delay", text_or_expression, unit = "s", help = "by which the force acts later than its channel says" },
     { "formula", types.string, help = "as an engineer writes it; else the text of the first contribution" },
     { "parameters", types.list(types.table, 1), required = true,
       help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess" },

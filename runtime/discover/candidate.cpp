@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "discover/sensor.hpp"
 #include "simulate/measures.hpp"
@@ -187,6 +188,7 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
         is_linear = is_linear && !(part.valid() && depends_on(part, p));
     for (const auto* maps : {&model.measures, &model.acts})
       for (const auto& [channel, map] : *maps) is_linear = is_linear && !depends_on(map, p);
+    if (model.delay.valid()) is_linear = is_linear && !depends_on(model.delay, p);
     linear[i] = is_linear;
     if (is_linear) kept.push_back(p);
   }
@@ -236,12 +238,14 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
     model.parameters[i].unit = unit_on(study.full.front(), model.parameters[i].unit);
   candidate.linear = linear_parameters(model);
   candidate.margins = margins_of(choices, model);
-  candidate.seen_by_force = can_be_undone(model);
+  candidate.seen_by_force = can_be_undone(model) && !model.delay.valid();
   candidate.system = std::make_shared<const System>(model);
   if (model.imposed_motion) {
     candidate.force_system = candidate.system;
   } else {
     model.imposed_motion = true;
+    if (model.delay.valid())  // of the parameters that the forces along the motion do not hold
+      model.restoring = model.restoring + model.pool->constant(0) * std::exchange(model.delay, {});
     candidate.force_system = std::make_shared<const System>(model);
   }
   return candidate;
@@ -305,8 +309,26 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
 }
 
-Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
+namespace {
+
+/// A record whose forces are what acts: so much later.
+Record delayed(Record record, const std::vector<std::string>& forces, double delay) {
+  for (const std::string& name : forces) {
+    const Excitation force(record.start(), record.dt(), record[name], Interpolation::cubic);
+    Channel channel = record.channel(name);
+    channel.values.resize(record.rows());
+    for (Eigen::Index i = 0; i < record.rows(); ++i) channel.values[i] = force.at(record.time(i) - delay);
+    record = record.with(std::move(channel));
+  }
+  return record;
+}
+
+}  // namespace
+
+Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& given) {
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const double delay = candidate.system->delay(values);
+  const Record record = delay > 0 ? delayed(given, candidate.system->model().inputs(), delay) : given;
   return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
 }
 

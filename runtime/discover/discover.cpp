@@ -64,6 +64,7 @@ class Spine {
   Discovery run() {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings);
+    if (lower_noise(whole_, baseline_)) take_noise();
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
     fit_all_rows(round);
@@ -133,7 +134,11 @@ class Spine {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found = search(study_, model_, baseline_, part, {}, step());
     } else if (study_.interpolation != before) {
-      refit_on_current_force(round.found);
+      refit(round.found);
+    }
+    if (lower_noise(whole_, round.found.chosen)) {
+      take_noise();
+      refit(round.found);
     }
     tried_ = std::max(tried_, round.found.grown.tried);
     progress("decide", 0.88);
@@ -193,13 +198,19 @@ class Spine {
     return [this](const std::string& stage, double fraction) { progress(stage, fraction); };
   }
 
-  /// The names stay; what was fitted is fitted again with the force between its samples as it is now.
-  void refit_on_current_force(SearchResult& found) const {
+  /// The names stay; what was fitted is fitted again to the study as it is now.
+  void refit(SearchResult& found) const {
     for (Candidate* c : {&found.baseline, &found.chosen}) {
       judge(study_, *c, found.whitening);
       run_left_out(study_, *c);
     }
     for (auto& c : found.steps) judge(study_, c, found.whitening);
+  }
+
+  /// Several outputs weigh by their noise: the fit is another one.
+  void take_noise() {
+    study_ = shortened(whole_);
+    if (study_.degrees() > 1) fit(study_, baseline_, full_fit(study_, 40));
   }
 
   // ---- force between its samples ----
@@ -281,7 +292,8 @@ class Spine {
         rms_error(rare.fit) <= as_well * rms_error(common.fit))
       return true;
     const bool mends = round.left.material && !further.left.material && is_general_form(rare.choices, common.choices);
-    return closed_share(common.left_out_gap, rare.left_out_gap, study_.noise_gap()) > (mends ? 0.8 : 0.95);
+    const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
+    return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (mends ? 0.8 : 0.95);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
@@ -356,7 +368,8 @@ class Spine {
       before_test_ = after_test_;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
-    const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(before_test_));
+    const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(round.train)) ||
+                      leaves_motion_open(study_, round.gap(before_test_));
     round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
   }
 
@@ -384,8 +397,31 @@ class Spine {
         named.indistinguishable = found.ties;
         named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
       }
+      if (found.steps.size() > 1)
+        for (const std::string& tie : found.ties)
+          if (std::string other = in_place_of(named.label, found.chosen.name(), tie); !other.empty())
+            named.indistinguishable.push_back(std::move(other));
       out_.effects.push_back(std::move(named));
     }
+  }
+
+  /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of
+  /// "displacement_offset + coulomb_friction" and "constant_force + coulomb_friction"; else "".
+  static std::string in_place_of(const std::string& label, const std::string& chosen, const std::string& tie) {
+    std::vector<std::string> own = members(chosen), others = members(tie);
+    const auto shared = [&](const std::string& member) { return std::erase(others, member) > 0; };
+    std::erase_if(own, shared);
+    return own.size() == 1 && others.size() == 1 && own.front() == label ? others.front() : "";
+  }
+
+  static std::vector<std::string> members(const std::string& set) {
+    const std::string between = " + ";
+    std::vector<std::string> out;
+    std::size_t from = 0;
+    for (std::size_t at; (at = set.find(between, from)) != std::string::npos; from = at + between.size())
+      out.push_back(set.substr(from, at - from));
+    out.push_back(set.substr(from));
+    return out;
   }
 
   /// The entry's parameters from the final model, under their own short names.

@@ -36,6 +36,7 @@ using Ranges = std::map<std::string, std::pair<double, double>>;
 struct EffectVariant {
   Expr force;                              ///< empty: none
   std::vector<ChannelMap> measures, acts;  ///< as Model has them, for the channels y and F
+  Expr delay;                              ///< as Model has it; empty: none
   EffectVariant() = default;
   EffectVariant(Expr force) : force(force) {}  // implicit: most are no more than this
 };

@@ -91,11 +91,25 @@ void add_drawn_states(const Study& study, const Nominal& at, double share, std::
   }
 }
 
+/// Of an output. Its own spectrum takes what is sharp in the motion (a blow, friction that turns round, in an
+/// acceleration) for noise too; what a run leaves of it bounds the noise as well, and counts where it is clearly less.
+double noise_beside(const FreeRun& run, const Record& record) {
+  constexpr double clearly = 0.8;
+  constexpr Eigen::Index enough = 1000;  // rows: the lowest band of a short residual is low by chance
+  const Channel& channel = record.channel(run.output);
+  if (run.rows < enough) return channel.noise;
+  const Eigen::Map<const Eigen::VectorXd> measured(record[run.output].data(), record.rows());
+  const Eigen::VectorXd left = measured.tail(run.rows) - run.model.tail(run.rows);
+  if (!left.allFinite()) return channel.noise;
+  const double level = noise_level({left.data(), static_cast<std::size_t>(left.size())});
+  return level < clearly * channel.noise ? level : channel.noise;
+}
+
 void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
   const StateEstimate& state = at.state;
-  const double first_noise = at.data.record.channel(out.front().output).noise;
+  const double first_noise = noise_beside(out.front(), at.data.record);
   for (FreeRun& o : out) {
-    const double noise = at.data.record.channel(o.output).noise;
+    const double noise = noise_beside(o, at.data.record);
     o.floor_squares = noise * noise * static_cast<double>(o.rows);
   }
   const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
@@ -233,6 +247,26 @@ std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::stri
   for (const FreeRun& run : runs)
     if (run.output == output) out.push_back(run);
   return out;
+}
+
+bool lower_noise(Study& study, const Candidate& candidate) {
+  if (study.imposed || study.run_length > 0 || !candidate.ran()) return false;
+  bool lowered = false;
+  for (std::size_t r = 0; r < study.full.size(); ++r)
+    for (const FreeRun& run :
+         free_run(study, *candidate.system, candidate.fit.theta, study.full[r], candidate.fit.substeps, false)) {
+      const double known = study.full[r].channel(run.output).noise, noise = noise_beside(run, study.full[r]);
+      if (!(noise < known)) continue;
+      lowered = true;
+      for (Record* record : {&study.full[r], &study.train[r].record}) {
+        Channel channel = record->channel(run.output);
+        channel.values = Eigen::Map<const Eigen::VectorXd>((*record)[run.output].data(), record->rows());
+        channel.noise *= noise / known;
+        *record = record->with(channel);
+      }
+    }
+  if (lowered) smooth_all(study);
+  return lowered;
 }
 
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {

@@ -27,6 +27,10 @@ struct FreeRun {
 std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,
                               const Record& record, int substeps, bool floor = true);
 
+/// The noise of the outputs, where what a model leaves of the training records shows that it is less than their spectra
+/// told. Returns whether it is. Not asked of an imposed motion and of short runs.
+bool lower_noise(Study& study, const Candidate& candidate);
+
 /// Pooled gap over records and outputs. `input_share`: the part of the force channel's noise that the system did not
 /// feel, 0..1.
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "discover/judge.hpp"
+#include "discover/linearised.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
@@ -32,9 +33,11 @@ constexpr int most_promising = 6;
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 40;       // the same as far as they are refined, and run where no other reaches the noise
 constexpr std::size_t slow_runs = 2;
-constexpr int led_out = 4;        // single effects above the noise that begin again from other guesses
-constexpr double reached = 1.05;  // of the sensor's noise: nothing is left
-constexpr double hopeless = 3;    // times the best squared error after the first iterations: not fitted to the end
+constexpr std::size_t runs_by_motion = 3;  // of what the force does not show
+constexpr double near_enough = 0.5;        // of the motion, for that
+constexpr int led_out = 4;                 // single effects above the noise that begin again from other guesses
+constexpr double reached = 1.05;           // of the sensor's noise: nothing is left
+constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
 
 bool many_states(const Choices& set) {
   return std::any_of(set.begin(), set.end(),
@@ -209,11 +212,52 @@ class Grower {
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
     if (size == 1 && is_open(level)) leave_minima(level);
-    if (slow.empty() || !is_open(level)) return level;
-    std::vector<Candidate> others = fit_list(offers, slow, {}, size);
+    if (is_open(level)) fit_too(offers, best_on_motion(offers, list, parents.front()), size, level);
+    if (is_open(level)) fit_too(offers, slow, size, level);
+    return level;
+  }
+
+  void fit_too(const std::vector<Offer>& offers, const std::vector<std::size_t>& more, int size,
+               std::vector<Candidate>& level) {
+    if (more.empty()) return;
+    std::vector<Candidate> others = fit_list(offers, more, {}, size);
     level.insert(level.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
     sort_by_cost(level);
-    return once_each(level);
+    level = once_each(level);
+  }
+
+  /// The force along a noisy motion, or along one that was integrated, may not show what the free run does: of those
+  /// that were not fitted, the best on the motion to first order. Says nothing where the parent's run is not near.
+  std::vector<std::size_t> best_on_motion(const std::vector<Offer>& offers, const std::vector<std::size_t>& fitted,
+                                          const Candidate& parent) const {
+    if (!parent.ran() || !(rms(parent) < near_enough * study_.measured_std())) return {};
+    std::vector<std::size_t> others;
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < offers.size(); ++i) {
+      const Offer& o = offers[i];
+      if (o.parent->choices != parent.choices || !o.standing.shown || o.standing.own.size() == 0) continue;
+      if (many_states(*o.standing.shape) || std::find(fitted.begin(), fitted.end(), i) != fitted.end()) continue;
+      Choices set = parent.choices;
+      set.push_back(o.standing.shape->choice);
+      others.push_back(i);
+      candidates.push_back(compile(study_, model_, set));
+    }
+    const Whitening whitening = residual_colour(study_, parent);
+    std::vector<double> gains(others.size());
+    parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Standing& s = offers[others[k]].standing;
+      Eigen::VectorXd theta(candidates[k].parameters());
+      theta << parent.fit.theta, s.own;
+      gains[k] = gain_on_motion(study_, whitening, parent, candidates[k], theta).gain;
+    });
+    std::vector<std::size_t> order(others.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return gains[a] > gains[b]; });
+    std::vector<std::size_t> out;
+    for (const std::size_t k : order)
+      if (gains[k] > study_.options->minimum_gain && out.size() < runs_by_motion) out.push_back(others[k]);
+    return out;
   }
 
   bool is_open(const std::vector<Candidate>& sorted) const {
@@ -354,6 +398,7 @@ class Grower {
     std::vector<std::vector<Guess>> guesses;
     for (const auto& fault : faults_) {
       if (holds(parent.choices, fault.choice.effect) || is_known(parent, fault.choice)) continue;
+      if (!goes_with(parent.choices, fault.choice)) continue;
       Choices set = parent.choices;
       set.push_back(fault.choice);
       found.push_back(compile(study_, model_, set));

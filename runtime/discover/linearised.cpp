@@ -1,5 +1,8 @@
 #include "discover/linearised.hpp"
 
+#include <Eigen/QR>
+#include <cmath>
+
 #include "discover/judge.hpp"
 
 namespace lunid {
@@ -35,6 +38,14 @@ std::vector<MatrixXd> slopes(const Study& study, const System& system, const Vec
     out.push_back(weights[out.size()] *
                   shown_slopes(system, values, data.excitation, run, output).leftCols(theta.size() + fitted.size()));
   return out;
+}
+
+double misfit(const MatrixXd& columns, const VectorXd& residual, Index& rank) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+  qr.setThreshold(1e-7);
+  rank = qr.rank();
+  const VectorXd rest = qr.householderQ().adjoint() * residual;
+  return rest.tail(rest.size() - rank).squaredNorm();
 }
 
 }  // namespace
@@ -88,6 +99,35 @@ void hold_and_scale(const Model& model, const FitResult& fit, MatrixXd& columns)
       columns.col(static_cast<Index>(j)).setZero();
   for (Index j = 0; j < columns.cols(); ++j)
     if (const double norm = columns.col(j).norm(); norm > 0) columns.col(j) /= norm;
+}
+
+MotionGain gain_on_motion(const Study& study, const Whitening& whitening, const Candidate& before,
+                          const Candidate& candidate, VectorXd theta) {
+  MotionGain out;
+  const Index known = before.parameters(), p = candidate.parameters();
+  theta.head(known) = before.fit.theta;
+  for (Index j = known; j < p; ++j)
+    if (candidate.linear[static_cast<std::size_t>(j)]) theta[j] = 0;
+  Linearised linear;
+  if (!linearise(study, *candidate.system, theta, before.fit, whitening, linear)) {
+    out.remark = "the model with it cannot be run from the first guess";
+    return out;
+  }
+  hold_and_scale(before.system->model(), before.fit, linear.columns);
+  MatrixXd own(linear.columns.rows(), linear.columns.cols() - (p - known));
+  own << linear.columns.leftCols(known), linear.columns.rightCols(linear.columns.cols() - p);
+  Index rank_own = 0, rank_all = 0;
+  const double without = misfit(own, linear.residual, rank_own),
+               with = misfit(linear.columns, linear.residual, rank_all);
+  const auto added = static_cast<double>(rank_all - rank_own);
+  const double freedom = static_cast<double>(linear.residual.size() - rank_all);
+  if (added <= 0) {
+    out.remark = "its effect on the motion is a combination of the baseline's own on these records";
+    return out;
+  }
+  out.gain = 1 - std::sqrt(with / without);
+  if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
+  return out;
 }
 
 }  // namespace lunid

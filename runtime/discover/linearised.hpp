@@ -20,4 +20,16 @@ bool linearise(const Study& study, const System& system, const Eigen::VectorXd& 
 /// Sets the columns of parameters that are fixed, or held by a bound in `fit`, to zero, and the rest to length one.
 void hold_and_scale(const Model& model, const FitResult& fit, Eigen::MatrixXd& columns);
 
+/// What the columns that a candidate has beyond those of a model take off that model's whitened residual.
+struct MotionGain {
+  double gain = 0;     ///< relative drop of the residual's norm
+  double p_value = 1;  ///< of as large a drop by chance, F test
+  std::string remark;  ///< why there is none
+};
+
+/// To first order, at theta with the candidate's linear coefficients at zero: there its free run is that of `before`,
+/// whose parameters are the first of the candidate's.
+MotionGain gain_on_motion(const Study& study, const Whitening& whitening, const Candidate& before,
+                          const Candidate& candidate, Eigen::VectorXd theta);
+
 }  // namespace lunid

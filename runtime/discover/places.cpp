@@ -39,6 +39,7 @@ bool stands_at(const Model& model, const Effect& effect, const EffectVariant& va
   const bool driven =
       !place.joint() && std::find(model.driven.begin(), model.driven.end(), place.of) != model.driven.end();
   if (!variant.measures.empty()) return !place.joint();
+  if (variant.delay.valid()) return driven && model.driven.size() == 1;
   const auto follows_rate = [&](const ChannelMap& map) {
     return depends_on(map.map, model.pool->channel("force_rate"));
   };
@@ -75,6 +76,7 @@ std::optional<Effect> at_place(const Model& model, const Effect& effect, const P
     if (!stands_at(model, effect, effect.variants[i], place)) continue;
     EffectVariant variant = effect.variants[i];
     move(variant.force);
+    move(variant.delay);
     for (auto* maps : {&variant.measures, &variant.acts})
       for (auto& [channel, map] : *maps) {
         channel = model.channel(channel[0], place.of);

@@ -50,6 +50,7 @@ class Search {
     const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
     result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
     std::vector<Candidate> field = contenders();
+    hear_faults_in_place(field);
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
@@ -111,6 +112,48 @@ class Search {
       if (fault != sets.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
     }
     return field;
+  }
+
+  /// Where a fault of a channel alone does what an effect of the best larger set does alone, it is heard in that one's
+  /// place too: constant_force beside another effect may be the displacement's offset.
+  void hear_faults_in_place(std::vector<Candidate>& field) const {
+    constexpr double alike = 0.05;  // in squared error
+    const auto larger = [](const Candidate& c) { return c.choices.size() > 1; };
+    const auto best =
+        std::ranges::min_element(field, {}, [&](const Candidate& c) { return larger(c) ? priced(c) : INFINITY; });
+    if (best == field.end() || !larger(*best)) return;
+    const Candidate whole = *best;
+    for (const Candidate& physics : result_.grown.sets)
+      for (const Candidate& fault : result_.grown.sets) {
+        if (physics.choices.size() != 1 || fault.choices.size() != 1) continue;
+        if (physics_in(physics.choices) == 0 || physics_in(fault.choices) > 0) continue;
+        const Choice& old = physics.choices.front();
+        if (!holds(whole.choices, old.effect) || holds(whole.choices, fault.choices.front().effect)) continue;
+        if (!(std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)) continue;
+        Choices set = whole.choices;
+        std::erase(set, old);
+        if (!goes_with(set, fault.choices.front())) continue;
+        set.push_back(fault.choices.front());
+        if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) continue;
+        Candidate c = compile(study_, model_, set);
+        c.starts = {values_of(c, whole, fault)};
+        c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
+        if (c.ran()) field.push_back(std::move(c));
+      }
+  }
+
+  /// Of a set's parameters as a first fit has them, and those that it lacks as a second has.
+  static Eigen::VectorXd values_of(const Candidate& c, const Candidate& first, const Candidate& second) {
+    const auto& table = c.system->model().parameters;
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(c.parameters());
+    for (const Candidate* known : {&second, &first}) {
+      const auto& rows = known->system->model().parameters;
+      for (std::size_t i = 0; i < table.size(); ++i)
+        for (std::size_t j = 0; j < rows.size(); ++j)
+          if (rows[j].name == table[i].name)
+            out[static_cast<Eigen::Index>(i)] = known->fit.theta[static_cast<Eigen::Index>(j)];
+    }
+    return out;
   }
 
   /// The best single effect at the other places where it was fitted.

@@ -6,6 +6,7 @@
 
 #include "discover/accept.hpp"
 #include "discover/places.hpp"
+#include "discover/twins.hpp"
 #include "record/spectrum.hpp"
 #include "simulate/measures.hpp"
 
@@ -51,6 +52,7 @@ bool all_hold(const std::vector<Record>& records, const std::string& channel) {
 /// With imposed motion y and v come from the record: what cannot be undone there cannot be looked at.
 bool shows_in_force(const Effect& effect) {
   return std::any_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
+    if (v.delay.valid()) return false;
     if (v.measures.empty() && v.acts.empty()) return true;
     Model maps;
     maps.measures = v.measures;
@@ -121,7 +123,9 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
     else
       out.push_back(effect);
   }
-  return at_places(study.model, out);
+  std::vector<Effect> placed = at_places(study.model, out);
+  for (Effect& effect : placed) effect = without_twins(study.model, effect);
+  return placed;
 }
 
 void add_variant(Model& model, const Effect& effect, int variant) {
@@ -142,11 +146,27 @@ void add_variant(Model& model, const Effect& effect, int variant) {
     const std::pair<Expr, Expr> acting[] = {{pool.channel(channel), known}};
     known = substitute(map, acting);
   }
+  if (form.delay.valid()) model.delay = model.delay.valid() ? model.delay + form.delay : form.delay;
   for (InternalState state : states_of(effect.states, parts)) {
     for (Expr* part : {&state.rate, &state.min, &state.max})
       if (part->valid() && !shown.empty()) *part = substitute(*part, shown);
     model.states.push_back(state);
   }
+}
+
+bool goes_with(const Choices& set, const Choice& more) {
+  const auto form = [](const Choice& c) -> const EffectVariant& {
+    return c.effect->variants[static_cast<std::size_t>(c.variant)];
+  };
+  const auto delays = [&](const Choice& c) { return form(c).delay.valid(); };
+  const auto holds_rate = [&](const Choice& c) {
+    return std::ranges::any_of(form(c).acts, [](const ChannelMap& acting) {
+      return depends_on(acting.map, acting.map.pool().channel("force_rate"));
+    });
+  };
+  return std::ranges::none_of(set, [&](const Choice& c) {
+    return (delays(c) && (delays(more) || holds_rate(more))) || (holds_rate(c) && delays(more));
+  });
 }
 
 void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta) {

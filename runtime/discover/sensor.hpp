@@ -21,6 +21,10 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
 /// already, with the states that it leads to. Parameters are left to the caller. Changes the pool.
 void add_variant(Model& model, const Effect& effect, int variant);
 
+/// False of a delay of the force beside a map that holds the force's rate, which a delayed force does not have, and
+/// beside another delay.
+bool goes_with(const Choices& set, const Choice& more);
+
 /// The angular frequencies [rad/s] of the strongest lines in the displacement (force, with imposed motion) that a model
 /// leaves open, at most eight; none of a model that cannot be run.
 std::vector<double> residual_lines(const Study& study, const Candidate& candidate);

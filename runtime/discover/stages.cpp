@@ -1,6 +1,5 @@
 #include "discover/stages.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -62,43 +61,6 @@ std::vector<Parameter> own_parameters(const Candidate& candidate, const Effect& 
     out.push_back(row);
   }
   return out;
-}
-
-double misfit(const MatrixXd& columns, const VectorXd& residual, Index& rank) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
-  qr.setThreshold(1e-7);
-  rank = qr.rank();
-  const VectorXd rest = qr.householderQ().adjoint() * residual;
-  return rest.tail(rest.size() - rank).squaredNorm();
-}
-
-/// The gain of a candidate's own columns beside those of the baseline, at its first guess with linear coefficients
-/// zero: there the trajectory is the baseline's.
-void project(const Stage& stage, const Whitening& whitening, const Candidate& candidate, Proposal& out) {
-  const Index before = stage.baseline.parameters(), p = candidate.parameters();
-  VectorXd theta = candidate.starts.front();
-  theta.head(before) = stage.baseline.fit.theta;
-  for (Index j = before; j < p; ++j)
-    if (candidate.linear[static_cast<std::size_t>(j)]) theta[j] = 0;
-  Linearised linear;
-  if (!linearise(stage.study, *candidate.system, theta, stage.baseline.fit, whitening, linear)) {
-    out.remark = "the model with it cannot be run from the first guess";
-    return;
-  }
-  hold_and_scale(stage.baseline.system->model(), stage.baseline.fit, linear.columns);
-  MatrixXd own(linear.columns.rows(), linear.columns.cols() - (p - before));
-  own << linear.columns.leftCols(before), linear.columns.rightCols(linear.columns.cols() - p);
-  Index rank_own = 0, rank_all = 0;
-  const double without = misfit(own, linear.residual, rank_own),
-               with = misfit(linear.columns, linear.residual, rank_all);
-  const auto added = static_cast<double>(rank_all - rank_own);
-  const double freedom = static_cast<double>(linear.residual.size() - rank_all);
-  if (added <= 0) {
-    out.remark = "its effect on the motion is a combination of the baseline's own on these records";
-    return;
-  }
-  out.gain = 1 - std::sqrt(with / without);
-  if (freedom > 0 && with > 0) out.p_value = f_tail((without - with) / added / (with / freedom), added, freedom);
 }
 
 /// From the force's regression and from the baseline with the effects at zero; the better fit.
@@ -241,7 +203,10 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
     }
     found[k].force_gain = 1 - std::sqrt(c.force_cost / force_before);
     found[k].parameters = own_parameters(c, *c.choices.front().effect, c.starts.front());
-    project(stage, whitening, c, found[k]);
+    MotionGain motion = gain_on_motion(stage.study, whitening, stage.baseline, c, c.starts.front());
+    found[k].gain = motion.gain;
+    found[k].p_value = motion.p_value;
+    found[k].remark = std::move(motion.remark);
   });
   const auto promise = [](const Proposal& p) { return p.remark.empty() ? std::max(p.gain, p.force_gain) : 0; };
   std::stable_sort(found.begin(), found.end(),

@@ -253,6 +253,17 @@ Eigen::VectorXd force_at(const Eigen::VectorXd& forces, Eigen::Index rows, const
   return forces.segment(place->of * rows, rows);
 }
 
+void smooth_all(Study& study) {
+  study.smooth.clear();
+  study.force.clear();
+  for (const FitData& data : study.train) {
+    const SavitzkyGolay kernel = smoothing_kernel(study, data.record);
+    study.smooth.push_back(study.imposed ? data.record : smooth_motion(study, data.record, kernel));
+    const Eigen::Index edge = kernel.half_width + (study.degrees() > 1 ? difference_accuracy / 2 : 0);
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge));
+  }
+}
+
 Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
               const DiscoverOptions& options) {
   if (train.empty()) throw InputError("discover: expected at least one training record, got none", {}, Fault::usage);
@@ -291,12 +302,8 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
       study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));
     study.full.push_back(moved);
     study.train.push_back({study.imposed ? moved : thinned(study, moved), {}, {}});
-    const Record& own = study.train.back().record;
-    const SavitzkyGolay kernel = smoothing_kernel(study, own);
-    study.smooth.push_back(study.imposed ? own : smooth_motion(study, own, kernel));
-    const Eigen::Index edge = kernel.half_width + (study.degrees() > 1 ? difference_accuracy / 2 : 0);
-    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge));
   }
+  smooth_all(study);
   for (auto& record : study.test) record = with_shaft(with_motion(study, record));
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(study, record));
   set_interpolation(study, study.guesses.front());

@@ -49,6 +49,9 @@ struct Study {
 Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Record> test,
               const DiscoverOptions& options);
 
+/// `smooth` and `force` of the training records, by the noise that these have.
+void smooth_all(Study& study);
+
 /// The force between the samples of the first training record and of all records that look like it; others keep what
 /// their own force suggests (a held random force to train on, a recorded sweep to test).
 void set_interpolation(Study& study, Interpolation interpolation);

@@ -363,9 +363,9 @@ struct Tally {
     wild += !(std::abs(outcome.worst) < 4);  // of a few parameters, one beyond 4 sd means a wrong interval
   }
   bool clean() const {
-    for (int kind = 0; kind < 4; ++kind) {
-      if (right[kind] != all[kind]) return false;
-    }
+    const int pair = static_cast<int>(truth::Kind::pair);
+    for (int kind = 0; kind < 4; ++kind)
+      if ((kind == pair ? equal : right)[kind] != all[kind]) return false;  // a tie of one of two is told
     return closed == closable && wild == 0;
   }
   void print() const {
@@ -388,7 +388,7 @@ struct Tally {
       std::printf("nulls: false names %d of %d, 95 %% limit of the rate %.3f\n", false_names, nulls,
                   upper_limit(false_names, nulls));
     std::printf("named %d/%d nulls-false %d/%d pairs %d/%d outside %d/%d sensors %d/%d\n", right[at(Kind::effect)],
-                all[at(Kind::effect)], nulls - right[at(Kind::null)], nulls, right[at(Kind::pair)], all[at(Kind::pair)],
+                all[at(Kind::effect)], nulls - right[at(Kind::null)], nulls, equal[at(Kind::pair)], all[at(Kind::pair)],
                 right[at(Kind::outside)], all[at(Kind::outside)], sensors.right, sensors.all);
   }
 };

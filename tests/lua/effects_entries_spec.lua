@@ -14,10 +14,11 @@ end
 -- ---- what an entry carries ----
 
 spec.case("there is an entry for each row, in the list's order", function()
-  spec.equal(#names, 61)
+  spec.equal(#names, 62)
   spec.equal(names[1], "linear_stiffness")
-  spec.equal(names[54], "base_motion")
-  spec.equal(names[61], "clipping")
+  spec.equal(names[53], "force_delay")
+  spec.equal(names[55], "base_motion")
+  spec.equal(names[62], "clipping")
   for _, name in ipairs(names) do
     spec.equal(effects[name].name, name)
     assert(samples[name], "no sample of " .. name)
@@ -146,7 +147,8 @@ spec.case("every parameter has its unit: in other units of length, time and forc
     end
     for i, variant in ipairs(entry.variants) do
       local channel = entry.maps[i].channel
-      check(channel or "the force", variant, channel == "y" and base.m or base.N)
+      local delays = entry.maps[i].field == "delay"
+      check(delays and "the delay" or channel or "the force", variant, delays and base.s or channel == "y" and base.m or base.N)
     end
     for _, state in ipairs(entry.states) do
       local unit = size_of(state.unit, base, given)
@@ -197,6 +199,7 @@ local by_hand = {
   stiffness_drift = function(p, m) return p.k1 * m.t * m.y end,
   damping_drift = function(p, m) return p.c1 * m.t * m.v end,
   parametric_stiffness = function(p, m) return (p.ac * math.cos(p.w * m.t) + p.as * math.sin(p.w * m.t)) * m.y end,
+  force_delay = function(p) return p.tau end,
   missing_harmonic = function(p, m) return p.Ac * math.cos(p.w * m.t) + p.As * math.sin(p.w * m.t) end,
   base_motion = function(p, m) return p.mb * m.ab end,
   rotating_unbalance = function(p, m)  -- the centre of gravity goes round: x = e cos(th), its second derivative by hand
@@ -248,7 +251,7 @@ spec.case("an entry says what it is of a channel, or is refused", function()
     fields.name, fields.family, fields.parameters = "odd", "sensor", { { "b" } }
     spec.equal(spec.message_of(function() lunid.effect(fields) end), "effect: odd: " .. text)
   end
-  refused("expected a contribution, or a channel that measures or acts", {})
+  refused("expected a contribution, a channel that measures or acts, or a delay", {})
   refused("measures: expected { y = ... }, or a list of them, got 'F'", { measures = { F = "b*F" } })
   refused("acts: expected { F = ... }, or a list of them, got 'y'", { acts = { y = "b*y" } })
   refused("measures: y: expected a string or an expression or a number, got true", { measures = { y = true } })

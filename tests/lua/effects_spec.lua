@@ -296,7 +296,7 @@ spec.case("the list has all, in order", function()
     spec.equal(name, names[count])
     if mark == "*" then tried[name] = true end
   end
-  spec.equal(count, 61)
+  spec.equal(count, 62)
   assert(tried.cubic_stiffness and tried.coulomb_friction and not tried.iwan, said)
   spec.equal(spec.lunid "help effects", said)
 end)

@@ -18,13 +18,16 @@ local function force_at(tau, seed)
   return 0.3 * sum
 end
 
---- Displacement of x'' + 0.08 x' + x + k3 x^3 = u at the fine rate, without dimensions.
-local function motion(seed, k3)
-  local h, x, s, out, force = spacing / finer, 0, 0, {}, {}
-  local function a(tau, x, s) return force_at(tau, seed) - 0.08 * s - x - k3 * x ^ 3 end
+--- Displacement of x'' + 0.08 x' + friction sign(x') + x + k3 x^3 = u at the fine rate, without dimensions.
+local function motion(seed, k3, friction)
+  local h, x, s, out = spacing / finer, 0, 0, {}
+  local function a(tau, x, s)
+    local turned = friction * (1 - 2 / (math.exp(math.max(-60, math.min(60, 800 * s))) + 1))
+    return force_at(tau, seed) - 0.08 * s - turned - x - k3 * x ^ 3
+  end
   for i = 0, rows * finer - 1 do
     local tau = i * h
-    out[i + 1], force[i + 1] = x, force_at(tau, seed)
+    out[i + 1] = x
     local a1, s2 = a(tau, x, s), s + h / 2 * a(tau, x, s)
     local a2, s3 = a(tau + h / 2, x + h / 2 * s, s2), nil
     s3 = s + h / 2 * a2
@@ -33,7 +36,7 @@ local function motion(seed, k3)
     local a4 = a(tau + h, x + h * s3, s4)
     x, s = x + h / 6 * (s + 2 * s2 + 2 * s3 + s4), s + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
   end
-  return out, force
+  return out
 end
 
 --- What a sensor of the first order shows of a column at the fine rate.
@@ -44,21 +47,22 @@ local function lagged(u, tau)
 end
 
 local function record(seed, scale, fault, noise_db)
-  local displacement, force = motion(seed, fault.k3 or 0)
+  local displacement = motion(seed, fault.k3 or 0, fault.friction or 0)
   if fault.lag then displacement = lagged(displacement, fault.lag) end
-  local dt, ys, fs = spacing / scale.omega, {}, {}
+  local dt, ys, fs, ahead = spacing / scale.omega, {}, {}, math.floor((fault.delay or 0) / (spacing / finer) + 0.5)
   for i = 1, rows do
     local at = (i - 1) * finer + 1
     local x = (fault.gain or 1) * displacement[at] + (fault.offset or 0) + (fault.trend or 0) * (i - 1) / rows
     if fault.clip then x = math.max(-fault.clip, math.min(x, fault.clip)) end
-    ys[i], fs[i] = x * scale.length, force[at] * scale.mass * scale.omega ^ 2 * scale.length / (fault.force_gain or 1)
+    ys[i] = x * scale.length
+    fs[i] = force_at((at - 1 + ahead) * spacing / finer, seed) * scale.mass * scale.omega ^ 2 * scale.length / (fault.force_gain or 1)
   end
   return lunid.record({ channels = { { "F", fs }, { "y", ys } }, dt = dt })
     :with_noise { y = lunid.noise.gaussian { relative = 10 ^ (-noise_db / 20) }, seed = seed }
 end
 
 local tried = { "cubic_stiffness", "constant_force", "coulomb_friction", "one_sided_stop", "added_mass", "missing_harmonic",
-  "base_motion", "rotating_unbalance", "force_gain", "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain",
+  "base_motion", "rotating_unbalance", "force_gain", "force_delay", "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain",
   "clipping" }
 
 local function discover(scale_name, fault, noise_db, restoring)
@@ -93,6 +97,27 @@ spec.case("a lag of the displacement", function()
   spec.contains(found.model:equation(), "y measured = sensor_lag_x")
 end)
 
+spec.case("a force that acts later than its channel says", function()
+  for _, run in ipairs { { "small", 40, {} }, { "large", 30, { k3 = 0.1 } } } do
+    local scale, fault = scales[run[1]], run[3]
+    fault.delay = 7 * spacing / finer * 4
+    local found = discover(run[1], fault, run[2], fault.k3 and lunid.parameter "k" * y + lunid.parameter "c" * v
+      + lunid.parameter "k3" * y^3)
+    spec.equal(found.verdict, "explained")
+    local effect = expect(found, "force_delay", "tau", fault.delay / scale.omega)
+    spec.equal(effect.family, "time_variation")
+    spec.contains(found.model:equation(), "F(t - force_delay_tau)")
+    local c = found.model.parameters.c
+    spec.near(c.value, 0.08 * scale.mass * scale.omega, 4 * c.std)
+  end
+end)
+
+spec.case("a model takes the delay as an element", function()
+  local model = lunid.model { mass = 2, restoring = lunid.parameter { "k", 3 } * y, delay = effects.force_delay { tau = 0.02 } }
+  spec.equal(model:equation(), "2*a + k*y = F(t - force_delay_tau)")
+  spec.equal(model.parameters.force_delay_tau.value, 0.02)
+end)
+
 spec.case("a channel that clips", function()
   local found, scale = discover("large", { clip = 1.5 }, 30)
   spec.contains(spec.message_of(function() lunid.figure.named_force(found) end), "nothing was named that is a force: there is none to show")
@@ -117,6 +142,16 @@ spec.case("what no record tells apart is said: a gain, and an offset under a lin
   spec.equal(found.verdict, "ambiguous")
   spec.equal(found.effects[1].name, "displacement_offset")
   spec.equal(found.effects[1].indistinguishable[1], "constant_force")
+end)
+
+spec.case("an offset beside friction is not called a force without a word", function()
+  local found = discover("large", { offset = 0.6, friction = 0.15 }, 40)
+  spec.equal(found.verdict, "ambiguous")
+  local first, second = found.effects[1], found.effects[2]
+  if first.name ~= "displacement_offset" then first, second = second, first end
+  spec.equal(first.name, "displacement_offset")
+  spec.equal(first.indistinguishable[#first.indistinguishable], "constant_force")
+  spec.equal(second.name, "coulomb_friction")
 end)
 
 -- ---- physics is no sensor's fault, and nothing is nothing ----

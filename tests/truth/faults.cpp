@@ -118,6 +118,10 @@ FaultyColumns make_one(const Fault& fault, const Scale& scale, const Signal& dri
     if (fault.base > 0) out.extra.push_back(level * signals.extra(tau) * scale.force() / scale.mass);
   }
   columns.y = every(lagged(columns.clean_y, fault.lag_y / scale.omega(), fine.dt()), finer);
+  if (fault.delay > 0)  // the channel says now what acts later
+    for (std::size_t i = 0; i < columns.clean_F.size(); ++i)
+      columns.clean_F[i] =
+          level * scale.force() * signals.recorded(first + spacing * static_cast<double>(i) + fault.delay);
   columns.F = every(lagged(columns.clean_F, fault.lag_force / scale.omega(), fine.dt()), finer);
   columns.t = every(columns.t, finer);
   out.extra = every(out.extra, finer);
@@ -150,6 +154,7 @@ const std::vector<Fault>& faults() {
       with("rotating_unbalance", "rotating_unbalance", [](Fault& f) { f.unbalance = 1.5; }),
       with("lag_of_y", "sensor_lag", [](Fault& f) { f.lag_y = 0.4; }),
       with("lag_of_force", "sensor_lag", [](Fault& f) { f.lag_force = 0.4; }),
+      with("delay_of_force", "force_delay", [](Fault& f) { f.delay = 0.4; }),
       with("force_gain", "force_gain", [](Fault& f) { f.gain_force = 1.2, f.stiffness_known = true; }),
       with("gain_of_y", "sensor_gain",
            [](Fault& f) {

@@ -1,0 +1,95 @@
+#include "discover/twins.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover/places.hpp"
+#include "discover/sensor.hpp"
+
+namespace lunid {
+
+namespace {
+
+using Replacements = std::vector<std::pair<Expr, Expr>>;
+
+/// Of the equation of each coordinate; empty where a slope holds a parameter, or nothing of it.
+std::vector<Expr> slopes_of(const Model& model, const std::string& parameter) {
+  const Expr p = model.pool->parameter(parameter);
+  std::vector<Expr> out;
+  bool any = false;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    const Expr slope = derivative(restoring, p);
+    if (depends_on(mass, p) || !symbols(slope, SymbolKind::parameter).empty()) return {};
+    any = any || !slope.is_constant(0);
+    out.push_back(slope);
+  }
+  for (const InternalState& state : model.states)
+    for (const Expr part : {state.rate, state.min, state.max})
+      if (part.valid() && depends_on(part, p)) return {};
+  return any ? out : std::vector<Expr>{};
+}
+
+bool same_but_for_sign(const std::vector<Expr>& a, const std::vector<Expr>& b) {
+  if (a.empty() || a.size() != b.size()) return false;
+  std::vector<Expr> negative;
+  for (const Expr part : b) negative.push_back(part.pool().apply(Op::neg, {part}));
+  return a == b || a == negative;
+}
+
+bool is_free(const Parameter& p) { return !p.fixed && std::isinf(p.min) && std::isinf(p.max); }
+
+bool has_twin(const Model& baseline, const Model& extended, const std::string& parameter) {
+  const std::vector<Expr> own = slopes_of(extended, parameter);
+  return !own.empty() && std::ranges::any_of(baseline.parameters, [&](const Parameter& known) {
+    return is_free(known) && same_but_for_sign(own, slopes_of(extended, known.name));
+  });
+}
+
+/// True of a force in every variant.
+bool is_twin(const Model& baseline, const Effect& effect, const Parameter& parameter) {
+  if (!(parameter.min <= 0 && parameter.max >= 0)) return false;
+  for (int i = 0; i < static_cast<int>(effect.variants.size()); ++i) {
+    const EffectVariant& variant = effect.variants[static_cast<std::size_t>(i)];
+    if (!variant.force.valid() || !variant.measures.empty() || !variant.acts.empty()) return false;
+    Model extended = baseline;
+    extended.parameters.insert(extended.parameters.end(), effect.parameters.begin(), effect.parameters.end());
+    add_variant(extended, effect, i);
+    if (!has_twin(baseline, extended, parameter.name)) return false;
+  }
+  return true;
+}
+
+/// A formula without some of its numbers; as it was where it is no expression.
+std::string formula_without(const Effect& effect, const std::vector<std::string>& names) {
+  Pool pool;
+  try {
+    Replacements zero;
+    const Expr formula = parse(pool, effect.formula);
+    for (const std::string& name : names) zero.emplace_back(pool.parameter(own_name(effect, name)), pool.constant(0));
+    return to_text(substitute(formula, zero));
+  } catch (const InputError&) {
+    return effect.formula;
+  }
+}
+
+}  // namespace
+
+Effect without_twins(const Model& baseline, const Effect& effect) {
+  std::vector<std::string> names;
+  Replacements zero;
+  for (const Parameter& p : effect.parameters)
+    if (is_twin(baseline, effect, p)) {
+      names.push_back(p.name);
+      zero.emplace_back(baseline.pool->parameter(p.name), baseline.pool->constant(0));
+    }
+  if (names.empty() || names.size() == effect.parameters.size()) return effect;
+  Effect out = effect;
+  std::erase_if(out.parameters, [&](const Parameter& p) { return std::ranges::find(names, p.name) != names.end(); });
+  for (EffectVariant& variant : out.variants) variant.force = substitute(variant.force, zero);
+  for (Expr& margin : out.margins) margin = substitute(margin, zero);
+  out.formula = formula_without(effect, names);
+  return out;
+}
+
+}  // namespace lunid

@@ -1,0 +1,56 @@
+-- An accelerometer on a mass with known friction: the force along its integrals shows little, the free run shows what is
+-- missing. The records are made here, by Runge and Kutta's method at four times the rate.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local mass, omega, length = 2.4e-6, 5e4, 2.5e-6
+local rows, finer, spacing = 2700, 4, 2 * math.pi / 30
+
+--- Ninety lines from 0.2 to 2.2 times the natural frequency; phases by a rule, another one for each seed.
+local function force_at(tau, seed)
+  local sum = 0
+  for i = 1, 90 do sum = sum + math.cos((0.2 + i / 45) * tau + (1e4 * math.sin(77 * i + seed)) % 6.28) end
+  return 0.034 * sum
+end
+
+--- Acceleration of x'' + 0.06 x' + 0.08 sign(x') + 0.2 x^2 x' + x = u, without dimensions.
+local function record(seed)
+  local h, x, s, as, fs = spacing / finer, 0, 0, {}, {}
+  local function a(tau, x, s)
+    local friction = (1 - 2 / (math.exp(math.max(-60, math.min(60, 1600 * s))) + 1)) * 0.08
+    return force_at(tau, seed) - 0.06 * s - friction - 0.2 * x * x * s - x
+  end
+  for i = 0, rows * finer - 1 do
+    local tau = i * h
+    local a1, s2 = a(tau, x, s), nil
+    if i % finer == 0 then
+      as[#as + 1] = a1 * length * omega ^ 2
+      fs[#fs + 1] = force_at(tau, seed) * mass * length * omega ^ 2
+    end
+    s2 = s + h / 2 * a1
+    local a2 = a(tau + h / 2, x + h / 2 * s, s2)
+    local s3 = s + h / 2 * a2
+    local a3 = a(tau + h / 2, x + h / 2 * s2, s3)
+    local s4 = s + h * a3
+    local a4 = a(tau + h, x + h * s3, s4)
+    x, s = x + h / 6 * (s + 2 * s2 + 2 * s3 + s4), s + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+  end
+  return lunid.record({ channels = { { "F", fs }, { "a", as } }, dt = spacing / omega })
+    :with_noise { a = lunid.noise.gaussian { relative = 0.01 }, F = lunid.noise.gaussian { relative = 0.0056 }, seed = seed }
+end
+
+spec.case("what the free run alone shows is named", function()
+  local y, v = lunid.displacement, lunid.velocity
+  local k, c, Fc = lunid.parameter "k", lunid.parameter "c", lunid.parameter "Fc"
+  local found = lunid.discover { train = record(1), test = record(2), out = "found",
+    model = lunid.model { mass = mass, restoring = k*y + c*v + Fc*lunid.sign(v) } }
+  spec.equal(found.verdict, "explained")
+  spec.equal(#found.effects, 1)
+  local effect = found.effects[1]
+  spec.equal(effect.name, "van_der_pol_damping")
+  spec.equal(effect.formula, "beta*y^2*v")  -- mu is one number with c
+  spec.equal(effect.parameters.mu, nil)
+  local beta, truth = effect.parameters.beta, 0.2 * mass * omega / length ^ 2
+  spec.near(beta.value, truth, math.max(4 * beta.std, 0.1 * truth))
+  assert(effect.gap_test < 0.3 * 0.0678, found.sentence)
+end)

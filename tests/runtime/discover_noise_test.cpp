@@ -1,0 +1,109 @@
+// What a model's free run says of the noise of a channel, and parameters that are one number with the baseline's own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "discover/baseline.hpp"
+#include "discover/gap.hpp"
+#include "discover/twins.hpp"
+#include "discover_catalogue.hpp"
+#include "statistics/moments.hpp"
+#include "truth/law.hpp"
+#include "truth/oscillator.hpp"
+
+namespace lunid {
+namespace {
+
+using testing::baseline;
+using testing::entry;
+using testing::row;
+
+/// The acceleration of x'' + 0.08 x' + 0.25 sign(x') + x = F with half a hundredth of noise.
+Record with_friction(int rows, double& noise) {
+  truth::Physics physics;
+  physics.zeta = 0.04;
+  const auto friction = [](double, double v) { return 0.25 * std::tanh(400 * v); };
+  physics.law =
+      std::make_shared<const truth::Law>(truth::laws::of_motion(friction, [](double, double v) { return v; }));
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.3, 1.8, 12, 5), 1.2, {0, 0, 0}, rows, testing::spacing, 48);
+  std::vector<double> a = motion.force;
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= motion.restoring[i];
+  noise = 0.005 * moments::standard_deviation(a);
+  return testing::noisy_record(motion, "a", a, noise, 3);
+}
+
+/// Friction that turns round is sharp in an acceleration: its spectrum has no band with noise alone.
+TEST(Noise, OfAChannelIsWhatAModelLeaves) {
+  double noise = 0;
+  const Record record = with_friction(3000, noise);
+  const DiscoverOptions options;
+  const Model model = complete(baseline("k*y + c*v + Fc*sign(v)", 1));
+  Study study = prepare(model, {record}, {record}, options);
+  EXPECT_GT(study.sensor_noise(), 1.8 * noise);
+  std::vector<std::string> warnings;
+  const Candidate fitted = fit_baseline(study, model, warnings);
+  EXPECT_TRUE(lower_noise(study, fitted));
+  EXPECT_NEAR(study.sensor_noise(), noise, 0.3 * noise);
+  EXPECT_FALSE(lower_noise(study, fitted));
+  const FreeRun run =
+      free_run(study, *fitted.system, fitted.fit.theta, study.test.front(), fitted.fit.substeps).front();
+  EXPECT_NEAR(std::sqrt(run.floor_squares / static_cast<double>(run.rows)), noise, 0.3 * noise);
+}
+
+TEST(Noise, IsNotReadOffAModelThatDoesNotFollow) {
+  double noise = 0;
+  const Record record = with_friction(3000, noise);
+  const DiscoverOptions options;
+  const Model model = complete(baseline("k*y + c*v", 1));
+  Study study = prepare(model, {record}, {record}, options);
+  std::vector<std::string> warnings;
+  const Candidate fitted = fit_baseline(study, model, warnings);
+  lower_noise(study, fitted);
+  EXPECT_GT(study.sensor_noise(), noise);  // a bound from above, whatever the model
+}
+
+TEST(Noise, OfAShortRecordStays) {
+  double noise = 0;
+  const Record record = with_friction(600, noise);
+  const DiscoverOptions options;
+  const Model model = complete(baseline("k*y + c*v + Fc*sign(v)", 1));
+  Study study = prepare(model, {record}, {record}, options);
+  std::vector<std::string> warnings;
+  EXPECT_FALSE(lower_noise(study, fit_baseline(study, model, warnings)));
+}
+
+Effect swing(Pool& pool) {
+  Effect effect = entry(pool, "swing", "(swing_beta*y^2 - swing_mu)*v", {row("swing_mu"), row("swing_beta")});
+  effect.formula = "(beta*y^2 - mu)*v";
+  return effect;
+}
+
+TEST(Twins, AreOneNumberWithTheBaselinesOwn) {
+  const Model model = complete(baseline("k*y + c*v", 1));
+  const Effect left = without_twins(model, swing(*model.pool));
+  ASSERT_EQ(left.parameters.size(), 1u);
+  EXPECT_EQ(left.parameters[0].name, "swing_beta");
+  EXPECT_EQ(to_text(left.variants[0].force), "swing_beta*y^2*v");
+  EXPECT_EQ(left.formula, "beta*y^2*v");
+}
+
+TEST(Twins, StayWhereTheBaselineHasNone) {
+  const Model model = complete(baseline("k*y", 1));
+  EXPECT_EQ(without_twins(model, swing(*model.pool)).parameters.size(), 2u);
+  Model bounded = complete(baseline("k*y + c*v", 1));
+  bounded.find("c")->min = 0;
+  EXPECT_EQ(without_twins(bounded, swing(*bounded.pool)).parameters.size(), 2u) << "c >= 0 may need mu";
+  Model known = complete(baseline("k*y + c*v", 1));
+  known.find("c")->fixed = true;
+  EXPECT_EQ(without_twins(known, swing(*known.pool)).parameters.size(), 2u);
+}
+
+TEST(Twins, OfAnEntryThatIsTheBaselinesTermStay) {
+  const Model model = complete(baseline("k*y + c*v", 1));
+  const Effect damper = entry(*model.pool, "damper", "damper_c*v", {row("damper_c")});
+  EXPECT_EQ(without_twins(model, damper).parameters.size(), 1u);  // left aside by the record, with its reason
+}
+
+}  // namespace
+}  // namespace lunid
