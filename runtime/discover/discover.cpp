@@ -370,7 +370,24 @@ class Spine {
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(round.train)) ||
                       leaves_motion_open(study_, round.gap(before_test_));
-    round.verdict = stand > 0 ? "explained" : open ? "unknown-effect" : "nothing-missing";
+    if (stand > 0) find_ties_of_the_rest(found);
+    round.verdict = stand > 0 ? (found.ties.empty() ? "explained" : "ambiguous")
+                    : open    ? "unknown-effect"
+                              : "nothing-missing";
+  }
+
+  /// What is left of a larger set has rivals of its own.
+  void find_ties_of_the_rest(SearchResult& found) const {
+    const Candidate& chosen = found.chosen;
+    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+      const Candidate& c = found.rivals[i];
+      if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
+          same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || fits_worse(study_, c, chosen) ||
+          fits_worse(study_, chosen, c))
+        continue;
+      found.ties.push_back(c.name());
+      found.remarks[i] = "this record cannot tell it from " + chosen.name();
+    }
   }
 
   /// For all start points of all rounds, whichever stands.

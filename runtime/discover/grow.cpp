@@ -568,6 +568,14 @@ bool within(const Choices& part, const Choices& whole) {
                      [&](const Choice& x) { return std::find(whole.begin(), whole.end(), x) != whole.end(); });
 }
 
+bool related(const Choices& a, const Choices& b) {
+  const auto are = [](const Choice& x, const Choice& y) {
+    return x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect);
+  };
+  return std::ranges::any_of(
+      a, [&](const Choice& x) { return std::ranges::any_of(b, [&](const Choice& y) { return are(x, y); }); });
+}
+
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
            const Grown& known, const std::function<void(const std::string&, double)>& progress) {
   return Grower(study, model, baseline, catalogue, known, progress).run();

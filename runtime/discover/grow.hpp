@@ -25,5 +25,7 @@ bool holds(const Choices& set, const Effect* effect);
 bool same(Choices a, Choices b);
 /// Every choice of `part` is in `whole`, with its variant.
 bool within(const Choices& part, const Choices& whole);
+/// Related by special_case_of, either way: the simpler is named without doubt.
+bool related(const Choices& a, const Choices& b);
 
 }  // namespace lunid

@@ -340,14 +340,6 @@ class Search {
     result_.order = std::move(ordered);
   }
 
-  /// Related by special_case_of, either way: the simpler is named without doubt.
-  static bool related(const Choices& a, const Choices& b) {
-    for (const auto& x : a)
-      for (const auto& y : b)
-        if (x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect)) return true;
-    return false;
-  }
-
   void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike, std::size_t pick) {
     for (const auto i : alike) {
       const Candidate &c = field[i], &chosen = field[pick];

@@ -173,10 +173,11 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
 }
 
 std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after) {
+  constexpr double neither = 0.005;  // better nor worse
   std::size_t count = found.steps.size();
   for (std::vector<FreeRun> with = after; count > 1; --count) {
     std::vector<FreeRun> without = runs(study, found.steps[count - 2], study.test, false);
-    if (!(lowers_the_gap(study, with, without) && test_p_value(study, with, without) < 0.05)) break;
+    if (!(pool_gap(without, 0).value < (1 - neither) * pool_gap(with, 0).value)) break;
     with = std::move(without);
   }
   return count;

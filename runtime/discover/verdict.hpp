@@ -69,7 +69,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
 /// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
 /// gap. `before`: the baseline's runs over the test records.
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
-/// The same where they confirm all together: without the last ones whose step has clearly raised the gap. `after`: the
+/// The same where they confirm all together: without the last ones whose step has raised the gap. `after`: the
 /// final model's runs over the test records.
 std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after);
 

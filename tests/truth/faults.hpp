@@ -15,7 +15,7 @@ struct Fault {
   bool stiffness_known = false;  ///< the baseline's k is its true value, as a number
   Physics physics;
   double lag_y = 0, lag_force = 0;
-  double delay = 0;  ///< of what acts behind the force's channel
+  double delay = 0;              ///< of what acts behind the force's channel
   double offset = 0, trend = 0;  ///< trend: over the whole record
   double gain_y = 1, gain_force = 1;
   double clip_above = 0, clip_below = 0;  ///< 0: none
