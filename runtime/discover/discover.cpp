@@ -270,15 +270,6 @@ class Spine {
     });
   }
 
-  /// As many entries, each that of `special` or one of which it is a special case.
-  static bool is_general_form(const Choices& general, const Choices& special) {
-    const auto is_covered = [&](const Choice& s) {
-      return std::ranges::any_of(
-          general, [&](const Choice& g) { return s.effect == g.effect || s.effect->is_special_case(*g.effect); });
-    };
-    return general.size() == special.size() && std::ranges::all_of(special, is_covered);
-  }
-
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
   /// that lacks nothing, where they close what is left; a more general form of the same where it takes away the force
   /// that the common one leaves. A record with disturbances of its own (a loop that is closed, a

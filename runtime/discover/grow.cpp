@@ -576,6 +576,14 @@ bool related(const Choices& a, const Choices& b) {
       a, [&](const Choice& x) { return std::ranges::any_of(b, [&](const Choice& y) { return are(x, y); }); });
 }
 
+bool is_general_form(const Choices& general, const Choices& special) {
+  const auto is_covered = [&](const Choice& s) {
+    return std::ranges::any_of(
+        general, [&](const Choice& g) { return s.effect == g.effect || s.effect->is_special_case(*g.effect); });
+  };
+  return general.size() == special.size() && std::ranges::all_of(special, is_covered);
+}
+
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
            const Grown& known, const std::function<void(const std::string&, double)>& progress) {
   return Grower(study, model, baseline, catalogue, known, progress).run();

@@ -27,5 +27,7 @@ bool same(Choices a, Choices b);
 bool within(const Choices& part, const Choices& whole);
 /// Related by special_case_of, either way: the simpler is named without doubt.
 bool related(const Choices& a, const Choices& b);
+/// As many entries, each that of `special` or one of which it is a special case.
+bool is_general_form(const Choices& general, const Choices& special);
 
 }  // namespace lunid

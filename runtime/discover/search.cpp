@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
@@ -108,8 +109,15 @@ class Search {
       const auto fault = std::find_if(sets.begin(), sets.end(), [&](const Candidate& c) {
         return static_cast<int>(c.choices.size()) == size && physics_in(c.choices) == 0;
       });
-      const auto heard = [&](const Candidate& c) { return same(c.choices, fault->choices); };
-      if (fault != sets.end() && std::none_of(field.begin(), field.end(), heard)) field.push_back(*fault);
+      if (fault == sets.end()) continue;
+      constexpr double no_other = 0.01;  // in squared error: what does the same as the fault is heard beside it
+      const double cost = fault->fit.cost;
+      for (const Candidate& c : sets) {
+        if (c.choices.size() != fault->choices.size() || c.parameters() != fault->parameters()) continue;
+        if (!(std::abs(c.fit.cost - cost) <= no_other * cost)) continue;
+        const auto heard = [&](const Candidate& known) { return same(known.choices, c.choices); };
+        if (std::none_of(field.begin(), field.end(), heard)) field.push_back(c);
+      }
     }
     return field;
   }
@@ -186,10 +194,35 @@ class Search {
     std::stable_sort(alike.begin(), alike.end(),
                      [&](std::size_t a, std::size_t b) { return simplicity(field[a]) < simplicity(field[b]); });
     std::size_t pick = in_the_usual_words(field, alike);
+    for (const auto i : alike)
+      if (outgrows(field[i], field[pick])) pick = i;
+    prefer_the_same_fault(field, alike, pick);
     prune(field, pick);
     Candidate chosen = field[pick];
     progress_("free runs over left-out blocks", 0.8);
     accept(field, chosen, alike, pick);
+  }
+
+  /// A fault of a channel comes before physics that does the same, also where a larger set that holds the fault rejects
+  /// it: a larger one that holds the physics would.
+  void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike,
+                             std::size_t& pick) const {
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      const Candidate &c = field[i], &chosen = field[pick];
+      if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
+          physics_in(c.choices) >= physics_in(chosen.choices) || !same_runs(c, chosen))
+        continue;
+      if (std::ranges::find(alike, i) == alike.end()) alike.push_back(i);
+      pick = i;
+    }
+  }
+
+  /// A more general form of a set, which the likelihood ratio tells from it and which takes the least gain off its
+  /// error.
+  bool outgrows(const Candidate& general, const Candidate& special) const {
+    return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
+           rms(general) < (1 - study_.options->minimum_gain) * rms(special) &&
+           corrected(improvement_p_value(special, general)) <= study_.options->alpha;
   }
 
   /// Of one force in two notations the one that the catalogue has first.
@@ -244,7 +277,11 @@ class Search {
     if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
-    if (named && same(chosen.choices, field[pick].choices)) find_ties(field, alike, pick);
+    if (named) {
+      std::vector<std::size_t> all(field.size());
+      std::iota(all.begin(), all.end(), std::size_t{0});
+      find_ties(field, same(chosen.choices, field[pick].choices) ? alike : all, chosen);
+    }
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
   }
@@ -340,10 +377,10 @@ class Search {
     result_.order = std::move(ordered);
   }
 
-  void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike, std::size_t pick) {
-    for (const auto i : alike) {
-      const Candidate &c = field[i], &chosen = field[pick];
-      if (i == pick || c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
+  void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& among, const Candidate& chosen) {
+    for (const auto i : among) {
+      const Candidate& c = field[i];
+      if (c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
           related(c.choices, chosen.choices) || c.name() == chosen.name())
         continue;
       // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
