@@ -79,7 +79,7 @@ local function replacements(where, entry, given)
 end
 
 --- The entry's force as an expression, which carries its parameters and states along; of a faulty channel the table that
---- the fields `measures` and `acts` of a model take.
+--- the fields `measures` and `acts` of a model take, of a delay what its field `delay` takes.
 function element.make(entry, ...)
   local definition = element.definition(entry)
   local given, where = schema.validate(definition, ...), definition.name
@@ -93,6 +93,7 @@ function element.make(entry, ...)
   end
   local variant = given.variant or 1
   local form, map = core.substitute(entry.variants[variant], by, states), entry.maps[variant]
+  if map.field == "delay" then return { delay = form } end
   return map.channel and { [map.channel] = form } or form
 end
 

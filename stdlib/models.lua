@@ -64,6 +64,12 @@ local function take_rows(given)
   given.mass, given.restoring = is_matrix and take_matrix(mass, restoring) or mass, restoring
 end
 
+--- A delay, or what an entry that is one gives: a table, so that it cannot be added to a force.
+local delay = { words = types.expression.words, check = function(value)
+  local of_entry = type(value) == "table" and not core.is_expression(value) and core.is_expression(value.delay)
+  return types.expression.check(of_entry and value.delay or value)
+end }
+
 models.model = schema.define({
   name = "model",
   help = "The equation of motion m*a + restoring = F, or one of them for each of several coordinates. With imposed "
@@ -75,7 +81,7 @@ models.model = schema.define({
       help = "restoring force; 0 for none; for several coordinates a list" },
     { "forces", types.list(types.integer { min = 1 }, 1),
       help = "the coordinates that a force acts on, such as { 1 }; else all" },
-    { "delay", types.expression, unit = "s",
+    { "delay", delay, unit = "s",
       help = "the forces act so much later than they are recorded; a number or a parameter, >= 0" },
     { "measures", maps, help = "what displacements, velocities and accelerations show in a record where it is not their true value: "
       .. "{ y = y + b }; fits and gaps compare with that, runs give the true motion" },

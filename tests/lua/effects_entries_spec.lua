@@ -219,7 +219,7 @@ spec.case("every entry without memory is its formula", function()
     assert(#entry.states > 0 or by_hand[name], name .. " is not written out")
     if by_hand[name] then
       local force = entry(samples[name])
-      force = entry.maps[1].channel and force[entry.maps[1].channel] or force
+      force = entry.maps[1].field == "delay" and force.delay or entry.maps[1].channel and force[entry.maps[1].channel] or force
       for i = 1, 60 do  -- all signs of y and v
         local m = { y = 0.05 * math.sin(2.1 * i), v = math.cos(1.3 * i), a = 9 * math.sin(0.7 * i), t = 0.1 * i,
           ab = math.cos(i), F = 3 * math.cos(2 * i), shaft_angle = 0.9 * i, shaft_speed = 5 + math.sin(i),

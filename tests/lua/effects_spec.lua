@@ -19,9 +19,9 @@ local function run_of(force, options)
   options = options or {}
   local drive = { F = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1), ab = options.ab }
   for channel, signal in pairs(options.shaft or {}) do drive[channel] = signal end
-  local faulty = type(force) == "table" and (force.y or force.F) and force or {}  -- a sensor: no force
+  local faulty = type(force) == "table" and (force.y or force.F or force.delay) and force or {}  -- a sensor: no force
   local model = lunid.model { mass = 1, restoring = 400*y + v + (faulty == force and 0 or force),
-    measures = faulty.y and faulty, acts = faulty.F and faulty }
+    measures = faulty.y and faulty, acts = faulty.F and faulty, delay = faulty.delay and faulty }
   return lunid.simulate { model = model, excitation = drive,
     from = options.from or { 0.005, 0 }, duration = options.duration or 1.5, dt = 0.005, solver = options.solver or "fixed",
     rtol = 1e-9 }
@@ -149,7 +149,7 @@ end
 
 spec.case("passive entries take up energy over a closed motion", function()
   for _, name in ipairs(names) do
-    local sensor = effects[name].maps[1].channel
+    local sensor = effects[name].maps[1].field
     if effects[name].passive == true and not sensor or name == "bouc_wen" or name == "pinching_degrading_hysteresis" then
       for _, record in ipairs(motions) do
         local done, size = work(effects[name](samples[name]), record)

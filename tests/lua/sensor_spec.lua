@@ -116,6 +116,7 @@ spec.case("a model takes the delay as an element", function()
   local model = lunid.model { mass = 2, restoring = lunid.parameter { "k", 3 } * y, delay = effects.force_delay { tau = 0.02 } }
   spec.equal(model:equation(), "2*a + k*y = F(t - force_delay_tau)")
   spec.equal(model.parameters.force_delay_tau.value, 0.02)
+  spec.contains(spec.message_of(function() return y + effects.force_delay { tau = 0.02 } end), "got a table")
 end)
 
 spec.case("a channel that clips", function()
