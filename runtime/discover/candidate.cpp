@@ -161,10 +161,14 @@ std::size_t Candidate::added() const {
   return count;
 }
 
-std::string Candidate::name() const {
+std::string name_of(const Choices& choices) {
   std::string text;
   for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
   return text.empty() ? "baseline" : text;
+}
+
+bool holds_name(const std::vector<Choices>& sets, const std::string& name) {
+  return std::ranges::any_of(sets, [&](const Choices& set) { return name_of(set) == name; });
 }
 
 std::vector<std::uint8_t> linear_parameters(const Model& model) {
@@ -244,7 +248,7 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
     candidate.force_system = candidate.system;
   } else {
     model.imposed_motion = true;
-    if (model.delay.valid())  // of the parameters that the forces along the motion do not hold
+    if (model.delay.valid())  // not felt along the motion; a parameter has to stand in some expression
       model.restoring = model.restoring + model.pool->constant(0) * std::exchange(model.delay, {});
     candidate.force_system = std::make_shared<const System>(model);
   }

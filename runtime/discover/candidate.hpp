@@ -17,6 +17,9 @@ struct Choice {
   friend bool operator==(const Choice&, const Choice&) = default;
 };
 using Choices = std::vector<Choice>;
+/// "coulomb_friction + constant_force"; "baseline" of none.
+std::string name_of(const Choices& choices);
+bool holds_name(const std::vector<Choices>& sets, const std::string& name);
 
 struct Candidate {
   Choices choices;
@@ -48,7 +51,7 @@ struct Candidate {
   /// its conditions do not hold.
   bool degenerate() const;
   std::size_t added() const;  ///< parameters of the effects, the last of the model's
-  std::string name() const;
+  std::string name() const { return name_of(choices); }
 };
 
 /// Where a record of these scales can show a choice's shape parameters, and its parameters within that.

@@ -376,7 +376,7 @@ class Spine {
           same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || fits_worse(study_, c, chosen) ||
           fits_worse(study_, chosen, c))
         continue;
-      found.ties.push_back(c.name());
+      found.ties.push_back(c.choices);
       found.remarks[i] = "this record cannot tell it from " + chosen.name();
     }
   }
@@ -402,12 +402,12 @@ class Spine {
       named.gap_test = last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), share_).value;
       named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
       if (last) {
-        named.indistinguishable = found.ties;
+        for (const Choices& tie : found.ties) named.indistinguishable.push_back(name_of(tie));
         named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
       }
       if (found.steps.size() > 1)
-        for (const std::string& tie : found.ties)
-          if (std::string other = in_place_of(named.label, found.chosen.name(), tie); !other.empty())
+        for (const Choices& tie : found.ties)
+          if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
             named.indistinguishable.push_back(std::move(other));
       out_.effects.push_back(std::move(named));
     }
@@ -415,21 +415,10 @@ class Spine {
 
   /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of
   /// "displacement_offset + coulomb_friction" and "constant_force + coulomb_friction"; else "".
-  static std::string in_place_of(const std::string& label, const std::string& chosen, const std::string& tie) {
-    std::vector<std::string> own = members(chosen), others = members(tie);
-    const auto shared = [&](const std::string& member) { return std::erase(others, member) > 0; };
-    std::erase_if(own, shared);
-    return own.size() == 1 && others.size() == 1 && own.front() == label ? others.front() : "";
-  }
-
-  static std::vector<std::string> members(const std::string& set) {
-    const std::string between = " + ";
-    std::vector<std::string> out;
-    std::size_t from = 0;
-    for (std::size_t at; (at = set.find(between, from)) != std::string::npos; from = at + between.size())
-      out.push_back(set.substr(from, at - from));
-    out.push_back(set.substr(from));
-    return out;
+  static std::string in_place_of(const Effect& effect, const Choices& chosen, const Choices& tie) {
+    Choices own = chosen, others = tie;
+    std::erase_if(own, [&](const Choice& c) { return std::erase(others, c) > 0; });
+    return own.size() == 1 && others.size() == 1 && own.front().effect == &effect ? name_of(others) : "";
   }
 
   /// The entry's parameters from the final model, under their own short names.

@@ -107,16 +107,16 @@ double noise_beside(const FreeRun& run, const Record& record) {
 
 void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
   const StateEstimate& state = at.state;
-  const double first_noise = noise_beside(out.front(), at.data.record);
+  std::vector<double> noise;
   for (FreeRun& o : out) {
-    const double noise = noise_beside(o, at.data.record);
-    o.floor_squares = noise * noise * static_cast<double>(o.rows);
+    noise.push_back(noise_beside(o, at.data.record));
+    o.floor_squares = noise.back() * noise.back() * static_cast<double>(o.rows);
   }
   const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
   if (sensitivities.run.summary.completed && state.covariance.size() > 0) {
     // The lead-in's own residual may hold the misfit; the sensor's noise is what the floor is about.
     const double fitted =
-        state.residual_variance > 0 ? std::min(1.0, first_noise * first_noise / state.residual_variance) : 1.0;
+        state.residual_variance > 0 ? std::min(1.0, noise.front() * noise.front() / state.residual_variance) : 1.0;
     std::vector<Eigen::MatrixXd> spreads;
     bool small = true;
     for (const FreeRun& o : out) {

@@ -144,17 +144,17 @@ class Search {
         set.push_back(fault.choices.front());
         if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) continue;
         Candidate c = compile(study_, model_, set);
-        c.starts = {values_of(c, whole, fault)};
+        c.starts = {values_of(c, {&fault, &whole})};
         c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
         if (c.ran()) field.push_back(std::move(c));
       }
   }
 
-  /// Of a set's parameters as a first fit has them, and those that it lacks as a second has.
-  static Eigen::VectorXd values_of(const Candidate& c, const Candidate& first, const Candidate& second) {
+  /// A set's parameters as the last of these fits that has them found them.
+  static Eigen::VectorXd values_of(const Candidate& c, std::initializer_list<const Candidate*> fits) {
     const auto& table = c.system->model().parameters;
     Eigen::VectorXd out = Eigen::VectorXd::Zero(c.parameters());
-    for (const Candidate* known : {&second, &first}) {
+    for (const Candidate* known : fits) {
       const auto& rows = known->system->model().parameters;
       for (std::size_t i = 0; i < table.size(); ++i)
         for (std::size_t j = 0; j < rows.size(); ++j)
@@ -337,13 +337,7 @@ class Search {
   }
 
   void fit_from(Candidate& c, const Candidate& larger) const {
-    const auto& table = c.system->model().parameters;
-    const auto& known = larger.system->model().parameters;
-    Eigen::VectorXd start(static_cast<Eigen::Index>(table.size()));
-    for (std::size_t i = 0; i < table.size(); ++i)
-      for (std::size_t j = 0; j < known.size(); ++j)
-        if (known[j].name == table[i].name)
-          start[static_cast<Eigen::Index>(i)] = larger.fit.theta[static_cast<Eigen::Index>(j)];
+    Eigen::VectorXd start = values_of(c, {&larger});
     c.starts = {start};
     c.fit = fit_near(study_, c, start, 20, larger.fit.substeps, first_states_for(c, larger));
     if (!result_.baseline.ran()) return;
@@ -388,7 +382,7 @@ class Search {
         result_.aliases.push_back(c.name());
       else if (!fits_worse(study_, c, chosen) && !fits_worse(study_, chosen, c) &&
                improvement_p_value(result_.baseline, c) < study_.options->alpha)
-        result_.ties.push_back(c.name());
+        result_.ties.push_back(c.choices);
     }
   }
 
@@ -411,7 +405,7 @@ class Search {
       if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;
       seen.push_back(c.name());
       std::string remark;
-      const bool tie = std::find(result_.ties.begin(), result_.ties.end(), c.name()) != result_.ties.end();
+      const bool tie = holds_name(result_.ties, c.name());
       const bool alias = std::find(result_.aliases.begin(), result_.aliases.end(), c.name()) != result_.aliases.end();
       if (alias)
         remark = "the same force as " + chosen.name() + " on this record, in another notation";

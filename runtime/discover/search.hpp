@@ -18,7 +18,7 @@ struct SearchResult {
   Choices order;                     ///< the effect that each step adds
   std::vector<Candidate> rivals;     ///< judged sets that were not chosen, best first
   std::vector<std::string> remarks;  ///< for each rival: why not
-  std::vector<std::string> ties;     ///< rivals of equal simplicity that the record cannot tell from the chosen set
+  std::vector<Choices> ties;         ///< rivals of equal simplicity that the record cannot tell from the chosen set
   std::vector<std::string> aliases;  ///< rivals whose free runs are those of the chosen set: the same in other words
   Grown grown;                       ///< all that was fitted, before it was judged
 };

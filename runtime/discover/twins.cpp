@@ -42,7 +42,7 @@ bool is_free(const Parameter& p) { return !p.fixed && std::isinf(p.min) && std::
 bool has_twin(const Model& baseline, const Model& extended, const std::string& parameter) {
   const std::vector<Expr> own = slopes_of(extended, parameter);
   return !own.empty() && std::ranges::any_of(baseline.parameters, [&](const Parameter& known) {
-    return is_free(known) && same_but_for_sign(own, slopes_of(extended, known.name));
+    return is_free(known) && same_but_for_sign(own, slopes_of(baseline, known.name));
   });
 }
 
@@ -76,6 +76,7 @@ std::string formula_without(const Effect& effect, const std::vector<std::string>
 }  // namespace
 
 Effect without_twins(const Model& baseline, const Effect& effect) {
+  if (effect.parameters.size() < 2) return effect;
   std::vector<std::string> names;
   Replacements zero;
   for (const Parameter& p : effect.parameters)

@@ -33,44 +33,42 @@ Record with_friction(int rows, double& noise) {
   return testing::noisy_record(motion, "a", a, noise, 3);
 }
 
+/// A model fitted to that record, which it is tested on too.
+struct Fitted {
+  double noise = 0;
+  DiscoverOptions options;
+  Study study;
+  Candidate candidate;
+  Fitted(const std::string& restoring, int rows) {
+    const Record record = with_friction(rows, noise);
+    const Model model = complete(baseline(restoring, 1));
+    study = prepare(model, {record}, {record}, options);
+    std::vector<std::string> warnings;
+    candidate = fit_baseline(study, model, warnings);
+  }
+};
+
 /// Friction that turns round is sharp in an acceleration: its spectrum has no band with noise alone.
 TEST(Noise, OfAChannelIsWhatAModelLeaves) {
-  double noise = 0;
-  const Record record = with_friction(3000, noise);
-  const DiscoverOptions options;
-  const Model model = complete(baseline("k*y + c*v + Fc*sign(v)", 1));
-  Study study = prepare(model, {record}, {record}, options);
-  EXPECT_GT(study.sensor_noise(), 1.8 * noise);
-  std::vector<std::string> warnings;
-  const Candidate fitted = fit_baseline(study, model, warnings);
-  EXPECT_TRUE(lower_noise(study, fitted));
-  EXPECT_NEAR(study.sensor_noise(), noise, 0.3 * noise);
-  EXPECT_FALSE(lower_noise(study, fitted));
-  const FreeRun run =
-      free_run(study, *fitted.system, fitted.fit.theta, study.test.front(), fitted.fit.substeps).front();
-  EXPECT_NEAR(std::sqrt(run.floor_squares / static_cast<double>(run.rows)), noise, 0.3 * noise);
+  Fitted f("k*y + c*v + Fc*sign(v)", 3000);
+  EXPECT_GT(f.study.sensor_noise(), 1.8 * f.noise);
+  EXPECT_TRUE(lower_noise(f.study, f.candidate));
+  EXPECT_NEAR(f.study.sensor_noise(), f.noise, 0.3 * f.noise);
+  EXPECT_FALSE(lower_noise(f.study, f.candidate));
+  const FitResult& fit = f.candidate.fit;
+  const FreeRun run = free_run(f.study, *f.candidate.system, fit.theta, f.study.test.front(), fit.substeps).front();
+  EXPECT_NEAR(std::sqrt(run.floor_squares / static_cast<double>(run.rows)), f.noise, 0.3 * f.noise);
 }
 
 TEST(Noise, IsNotReadOffAModelThatDoesNotFollow) {
-  double noise = 0;
-  const Record record = with_friction(3000, noise);
-  const DiscoverOptions options;
-  const Model model = complete(baseline("k*y + c*v", 1));
-  Study study = prepare(model, {record}, {record}, options);
-  std::vector<std::string> warnings;
-  const Candidate fitted = fit_baseline(study, model, warnings);
-  lower_noise(study, fitted);
-  EXPECT_GT(study.sensor_noise(), noise);  // a bound from above, whatever the model
+  Fitted f("k*y + c*v", 3000);
+  lower_noise(f.study, f.candidate);
+  EXPECT_GT(f.study.sensor_noise(), f.noise);  // a bound from above, whatever the model
 }
 
 TEST(Noise, OfAShortRecordStays) {
-  double noise = 0;
-  const Record record = with_friction(600, noise);
-  const DiscoverOptions options;
-  const Model model = complete(baseline("k*y + c*v + Fc*sign(v)", 1));
-  Study study = prepare(model, {record}, {record}, options);
-  std::vector<std::string> warnings;
-  EXPECT_FALSE(lower_noise(study, fit_baseline(study, model, warnings)));
+  Fitted f("k*y + c*v + Fc*sign(v)", 600);
+  EXPECT_FALSE(lower_noise(f.study, f.candidate));
 }
 
 Effect swing(Pool& pool) {
