@@ -354,6 +354,19 @@ bool in_a_mass(const Model& model, Expr symbol) {
   return false;
 }
 
+Eigen::VectorXd values_of(const Candidate& c, std::initializer_list<const Candidate*> fits) {
+  const auto& table = c.system->model().parameters;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(c.parameters());
+  for (const Candidate* known : fits) {
+    const auto& rows = known->system->model().parameters;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      for (std::size_t j = 0; j < rows.size(); ++j)
+        if (rows[j].name == table[i].name)
+          out[static_cast<Eigen::Index>(i)] = known->fit.theta[static_cast<Eigen::Index>(j)];
+  }
+  return out;
+}
+
 Model fitted(const Candidate& c) {
   Model model = c.system->model();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {

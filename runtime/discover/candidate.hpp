@@ -1,5 +1,6 @@
 #pragma once
 // A candidate model: the baseline with some effects of the catalogue, its start read off the data, and its fit.
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -69,6 +70,9 @@ double guessed(const Parameter& parameter, const Guess& guess);
 /// entries' guesses, refined on the force. `theta` holds the values of the parameters that come before (baseline).
 void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta,
                  const std::vector<std::vector<Guess>>& guesses);
+
+/// A set's parameters as the last of these fits that has them found them; zero where none has.
+Eigen::VectorXd values_of(const Candidate& c, std::initializer_list<const Candidate*> fits);
 
 /// The model with the values of its fit and their standard deviations.
 Model fitted(const Candidate& candidate);

@@ -58,7 +58,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
   for (const Rival& rival : out.rivals) {
-    if (!holds_name(found.ties, rival.name)) continue;
+    if (!holds_name(found.ties.rivals, rival.name)) continue;
     models.push_back(rival.model);
     names.push_back(rival.name);
   }
@@ -122,8 +122,8 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
                   100 * std::clamp(share, 0.0, 1.0));
     std::string said = names;
-    for (const Choices& tie : found.ties) said += " or " + name_of(tie);
-    if (!found.ties.empty()) said += " (of equal simplicity: this record cannot tell them apart)";
+    for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
+    if (!found.ties.rivals.empty()) said += " (of equal simplicity: this record cannot tell them apart)";
     if (!std::isfinite(out.baseline_test.value))
       return said + ": the baseline cannot be run on the test record, the final model can";
     if (left.material)

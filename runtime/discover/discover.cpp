@@ -362,23 +362,18 @@ class Spine {
     const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(round.train)) ||
                       leaves_motion_open(study_, round.gap(before_test_));
     if (stand > 0) find_ties_of_the_rest(found);
-    round.verdict = stand > 0 ? (found.ties.empty() ? "explained" : "ambiguous")
+    round.verdict = stand > 0 ? (found.ties.rivals.empty() ? "explained" : "ambiguous")
                     : open    ? "unknown-effect"
                               : "nothing-missing";
   }
 
   /// What is left of a larger set has rivals of its own.
   void find_ties_of_the_rest(SearchResult& found) const {
-    const Candidate& chosen = found.chosen;
-    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-      const Candidate& c = found.rivals[i];
-      if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
-          same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || fits_worse(study_, c, chosen) ||
-          fits_worse(study_, chosen, c))
-        continue;
-      found.ties.push_back(c.choices);
-      found.remarks[i] = "this record cannot tell it from " + chosen.name();
-    }
+    std::vector<const Candidate*> rivals;
+    for (const Candidate& c : found.rivals) rivals.push_back(&c);
+    found.ties = find_ties(study_, found.baseline, found.chosen, rivals);
+    for (std::size_t i = 0; i < found.rivals.size(); ++i)
+      if (holds_name(found.ties.rivals, found.rivals[i].name())) found.remarks[i] = tie_remark(found.chosen);
   }
 
   /// For all start points of all rounds, whichever stands.
@@ -402,11 +397,12 @@ class Spine {
       named.gap_test = last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), share_).value;
       named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
       if (last) {
-        for (const Choices& tie : found.ties) named.indistinguishable.push_back(name_of(tie));
-        named.indistinguishable.insert(named.indistinguishable.end(), found.aliases.begin(), found.aliases.end());
+        for (const Choices& tie : found.ties.rivals) named.indistinguishable.push_back(name_of(tie));
+        named.indistinguishable.insert(named.indistinguishable.end(), found.ties.aliases.begin(),
+                                       found.ties.aliases.end());
       }
       if (found.steps.size() > 1)
-        for (const Choices& tie : found.ties)
+        for (const Choices& tie : found.ties.rivals)
           if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
             named.indistinguishable.push_back(std::move(other));
       out_.effects.push_back(std::move(named));

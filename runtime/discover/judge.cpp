@@ -133,18 +133,45 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
   return {c.parameters(), c.choices.size(), physics_in(c.choices)};
 }
 
-bool told_from_zero(const Candidate& larger, const Candidate& smaller) {
-  const FitResult& fit = larger.fit;
-  const auto& table = larger.system->model().parameters;
-  bool any = false;
-  for (std::size_t j = 0; j < table.size(); ++j) {
-    if (!larger.linear[j] || smaller.system->model().find(table[j].name)) continue;
-    const auto k = static_cast<Eigen::Index>(j);
-    const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
-    if (!(variance > 0) || fit.theta[k] * fit.theta[k] > 4 * variance) return true;
-    any = true;
+namespace {
+
+bool within_two_deviations_of_zero(const FitResult& fit, Eigen::Index k) {
+  const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
+  return variance > 0 && !(fit.theta[k] * fit.theta[k] > 4 * variance);
+}
+
+/// What `larger` adds along the motion has gone, all but a fifth, where this parameter is a twentieth of what it is.
+bool is_a_size(const Study& study, const Candidate& larger, const Candidate& smaller, Eigen::Index k) {
+  constexpr double part = 0.05, left = 0.2;
+  const Eigen::VectorXd without = values_of(smaller, {&larger});
+  Eigen::VectorXd little = larger.fit.theta;
+  little[k] *= part;
+  double whole = 0, rest = 0;
+  for (const Record& record : study.smooth) {
+    const Eigen::VectorXd none = open_force(smaller, without, record);
+    whole += (open_force(larger, larger.fit.theta, record) - none).squaredNorm();
+    rest += (open_force(larger, little, record) - none).squaredNorm();
   }
-  return !any;
+  return rest < left * left * whole;
+}
+
+}  // namespace
+
+bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
+  const auto& table = larger.system->model().parameters;
+  bool any = false, told = false;
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    if (smaller.system->model().find(table[j].name)) continue;
+    const auto k = static_cast<Eigen::Index>(j);
+    const bool near_zero = within_two_deviations_of_zero(larger.fit, k);
+    if (larger.linear[j]) {
+      any = true;
+      told = told || !near_zero;
+    } else if (near_zero && is_a_size(study, larger, smaller, k)) {
+      return false;
+    }
+  }
+  return told || !any;
 }
 
 bool carries_force(const Study& study, const Candidate& larger, const Candidate& smaller) {

@@ -46,9 +46,10 @@ double corrected(double p_value, int tried);
 /// What is simpler comes first: fewer parameters, fewer effects, a faulty sensor or input before physics.
 std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 
-/// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero: the
-/// smaller would do as well, had its own fit ended there, whatever the p-value says. True of entries without one.
-bool told_from_zero(const Candidate& larger, const Candidate& smaller);
+/// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero, or
+/// another parameter that takes the force with it as it goes to zero (a hidden mass): the smaller would do as well, had
+/// its own fit ended there, whatever the p-value says.
+bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
 /// False where all that `larger` has beyond `smaller` are coefficients whose force along the motion is less than a
 /// thousandth of the force that acts: a motion that amplifies small differences (several wells) may ask for it, but it

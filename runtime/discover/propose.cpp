@@ -296,14 +296,13 @@ Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::Vecto
   }
   const Eigen::VectorXd open = weighted(measured_ - force);
   const Eigen::VectorXd norm = out.jacobian.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-  if (theta.size() > 0) {
+  out.basis.resize(rows_, 0);
+  out.back.resize(theta.size(), 0);
+  if (out.jacobian.size() > 0 && !out.jacobian.isZero(0)) {
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(out.jacobian * norm.asDiagonal());
     qr.setThreshold(1e-9);
     out.basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows_, qr.rank());
     out.back = norm.asDiagonal() * qr.solve(out.basis);
-  } else {
-    out.basis.resize(rows_, 0);
-    out.back.resize(0, 0);
   }
   out.residual = open - out.basis * (out.basis.transpose() * open);
   out.theta += out.back * (out.basis.transpose() * open);

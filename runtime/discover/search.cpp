@@ -150,20 +150,6 @@ class Search {
       }
   }
 
-  /// A set's parameters as the last of these fits that has them found them.
-  static Eigen::VectorXd values_of(const Candidate& c, std::initializer_list<const Candidate*> fits) {
-    const auto& table = c.system->model().parameters;
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(c.parameters());
-    for (const Candidate* known : fits) {
-      const auto& rows = known->system->model().parameters;
-      for (std::size_t i = 0; i < table.size(); ++i)
-        for (std::size_t j = 0; j < rows.size(); ++j)
-          if (rows[j].name == table[i].name)
-            out[static_cast<Eigen::Index>(i)] = known->fit.theta[static_cast<Eigen::Index>(j)];
-    }
-    return out;
-  }
-
   /// The best single effect at the other places where it was fitted.
   static void hear_other_places(const std::vector<Candidate>& sets, std::vector<Candidate>& field) {
     if (field.empty()) return;
@@ -195,50 +181,12 @@ class Search {
                      [&](std::size_t a, std::size_t b) { return simplicity(field[a]) < simplicity(field[b]); });
     std::size_t pick = in_the_usual_words(field, alike);
     for (const auto i : alike)
-      if (outgrows(field[i], field[pick])) pick = i;
+      if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
     prefer_the_same_fault(field, alike, pick);
     prune(field, pick);
     Candidate chosen = field[pick];
     progress_("free runs over left-out blocks", 0.8);
     accept(field, chosen, alike, pick);
-  }
-
-  /// A fault of a channel comes before physics that does the same, also where a larger set that holds the fault rejects
-  /// it: a larger one that holds the physics would.
-  void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike,
-                             std::size_t& pick) const {
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      const Candidate &c = field[i], &chosen = field[pick];
-      if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
-          physics_in(c.choices) >= physics_in(chosen.choices) || !same_runs(c, chosen))
-        continue;
-      if (std::ranges::find(alike, i) == alike.end()) alike.push_back(i);
-      pick = i;
-    }
-  }
-
-  /// A more general form of a set, which the likelihood ratio tells from it and which takes the least gain off its
-  /// error.
-  bool outgrows(const Candidate& general, const Candidate& special) const {
-    return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
-           rms(general) < (1 - study_.options->minimum_gain) * rms(special) &&
-           corrected(improvement_p_value(special, general)) <= study_.options->alpha;
-  }
-
-  /// Of one force in two notations the one that the catalogue has first.
-  static std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike) {
-    const Candidate& first = field[alike.front()];
-    const auto before = [&](std::size_t a, std::size_t b) {
-      return field[a].choices.back().effect < field[b].choices.back().effect;  // entries lie in the catalogue's order
-    };
-    std::size_t pick = alike.front();
-    for (const auto i : alike) {
-      const bool other_words = first.choices.size() == 1 && field[i].choices.size() == 1 &&
-                               field[i].parameters() == first.parameters() && same_runs(field[i], first) &&
-                               physics_in(field[i].choices) == physics_in(first.choices);
-      if (other_words && before(i, pick)) pick = i;
-    }
-    return pick;
   }
 
   /// Drops effects without which a fitted set is not worse.
@@ -280,7 +228,9 @@ class Search {
     if (named) {
       std::vector<std::size_t> all(field.size());
       std::iota(all.begin(), all.end(), std::size_t{0});
-      find_ties(field, same(chosen.choices, field[pick].choices) ? alike : all, chosen);
+      std::vector<const Candidate*> among;
+      for (const auto i : same(chosen.choices, field[pick].choices) ? alike : all) among.push_back(&field[i]);
+      result_.ties = find_ties(study_, result_.baseline, chosen, among);
     }
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
@@ -295,7 +245,7 @@ class Search {
 
   bool earns(const Candidate& without, const Candidate& with) const {
     if (!without.ran()) return true;
-    if (!told_from_zero(with, without) || !carries_force(study_, with, without)) return false;
+    if (!told_from_zero(study_, with, without) || !carries_force(study_, with, without)) return false;
     if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     return left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05);
@@ -371,29 +321,6 @@ class Search {
     result_.order = std::move(ordered);
   }
 
-  void find_ties(const std::vector<Candidate>& field, const std::vector<std::size_t>& among, const Candidate& chosen) {
-    for (const auto i : among) {
-      const Candidate& c = field[i];
-      if (c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
-          related(c.choices, chosen.choices) || c.name() == chosen.name())
-        continue;
-      // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
-      if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
-        result_.aliases.push_back(c.name());
-      else if (!fits_worse(study_, c, chosen) && !fits_worse(study_, chosen, c) &&
-               improvement_p_value(result_.baseline, c) < study_.options->alpha)
-        result_.ties.push_back(c.choices);
-    }
-  }
-
-  /// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
-  static bool same_runs(const Candidate& a, const Candidate& b) {
-    double apart = 0;
-    for (std::size_t r = 0; r < a.fit.residual.size(); ++r)
-      apart += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
-    return apart < 1e-3 * squared_error(a.fit);
-  }
-
   /// Other sets first, best first; then those that only add to the chosen one.
   void collect_rivals(std::vector<Candidate> field, const Candidate& chosen) {
     std::stable_partition(field.begin(), field.end(), [&](const Candidate& c) {
@@ -405,12 +332,12 @@ class Search {
       if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;
       seen.push_back(c.name());
       std::string remark;
-      const bool tie = holds_name(result_.ties, c.name());
-      const bool alias = std::find(result_.aliases.begin(), result_.aliases.end(), c.name()) != result_.aliases.end();
+      const bool tie = holds_name(result_.ties.rivals, c.name());
+      const bool alias = std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end();
       if (alias)
         remark = "the same force as " + chosen.name() + " on this record, in another notation";
       else if (tie)
-        remark = "this record cannot tell it from " + chosen.name();
+        remark = tie_remark(chosen);
       else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
         remark = "no better than the baseline";
       else if (chosen.choices.empty())

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "discover/choice.hpp"
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
 
@@ -18,8 +19,7 @@ struct SearchResult {
   Choices order;                     ///< the effect that each step adds
   std::vector<Candidate> rivals;     ///< judged sets that were not chosen, best first
   std::vector<std::string> remarks;  ///< for each rival: why not
-  std::vector<Choices> ties;         ///< rivals of equal simplicity that the record cannot tell from the chosen set
-  std::vector<std::string> aliases;  ///< rivals whose free runs are those of the chosen set: the same in other words
+  Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
 };
 

@@ -99,7 +99,7 @@ void decide(const Study& study, Round& round) {
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
-    round.verdict = found.ties.empty() ? "explained" : "ambiguous";
+    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
   }
 }
 
@@ -110,8 +110,7 @@ void withdraw(Round& round, const std::string& remark) {
   found.remarks.insert(found.remarks.begin(), remark);
   found.chosen = found.baseline;
   found.steps.clear();
-  found.ties.clear();
-  found.aliases.clear();
+  found.ties = {};
 }
 
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {

@@ -49,11 +49,11 @@ struct Compared {
   }
 };
 
-/// A model with one force more, whose coefficient came out as `value` with a variance of 1.
-Candidate with_force(const Study& study, double value) {
+/// A model with one force more, whose parameter came out as `value` with a variance of 1.
+Candidate with_force(const Study& study, double value, const std::string& force = "drag_c*abs(v)*v") {
   const Model model = testing::baseline("k*y", 1);
   static std::vector<Effect> kept;
-  kept = {testing::entry(*model.pool, "drag", "drag_c*abs(v)*v", {testing::row("drag_c")})};
+  kept = {testing::entry(*model.pool, "drag", force, {testing::row("drag_c")})};
   Candidate c = compile(study, complete(model), {{&kept.front(), 0}});
   c.fit.theta = Eigen::Vector2d(1, value);
   c.fit.covariance = Eigen::Matrix2d::Identity();
@@ -64,10 +64,27 @@ Candidate with_force(const Study& study, double value) {
 /// coefficient knows better.
 TEST(Judge, AForceWhoseCoefficientMayBeZeroIsNone) {
   const Compared c(noise, 0);
-  EXPECT_FALSE(told_from_zero(with_force(c.study, 1.5), c.best));
-  EXPECT_FALSE(told_from_zero(with_force(c.study, -1.5), c.best));
-  EXPECT_TRUE(told_from_zero(with_force(c.study, -2.5), c.best));
-  EXPECT_TRUE(told_from_zero(c.other, c.best));  // no coefficient of its own
+  EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5), c.best));
+  EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, -1.5), c.best));
+  EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, -2.5), c.best));
+  EXPECT_TRUE(told_from_zero(c.study, c.other, c.best));  // no coefficient of its own
+}
+
+/// A hidden mass of 6(5) kg: no coefficient, but without it there is no force.
+TEST(Judge, AForceWhoseSizeMayBeZeroIsNone) {
+  Compared c(noise, 0);
+  std::vector<Channel> motion;
+  for (const char* name : {"y", "v", "a", "F"}) {
+    std::vector<double> values(rows);
+    for (int i = 0; i < rows; ++i) values[static_cast<std::size_t>(i)] = std::sin(0.1 * i + (*name == 'v'));
+    motion.push_back(testing::channel(name, "1", std::move(values)));
+  }
+  c.study.smooth.emplace_back("r", 0, 1, motion);
+  c.best.fit.theta = Eigen::VectorXd::Ones(1);
+  const std::string size = "drag_c*drag_c*v", shape = "0.1*tanh(v/drag_c)";
+  EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5, size), c.best));
+  EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 2.5, size), c.best));
+  EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 1.5, shape), c.best));  // sharper where it goes to zero
 }
 
 /// A run of ten rows with this squared error, beside a motion of variance 1.

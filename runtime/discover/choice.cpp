@@ -1,0 +1,76 @@
+#include "discover/choice.hpp"
+
+#include <algorithm>
+
+#include "discover/grow.hpp"
+#include "discover/judge.hpp"
+#include "discover/proposal_fits.hpp"
+#include "discover/sensor.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
+bool same_runs(const Candidate& a, const Candidate& b) {
+  double apart = 0;
+  for (std::size_t r = 0; r < a.fit.residual.size(); ++r)
+    apart += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
+  return apart < 1e-3 * squared_error(a.fit);
+}
+
+}  // namespace
+
+bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
+  return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
+         rms(general.fit) < (1 - study.options->minimum_gain) * rms(special.fit) &&
+         corrected(improvement_p_value(special, general), tried) <= study.options->alpha;
+}
+
+std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike) {
+  const Candidate& first = field[alike.front()];
+  const auto before = [&](std::size_t a, std::size_t b) {
+    return field[a].choices.back().effect < field[b].choices.back().effect;  // entries lie in the catalogue's order
+  };
+  std::size_t pick = alike.front();
+  for (const auto i : alike) {
+    const bool other_words = first.choices.size() == 1 && field[i].choices.size() == 1 &&
+                             field[i].parameters() == first.parameters() && same_runs(field[i], first) &&
+                             physics_in(field[i].choices) == physics_in(first.choices);
+    if (other_words && before(i, pick)) pick = i;
+  }
+  return pick;
+}
+
+void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike, std::size_t& pick) {
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const Candidate &c = field[i], &chosen = field[pick];
+    if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
+        physics_in(c.choices) >= physics_in(chosen.choices) || !same_runs(c, chosen))
+      continue;
+    if (std::ranges::find(alike, i) == alike.end()) alike.push_back(i);
+    pick = i;
+  }
+}
+
+Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
+               const std::vector<const Candidate*>& among) {
+  Ties out;
+  for (const Candidate* other : among) {
+    const Candidate& c = *other;
+    if (c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
+        related(c.choices, chosen.choices) || c.name() == chosen.name())
+      continue;
+    // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
+    if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
+      out.aliases.push_back(c.name());
+    else if (!fits_worse(study, c, chosen) && !fits_worse(study, chosen, c) &&
+             improvement_p_value(baseline, c) < study.options->alpha)
+      out.rivals.push_back(c.choices);
+  }
+  return out;
+}
+
+std::string tie_remark(const Candidate& chosen) { return "this record cannot tell it from " + chosen.name(); }
+
+}  // namespace lunid

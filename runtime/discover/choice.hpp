@@ -1,0 +1,33 @@
+#pragma once
+// Which of several judged sets is taken where the records allow more than one, and what is said beside it.
+#include <string>
+#include <vector>
+
+#include "discover/candidate.hpp"
+
+namespace lunid {
+
+/// A more general form of a set, which the likelihood ratio tells from it (one of `tried`) and which takes the least
+/// gain off its error.
+bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried);
+
+/// Of one force in two notations the one that the catalogue has first. `alike`: of the field, the simplest first.
+std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike);
+
+/// A fault of a channel comes before physics that does the same, also where a larger set that holds the fault rejects
+/// it: a larger one that holds the physics would. Changes `pick`, and adds it to those that are alike.
+void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike, std::size_t& pick);
+
+struct Ties {
+  std::vector<Choices> rivals;       ///< of equal simplicity, that the record cannot tell from the chosen set
+  std::vector<std::string> aliases;  ///< whose free runs are those of the chosen set: the same in other words
+};
+
+/// What of these judged sets the records cannot tell from the chosen one.
+Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
+               const std::vector<const Candidate*>& among);
+
+/// What a tie is called among the rivals.
+std::string tie_remark(const Candidate& chosen);
+
+}  // namespace lunid

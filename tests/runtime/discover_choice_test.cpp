@@ -1,0 +1,166 @@
+// What is said beside a choice, and what the test record leaves of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+#include "discover/choice.hpp"
+#include "discover/search.hpp"
+#include "discover/verdict.hpp"
+#include "discover_catalogue.hpp"
+
+namespace lunid {
+namespace {
+
+constexpr int rows = 1500;
+
+/// White noise, with 50 rows of something else.
+Eigen::VectorXd residual(double elsewhere, int first = 300) {
+  Philox random(7, 1);
+  Eigen::VectorXd out(rows);
+  for (int i = 0; i < rows; ++i) {
+    out[i] = random.normal();
+    if (i >= first && i < first + 50) out[i] += elsewhere * std::sin(0.8 * i);
+  }
+  return out;
+}
+
+struct Field {
+  DiscoverOptions options;
+  Study study;
+  Model model = testing::baseline("k*y", 1);
+  std::deque<Effect> effects;
+  Candidate baseline;
+
+  Field() {
+    study.options = &options;
+    Channel y = testing::channel("y", "m", std::vector<double>(rows, 0.0));
+    y.noise = 1;
+    study.full.emplace_back("r", 0, 1, std::vector<Channel>{y});
+    study.train.push_back({study.full.front(), {}, {}});
+    baseline = compile(study, complete(model), {});
+    left_by(baseline, 2 * residual(0));
+  }
+
+  static void left_by(Candidate& c, const Eigen::VectorXd& e) {
+    c.fit.residual = {e};
+    c.fit.cost = e.squaredNorm();
+    c.fit.rows = rows;
+    c.innovations = e;
+    c.likelihood_cost = e.squaredNorm();
+  }
+
+  Candidate with(const std::string& name, const std::string& family, const Eigen::VectorXd& e) {
+    effects.push_back(testing::entry(*model.pool, name, name + "_p*y^" + std::to_string(effects.size() + 2),
+                                     {testing::row(name + "_p")}));
+    effects.back().family = family;
+    Candidate c = compile(study, complete(model), {{&effects.back(), 0}});
+    left_by(c, e);
+    return c;
+  }
+};
+
+TEST(Ties, AreRivalsAsGoodAndAsSimpleWithOtherRuns) {
+  Field f;
+  const Candidate chosen = f.with("chosen", "stiffness", residual(0)),
+                  elsewhere = f.with("elsewhere", "stiffness", residual(0.3, 900)),
+                  worse = f.with("worse", "stiffness", residual(8)),
+                  none = f.with("none", "stiffness", 2 * residual(0, 900));
+  const Ties ties = find_ties(f.study, f.baseline, chosen, {&chosen, &elsewhere, &worse, &none});
+  ASSERT_EQ(ties.rivals.size(), 1u);
+  EXPECT_EQ(name_of(ties.rivals[0]), "elsewhere");
+  EXPECT_TRUE(ties.aliases.empty());
+}
+
+/// The same run is the same force in other words; of a channel's fault it is a tie, for one of the two is to be mended.
+TEST(Ties, OfOneRunAreAliasesUnlessOneIsAFault) {
+  Field f;
+  const Candidate chosen = f.with("chosen", "stiffness", residual(0)),
+                  words = f.with("words", "stiffness", residual(0)), fault = f.with("fault", "sensor", residual(0));
+  const Ties ties = find_ties(f.study, f.baseline, chosen, {&words, &fault});
+  EXPECT_EQ(ties.aliases, std::vector<std::string>{"words"});
+  ASSERT_EQ(ties.rivals.size(), 1u);
+  EXPECT_EQ(name_of(ties.rivals[0]), "fault");
+}
+
+/// A larger set may reject the fault and the physics that does the same alike: the fault still comes first, and is
+/// told.
+TEST(Faults, ComeBeforePhysicsOfTheSameRun) {
+  Field f;
+  const std::vector<Candidate> field{f.with("physics", "stiffness", residual(0)),
+                                     f.with("another", "sensor", residual(0.3, 900)),
+                                     f.with("fault", "sensor", residual(0))};
+  std::vector<std::size_t> alike{0};
+  std::size_t pick = 0;
+  prefer_the_same_fault(field, alike, pick);
+  EXPECT_EQ(field[pick].name(), "fault");
+  EXPECT_EQ(alike, (std::vector<std::size_t>{0, 2}));
+}
+
+/// A general form with one parameter more, whose error is this part of that of its special case.
+bool general_form_taken(double part) {
+  Field f;
+  const Candidate special = f.with("special", "stiffness", residual(0));
+  f.effects.push_back(testing::entry(*f.model.pool, "general", "general_p*y^2 + general_q*y^3",
+                                     {testing::row("general_p"), testing::row("general_q")}));
+  Candidate general = compile(f.study, complete(f.model), {{&f.effects.back(), 0}});
+  Field::left_by(general, part * residual(0));
+  EXPECT_FALSE(outgrows(f.study, general, special, 1));  // as long as neither is said to be a form of the other
+  f.effects.front().special_case_of = {"general"};
+  return outgrows(f.study, general, special, 1);
+}
+
+TEST(GeneralForms, AreTakenWhereTheyLeaveLess) {
+  EXPECT_TRUE(general_form_taken(0.9));
+  EXPECT_FALSE(general_form_taken(0.97));  // told apart by the likelihood ratio, but worth less than the least gain
+  EXPECT_FALSE(general_form_taken(1));
+}
+
+/// A motion with a cubic spring: models of several steps are run over it.
+struct Tested {
+  DiscoverOptions options;
+  Study study;
+  Model model = testing::baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+
+  Tested() {
+    truth::Physics physics;
+    physics.k3 = 0.5;
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 1500, testing::spacing, 16);
+    const Record record = testing::noisy_record(motion, "y", motion.x, 1e-3, 5);
+    study = prepare(complete(model), {record}, {record}, options);
+  }
+
+  /// The steps cubic stiffness (k3 as given), and a quadratic one of this size beside.
+  SearchResult steps(double k3, double k2) {
+    SearchResult found;
+    found.steps.push_back(compile(study, complete(model), {{&catalogue[0], 0}}));
+    found.steps.push_back(compile(study, complete(model), {{&catalogue[0], 0}, {&catalogue[1], 0}}));
+    for (Candidate& c : found.steps) {
+      c.fit.theta = Eigen::VectorXd::Zero(c.parameters());
+      const auto& table = c.system->model().parameters;
+      for (std::size_t j = 0; j < table.size(); ++j) {
+        const std::string& name = table[j].name;
+        c.fit.theta[static_cast<Eigen::Index>(j)] = name == "k"                    ? 1
+                                                    : name == "c"                  ? 0.06
+                                                    : name == "cubic_stiffness_k3" ? k3
+                                                                                   : k2;
+      }
+    }
+    return found;
+  }
+
+  std::size_t that_help(const SearchResult& found) {
+    return steps_that_help(study, found, runs(study, found.steps.back(), study.test));
+  }
+};
+
+TEST(Steps, OfWhichTheLastRaisesTheGapOnTheTestRecordGo) {
+  Tested t;
+  EXPECT_EQ(t.that_help(t.steps(0.5, 0.05)), 1u);  // without the second the run is the truth's
+  EXPECT_EQ(t.that_help(t.steps(0.5, 1e-7)), 2u);  // no worse: the training records have said what they say
+}
+
+}  // namespace
+}  // namespace lunid
