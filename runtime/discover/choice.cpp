@@ -4,7 +4,6 @@
 
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
-#include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
 
 namespace lunid {
@@ -23,7 +22,7 @@ bool same_runs(const Candidate& a, const Candidate& b) {
 
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
   return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
-         rms(general.fit) < (1 - study.options->minimum_gain) * rms(special.fit) &&
+         rms_error(general.fit) < (1 - study.options->minimum_gain) * rms_error(special.fit) &&
          corrected(improvement_p_value(special, general), tried) <= study.options->alpha;
 }
 

@@ -271,9 +271,9 @@ class Spine {
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
-  /// that lacks nothing, where they close what is left; a more general form of the same where it takes away the force
-  /// that the common one leaves. A record with disturbances of its own (a loop that is closed, a
-  /// foundation that moves) would otherwise be followed by ever more of them.
+  /// that lacks nothing, where they close what is left; a third of it where they are a more general form of the same. A
+  /// record with disturbances of its own (a loop that is closed, a foundation that moves) would otherwise be followed
+  /// by ever more of them.
   bool takes_the_place(const Round& further, const Round& round) const {
     if (round.verdict == "unknown-effect") return true;
     if (!further.names()) return false;
@@ -282,9 +282,9 @@ class Spine {
     if (round.names() && rare.parameters() <= common.parameters() &&
         rms_error(rare.fit) <= as_well * rms_error(common.fit))
       return true;
-    const bool mends = round.left.material && !further.left.material && is_general_form(rare.choices, common.choices);
+    const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
-    return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (mends ? 0.8 : 0.95);
+    return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.
@@ -405,8 +405,23 @@ class Spine {
         for (const Choices& tie : found.ties.rivals)
           if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
             named.indistinguishable.push_back(std::move(other));
+      for (std::string& other : in_other_words(effect))
+        if (std::ranges::find(named.indistinguishable, other) == named.indistinguishable.end())
+          named.indistinguishable.push_back(std::move(other));
       out_.effects.push_back(std::move(named));
     }
+  }
+
+  /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
+  std::vector<std::string> in_other_words(const Effect& effect) const {
+    std::vector<std::string> out;
+    for (Effect other : catalogue_) {
+      const bool general = std::ranges::find(effect.special_case_of, other.name) != effect.special_case_of.end();
+      if (!general || other.parameters.size() != effect.parameters.size()) continue;
+      other.place = effect.place;
+      out.push_back(other.label());
+    }
+    return out;
   }
 
   /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of

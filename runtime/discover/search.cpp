@@ -122,32 +122,46 @@ class Search {
     return field;
   }
 
-  /// Where a fault of a channel alone does what an effect of the best larger set does alone, it is heard in that one's
-  /// place too: constant_force beside another effect may be the displacement's offset.
+  /// Where a fault of a channel alone does what an effect of one of the best larger sets does alone, it is heard in
+  /// that one's place too: constant_force beside another effect may be the displacement's offset.
   void hear_faults_in_place(std::vector<Candidate>& field) const {
+    double best = INFINITY;
+    for (const Candidate& c : field)
+      if (c.choices.size() > 1) best = std::min(best, priced(c));
+    const auto is_near = [&](const Candidate& c) {
+      return c.choices.size() > 1 && priced(c) < best + static_cast<double>(c.fit.rows) * std::log(near);
+    };
+    std::vector<Candidate> larger;
+    std::ranges::copy_if(field, std::back_inserter(larger), is_near);
+    for (const Candidate& whole : larger)
+      for (const auto& [physics, fault] : the_same_alone()) hear_in_place(*physics, *fault, whole, field);
+  }
+
+  /// Single effects beside the faults that alone leave the same error.
+  std::vector<std::pair<const Candidate*, const Candidate*>> the_same_alone() const {
     constexpr double alike = 0.05;  // in squared error
-    const auto larger = [](const Candidate& c) { return c.choices.size() > 1; };
-    const auto best =
-        std::ranges::min_element(field, {}, [&](const Candidate& c) { return larger(c) ? priced(c) : INFINITY; });
-    if (best == field.end() || !larger(*best)) return;
-    const Candidate whole = *best;
+    std::vector<std::pair<const Candidate*, const Candidate*>> out;
     for (const Candidate& physics : result_.grown.sets)
-      for (const Candidate& fault : result_.grown.sets) {
-        if (physics.choices.size() != 1 || fault.choices.size() != 1) continue;
-        if (physics_in(physics.choices) == 0 || physics_in(fault.choices) > 0) continue;
-        const Choice& old = physics.choices.front();
-        if (!holds(whole.choices, old.effect) || holds(whole.choices, fault.choices.front().effect)) continue;
-        if (!(std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)) continue;
-        Choices set = whole.choices;
-        std::erase(set, old);
-        if (!goes_with(set, fault.choices.front())) continue;
-        set.push_back(fault.choices.front());
-        if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) continue;
-        Candidate c = compile(study_, model_, set);
-        c.starts = {values_of(c, {&fault, &whole})};
-        c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
-        if (c.ran()) field.push_back(std::move(c));
-      }
+      for (const Candidate& fault : result_.grown.sets)
+        if (physics.choices.size() == 1 && fault.choices.size() == 1 && physics_in(physics.choices) == 1 &&
+            physics_in(fault.choices) == 0 && std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)
+          out.emplace_back(&physics, &fault);
+    return out;
+  }
+
+  void hear_in_place(const Candidate& physics, const Candidate& fault, const Candidate& whole,
+                     std::vector<Candidate>& field) const {
+    const Choice &old = physics.choices.front(), &other = fault.choices.front();
+    if (!holds(whole.choices, old.effect) || holds(whole.choices, other.effect)) return;
+    Choices set = whole.choices;
+    std::erase(set, old);
+    if (!goes_with(set, other)) return;
+    set.push_back(other);
+    if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) return;
+    Candidate c = compile(study_, model_, set);
+    c.starts = {values_of(c, {&fault, &whole})};
+    c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
+    if (c.ran()) field.push_back(std::move(c));
   }
 
   /// The best single effect at the other places where it was fitted.

@@ -75,6 +75,38 @@ TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
   EXPECT_TRUE(testing::warns(d, "only cubic_stiffness stands"));
 }
 
+/// Damping by |v|^1.6 (mass 1, k = 1), with noise in the force that its share of the motion leaves above the sensor's:
+/// the general form cannot close all that the special case leaves.
+Record damped(std::uint64_t seed) {
+  truth::Physics physics;
+  physics.other = [](double, double v) { return 0.4 * std::copysign(std::pow(std::abs(v), 1.6), v); };
+  truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.3, {}, 750, testing::spacing, 16);
+  Philox random(seed, 8);
+  for (double& f : motion.force) f += 0.024 * random.normal();
+  return testing::noisy_record(motion, "y", motion.x, 0.004 * moments::standard_deviation(motion.x), seed);
+}
+
+TEST(DiscoveryRounds, AGeneralFormTakesThePlaceOfItsSpecialCaseWhereItClosesAThird) {
+  const Model model = baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue{
+      entry(*model.pool, "quadratic_drag", "quadratic_drag_c2*abs(v)*v", {row("quadratic_drag_c2", 0)}),
+      entry(*model.pool, "power_law_damping", "power_law_damping_c*abs(v)^power_law_damping_p*sign(v)",
+            {row("power_law_damping_c", 0), row("power_law_damping_p", 0)})};
+  catalogue[0].special_case_of = {"power_law_damping"};
+  catalogue[1].guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{
+        {{"power_law_damping_p", 0.7}}, {{"power_law_damping_p", 1.4}}, {{"power_law_damping_p", 2.4}}};
+  };
+  catalogue[1].range = [](const RecordScales&, int) { return Ranges{{"power_law_damping_p", {0.1, 5}}}; };
+  DiscoverOptions options;
+  options.first = 1;
+  const Discovery d = discover(model, catalogue, {damped(5)}, {damped(4)}, options);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "power_law_damping");
+  EXPECT_NEAR(d.effects[0].parameters[1].value, 1.6, 0.2);
+}
+
 Effect stribeck(Pool& pool) {
   Effect effect =
       entry(pool, "stribeck_friction",

@@ -162,6 +162,23 @@ TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
   EXPECT_EQ(d.gap_left_out_after, d.gap_left_out_before);
 }
 
+/// A special case with as many parameters as the general entry is the same force: said, and no doubt.
+TEST(Discovery, TheSameForceInOtherWordsIsSaid) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = testing::records_of("cubic_hardening", scale, 30, 7);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  catalogue.push_back(testing::entry(*model.pool, "odd_spring", "odd_spring_p*y^3", {testing::row("odd_spring_p")}));
+  catalogue.push_back(testing::entry(*model.pool, "two_springs", "two_springs_p*y^3 + two_springs_q*y^5",
+                                     {testing::row("two_springs_p"), testing::row("two_springs_q")}));
+  catalogue.front().special_case_of = {"odd_spring", "two_springs"};
+  const Discovery d = testing::discover_case(model, catalogue, records);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_EQ(d.effects[0].indistinguishable, std::vector<std::string>{"odd_spring"});
+  EXPECT_EQ(d.verdict, "explained");
+}
+
 TEST(Discovery, JsonKeepsItsContract) {
   const auto j = to_json(find("cubic_hardening", "milli", 30).discovery);
   EXPECT_EQ(j.at("schema"), 1);
