@@ -279,9 +279,9 @@ class Spine {
     if (!further.names()) return false;
     const Candidate &rare = further.found.chosen, &common = round.found.chosen;
     constexpr double as_well = 1.02;
-    if (round.names() && rare.parameters() <= common.parameters() &&
-        rms_error(rare.fit) <= as_well * rms_error(common.fit))
-      return true;
+    const bool fits_as_well =
+        rms_error(rare.fit) <= as_well * rms_error(common.fit) || rare.left_out_gap <= as_well * common.left_out_gap;
+    if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
@@ -303,8 +303,8 @@ class Spine {
         take_back(round, fault, steps_that_stand(study, round, before));
       else if (const std::size_t stand = steps_that_help(study, found, after); stand < found.steps.size())
         take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
-    } else if (round.verdict == "nothing-missing" && leaves_motion_open(study_, round.gap(before_test_))) {
-      round.verdict = "unknown-effect";
+    } else {
+      round.verdict = something_is_missing(round) ? "unknown-effect" : "nothing-missing";
     }
     after_train_ = round.train;
     before_train_ = round.names() ? runs(study_, found.baseline, study_.full, false) : after_train_;
@@ -359,12 +359,18 @@ class Spine {
       before_test_ = after_test_;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
-    const bool open = patched || round.left.material || leaves_motion_open(study_, round.gap(round.train)) ||
-                      leaves_motion_open(study_, round.gap(before_test_));
     if (stand > 0) find_ties_of_the_rest(found);
-    round.verdict = stand > 0 ? (found.ties.rivals.empty() ? "explained" : "ambiguous")
-                    : open    ? "unknown-effect"
-                              : "nothing-missing";
+    round.verdict = stand > 0                              ? (found.ties.rivals.empty() ? "explained" : "ambiguous")
+                    : something_is_missing(round, patched) ? "unknown-effect"
+                                                           : "nothing-missing";
+  }
+
+  /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the
+  /// test records took back) which these records do not deny.
+  bool something_is_missing(const Round& round, bool patched = false) const {
+    const bool open =
+        leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(before_test_));
+    return open || ((patched || round.left.material) && !gone_on_test(study_, round.left, before_test_));
   }
 
   /// What is left of a larger set has rivals of its own.

@@ -64,7 +64,8 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
-constexpr double much_open = 0.15;  ///< of the motion
+constexpr double much_open = 0.15;    ///< of the motion
+constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 }  // namespace
 
@@ -74,7 +75,7 @@ bool leaves_motion_open(const Study& study, const Gap& gap) {
   const auto is_decay = [&](const Record& record) { return is_free(study, record); };
   const bool decays =
       !study.imposed && std::ranges::all_of(study.full, is_decay) && std::ranges::all_of(study.test, is_decay);
-  return far_from_the_floor(gap, decays ? 0.05 : much_open);
+  return far_from_the_floor(gap, decays ? little_open : much_open);
 }
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -111,6 +112,12 @@ void withdraw(Round& round, const std::string& remark) {
   found.chosen = found.baseline;
   found.steps.clear();
   found.ties = {};
+}
+
+bool gone_on_test(const Study& study, const Left& left, const std::vector<FreeRun>& before) {
+  if (left.closure.fit.theta.size() == 0 || !std::isfinite(left.closure.fit.cost)) return false;
+  const std::vector<FreeRun> with = runs(study, *left.closure.system, left.closure.fit, study.test, false);
+  return std::isfinite(pool_gap(with, 0).value) && !lowers_the_gap(study, before, with);
 }
 
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -161,12 +168,18 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
   const SearchResult& found = round.found;
   const Gap first = round.gap(before);
   for (std::size_t count = found.steps.size(); count-- > 1;) {
-    const std::vector<FreeRun> after = runs(study, found.steps[count - 1], study.test);
+    const Candidate& step = found.steps[count - 1];
+    const std::vector<FreeRun> after = runs(study, step, study.test);
     const Gap last = round.gap(after);
-    const bool stands = std::isfinite(first.value) && std::isfinite(last.value) &&
+    const bool closes = std::isfinite(first.value) && std::isfinite(last.value) &&
                         closed_share(first.value, last.value, last.floor) > 0.95 &&
                         test_p_value(study, before, after) < 0.05;
-    if (stands) return count;
+    if (!closes) continue;
+    if (!far_from_the_floor(last, little_open)) return count;
+    // Its own fit took up what the training records have of their own: beside the names that are taken back it did not.
+    FitResult beside = step.fit;
+    beside.theta = values_of(step, {&found.chosen});
+    if (!far_from_the_floor(round.gap(runs(study, *step.system, beside, study.test)), little_open)) return count;
   }
   return 0;
 }

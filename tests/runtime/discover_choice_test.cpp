@@ -105,7 +105,7 @@ bool general_form_taken(double part) {
                                      {testing::row("general_p"), testing::row("general_q")}));
   Candidate general = compile(f.study, complete(f.model), {{&f.effects.back(), 0}});
   Field::left_by(general, part * residual(0));
-  general.fit.cost *= 0.5;  // of a whitened residual: says nothing of the run
+  general.fit.cost *= 0.5;                               // of a whitened residual: says nothing of the run
   EXPECT_FALSE(outgrows(f.study, general, special, 1));  // as long as neither is said to be a form of the other
   f.effects.front().special_case_of = {"general"};
   return outgrows(f.study, general, special, 1);
@@ -156,6 +156,22 @@ struct Tested {
     return steps_that_help(study, found, runs(study, found.steps.back(), study.test));
   }
 };
+
+/// The true spring is 1 + 0.5 y^2: what a worse one makes of the training records is none of the test's.
+TEST(Left, IsGoneWhereItDoesNotLowerTheGapOnTheTestRecord) {
+  Tested t;
+  const auto gone = [&](double k3_without, double k3_with) {
+    const Candidate without = t.steps(k3_without, 0).steps.front(), with = t.steps(k3_with, 0).steps.front();
+    Left left;
+    left.closure.system = with.system;
+    left.closure.fit = with.fit;
+    return gone_on_test(t.study, left, runs(t.study, without, t.study.test));
+  };
+  EXPECT_FALSE(gone(0.4, 0.5));
+  EXPECT_TRUE(gone(0.5, 0.4));
+  EXPECT_FALSE(gone(0.5, -1e3));  // cannot be run: says nothing
+  EXPECT_FALSE(gone_on_test(t.study, {}, {}));
+}
 
 TEST(Steps, OfWhichTheLastRaisesTheGapOnTheTestRecordGo) {
   Tested t;

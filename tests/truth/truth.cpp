@@ -101,7 +101,7 @@ Columns make_record(const Physics& given, const Scale& scale, const Signal& sign
   // What the controller takes from the motion acts as damping of its own; the recorded force holds it.
   Physics physics = given;
   physics.zeta += 0.5 * options.feedback;
-  const double level = decays ? 0 : level_for(physics, signal, wanted, rows, spacing);
+  double level = decays ? 0 : level_for(physics, signal, wanted, rows, spacing);
   Signal driving = signal;
   if (options.unknown > 0) {
     double squares = 0;
@@ -111,7 +111,13 @@ Columns make_record(const Physics& given, const Scale& scale, const Signal& sign
     driving = [signal, other, share](double tau) { return signal(tau) + share * other(tau); };
   }
   const State start{decays ? 3 * wanted : 0, 0, 0};
-  Motion motion = integrate(physics, driving, level, start, rows, spacing, options.substeps);
+  const auto run = [&] { return integrate(physics, driving, level, start, rows, spacing, options.substeps); };
+  Motion motion = run();
+  // At the edge of what the system holds a finer step may escape where the search for the level did not.
+  for (int pass = 0; pass < 20 && !std::isfinite(deviation(motion.x)); ++pass) {
+    level *= 0.9;
+    motion = run();
+  }
   for (int i = 0; i < rows; ++i) motion.force[i] = level * signal(i * spacing) - options.feedback * motion.v[i];
   const auto kept = [early](const std::vector<double>& x, double factor) {
     std::vector<double> out(x.begin() + early, x.end());
