@@ -125,16 +125,13 @@ class Search {
   /// Where a fault of a channel alone does what an effect of one of the best larger sets does alone, it is heard in
   /// that one's place too: constant_force beside another effect may be the displacement's offset.
   void hear_faults_in_place(std::vector<Candidate>& field) const {
-    double best = INFINITY;
-    for (const Candidate& c : field)
-      if (c.choices.size() > 1) best = std::min(best, priced(c));
-    const auto is_near = [&](const Candidate& c) {
-      return c.choices.size() > 1 && priced(c) < best + static_cast<double>(c.fit.rows) * std::log(near);
-    };
     std::vector<Candidate> larger;
-    std::ranges::copy_if(field, std::back_inserter(larger), is_near);
+    std::ranges::copy_if(field, std::back_inserter(larger), [](const Candidate& c) { return c.choices.size() > 1; });
+    std::ranges::stable_sort(larger, {}, priced);
+    if (larger.size() > finalists) larger.resize(finalists);
+    const auto pairs = the_same_alone();
     for (const Candidate& whole : larger)
-      for (const auto& [physics, fault] : the_same_alone()) hear_in_place(*physics, *fault, whole, field);
+      for (const auto& [physics, fault] : pairs) hear_in_place(*physics, *fault, whole, field);
   }
 
   /// Single effects beside the faults that alone leave the same error.

@@ -47,6 +47,7 @@ class Cvode : public SundialsBase {
   Result advance(double to, double& t, Eigen::VectorXd& x) override {
     flag_ = CVode(memory_.get(), to, x_.get(), &t, CV_NORMAL);
     rethrow();
+    if (flag_ >= 0 && behind(t)) flag_ = CV_ERR_FAILURE;
     store(x);
     if (flag_ == CV_TOO_MUCH_WORK) return Result::paused;
     return flag_ == CV_ROOT_RETURN ? Result::event : flag_ >= 0 ? Result::reached : Result::failed;
@@ -103,6 +104,14 @@ class Cvode : public SundialsBase {
   }
 
  private:
+  /// CVode's test for the end underflows with steps near the smallest number: it then answers for a time that its steps
+  /// have not reached.
+  bool behind(double t) const {
+    double reached = t;
+    check(CVodeGetCurrentTime(memory_.get(), &reached), "CVodeGetCurrentTime");
+    return reached < t;
+  }
+
   void begin_sensitivities(const double* s0) {
     void* m = memory_.get();
     const int columns = ode_.columns();

@@ -126,9 +126,9 @@ class SundialsRun::Impl {
       const bool sliding = ode_.modes.sliding();
       ode_.beyond.reset();
       const Integrator::Result result = integrator_->advance(to, t_, x_);
-      if (sensitivities_) integrator_->sensitivities(sensitivities_->s.data());
       if (sliding) summary_.stuck += t_ - from;
       if (result == Integrator::Result::failed) return fail();
+      if (sensitivities_) integrator_->sensitivities(sensitivities_->s.data());
       if (result == Integrator::Result::paused) {
         if (!go_on()) return false;
         continue;

@@ -236,5 +236,16 @@ TEST(CvodesSensitivities, AreTakenByTheAutomaticChoiceWhereAModelIsStiff) {
             "fixed DP5");
 }
 
+/// Near rest |v|^0.01 falls ever faster: the steps shrink below the smallest number, where CVode says that it has
+/// arrived.
+TEST(CvodesSensitivities, OfARunThatEndsBeforeItsTimeAreAFailedRun) {
+  const System system(model_of("0.03", "c*v + k*y + d*abs(v)^p*sign(v)"));
+  const auto theta = theta_of(system, {{"c", 0.15}, {"k", 30}, {"d", 1.1}, {"p", 0.01}});
+  const SensitivityRun run =
+      simulate_sensitivities(system, theta, zero_force(0.15, 0.015), state({0.017, 0.5}), with_solver(Solver::bdf));
+  EXPECT_FALSE(run.run.summary.completed);
+  EXPECT_LT(run.run.summary.stopped_at, 0.15);
+}
+
 }  // namespace
 }  // namespace lunid
