@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 
+#include "discover/between_samples.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
 #include "record/parallel.hpp"
@@ -254,12 +255,28 @@ class Search {
            closed_share(result_.baseline.left_out_gap, chosen.left_out_gap, study_.noise_gap()) > 0.5;
   }
 
-  bool earns(const Candidate& without, const Candidate& with) const {
+  bool earns(const Candidate& without, const Candidate& with) {
     if (!without.ran()) return true;
     if (!told_from_zero(study_, with, without) || !carries_force(study_, with, without)) return false;
     if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
-    return left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05);
+    if (!(left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05))) return false;
+    if (!is_between_samples(without, with)) return true;
+    between_samples_.push_back(with.name());
+    return false;
+  }
+
+  /// What the smaller set would do with a force that is read otherwise between its samples is no worse than the larger.
+  bool is_between_samples(const Candidate& without, const Candidate& with) const {
+    const std::optional<Effect> reading = between_samples(study_, model_);
+    if (!reading || !goes_with(without.choices, {&*reading, 0})) return false;
+    Choices set = without.choices;
+    set.push_back({&*reading, 0});
+    Candidate c = compile(study_, model_, set);
+    c.starts = {values_of(c, {&without})};
+    c.fit = fit_near(study_, c, c.starts.front(), 20, with.fit.substeps);
+    judge(study_, c, result_.whitening);
+    return c.ran() && !fits_worse(study_, c, with);
   }
 
   /// The chosen set without each of its effects, fitted and judged (from the field where it is there).
@@ -351,6 +368,8 @@ class Search {
         remark = tie_remark(chosen);
       else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
         remark = "no better than the baseline";
+      else if (std::ranges::find(between_samples_, c.name()) != between_samples_.end())
+        remark = "no better than what the force may do between its samples";
       else if (chosen.choices.empty())
         remark = "does not lower the left-out gap by the least gain";
       else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
@@ -367,6 +386,7 @@ class Search {
   const Study& study_;
   const Model& model_;
   const std::function<void(const std::string&, double)>& progress_;
+  std::vector<std::string> between_samples_;  ///< sets that are no better than what the force may do there
   SearchResult result_;
 };
 

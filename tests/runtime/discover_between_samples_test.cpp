@@ -1,0 +1,74 @@
+// A controller that holds its part of the force between samples while the rest goes on straight: no kind of
+// interpolation says so, and what it leaves looks like another mass.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "discover/between_samples.hpp"
+#include "discover_catalogue.hpp"
+
+namespace lunid {
+namespace {
+
+constexpr double spacing = 2 * M_PI / 14;  // of a mass of 1 on k = 1
+constexpr int rows = 840, finer = 32;
+
+/// `mass` under a force of 20 lines and a loop of this stiffness, by Runge and Kutta's method within each sample.
+Record looped(double mass, double loop, int seed) {
+  std::mt19937_64 bits(seed);
+  std::vector<double> phase(40);
+  for (double& p : phase) p = 2 * M_PI * std::uniform_real_distribution<double>()(bits);
+  const auto lines = [&](double t) {
+    double sum = 0;
+    for (std::size_t i = 0; i < phase.size(); ++i)
+      sum += 0.02 * std::cos((0.2 + 0.05 * static_cast<double>(i)) * t + phase[i]);
+    return sum;
+  };
+  truth::Motion out;
+  double x = 0, v = 0;
+  for (int row = 0; row < rows; ++row) {
+    const double held = -loop * x, first = lines(row * spacing), last = lines((row + 1) * spacing);
+    out.x.push_back(x);
+    out.force.push_back(first + held);
+    const double h = spacing / finer;
+    for (int i = 0; i < finer; ++i) {
+      const auto a = [&](double part, double y, double s) {
+        return (first + (last - first) * (i + part) / finer + held - 0.06 * s - y) / mass;
+      };
+      const double a1 = a(0, x, v), v2 = v + h / 2 * a1, a2 = a(0.5, x + h / 2 * v, v2), v3 = v + h / 2 * a2,
+                   a3 = a(0.5, x + h / 2 * v2, v3), v4 = v + h * a3, a4 = a(1, x + h * v3, v4);
+      x += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+      v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+  }
+  Channel y = testing::channel("y", "m", out.x);
+  const double noise = 0.003 * std::sqrt(y.values.squaredNorm() / rows);
+  std::normal_distribution<double> normal;
+  for (double& value : out.x) value += noise * normal(bits);
+  return Record("loop " + std::to_string(seed), 0, spacing,
+                {testing::channel("F", "N", out.force), testing::channel("y", "m", out.x)});
+}
+
+/// Of a baseline with a mass of 1.
+Discovery find(double mass, double loop) {
+  const Model model = testing::baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  catalogue.push_back(testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")}));
+  return discover(model, catalogue, {looped(mass, loop, 1), looped(mass, loop, 2)}, {looped(mass, loop, 3)});
+}
+
+TEST(BetweenSamples, APartThatIsHeldIsNoMass) {
+  const Discovery d = find(1, 0.3);
+  EXPECT_TRUE(d.effects.empty()) << d.sentence;
+  EXPECT_NE(d.verdict, "explained");
+}
+
+TEST(BetweenSamples, AMassIsOne) {
+  const Discovery d = find(1.06, 0.3);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "added_mass");
+}
+
+}  // namespace
+}  // namespace lunid
