@@ -9,14 +9,17 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::vector<FitSegment> cut(const System& system, const std::vector<FitData>& data, Eigen::Index length) {
+std::vector<FitSegment> cut(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
+                            Eigen::Index length) {
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(system.parameters()));
   std::vector<FitSegment> segments;
   for (std::size_t r = 0; r < data.size(); ++r) {
     const Eigen::Index rows = data[r].record.rows();
     const Eigen::Index parts = length <= 0 ? 1 : std::max<Eigen::Index>(1, rows / length);
     for (Eigen::Index k = 0; k < parts; ++k) {
       const Eigen::Index first = rows * k / parts, last = rows * (k + 1) / parts;
-      segments.push_back({static_cast<int>(r), first, last - first, measured_state(system, data[r].record, first)});
+      segments.push_back(
+          {static_cast<int>(r), first, last - first, measured_state(system, data[r].record, first, values)});
     }
   }
   return segments;
@@ -188,9 +191,35 @@ double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& me
   return model.states[state].initial;
 }
 
+/// Moves a displacement until its channel shows what it is taken to show (Newton's method, slopes by a difference): an
+/// offset, a gain. As it is where the map does not follow the displacement (a lag, a limit).
+void undo_measure(const System& system, std::span<const double> theta, int coordinate, const Record& record,
+                  Eigen::Index row, Eigen::VectorXd& x0) {
+  const std::string channel = system.model().channel('y', coordinate);
+  if (!system.measure(channel)) return;
+  const double wanted = x0[2 * coordinate], small = 1e-4 * spread_of(record[channel]);
+  const auto shows = [&](double y) {
+    Run run;
+    run.t0 = record.start() + static_cast<double>(row) * record.dt();
+    run.dt = record.dt();
+    run.x = x0.transpose();
+    run.x(0, 2 * coordinate) = y;
+    run.a = Eigen::MatrixXd::Zero(1, system.degrees());
+    return shown(system, theta, run, channel)[0];
+  };
+  double y = wanted;
+  for (int pass = 0; pass < 4; ++pass) {
+    const double at = shows(y), slope = (shows(y + small) - at) / small;
+    if (!std::isfinite(at) || !(std::abs(slope) > 0.1)) return;
+    y -= (at - wanted) / slope;
+  }
+  if (std::isfinite(y)) x0[2 * coordinate] = y;
+}
+
 }  // namespace
 
-Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row) {
+Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row,
+                               std::span<const double> theta) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
   const Model& model = system.model();
   const Eigen::Index width = std::min<Eigen::Index>(record.rows(), 201);
@@ -205,6 +234,7 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
   }
   for (std::size_t i = 0; i < model.states.size(); ++i)
     x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
+  for (int i = 0; i < model.degrees() && !theta.empty(); ++i) undo_measure(system, theta, i, record, row, x0);
   return x0;
 }
 
@@ -231,7 +261,7 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
   check(system, theta, data, options);
   const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
   const FitOptions chosen = decided(system, theta, data, options, substeps);
-  std::vector<FitSegment> segments = cut(system, data, options.segment);
+  std::vector<FitSegment> segments = cut(system, theta, data, options.segment);
   take_first_states(options.first_states, segments);
   FitResult result = minimise_by(chosen, system, theta, data, segments, substeps, 0);
   const int limit = options.shorten_steps ? std::min(finest * substeps, explicit_limit) : 0;
@@ -349,7 +379,8 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   options.substeps = substeps;
   const std::vector<FitData> one{data};
   Problem alone(system, one, options, substeps);
-  std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first)}};
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(system.parameters()));
+  std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first, values)}};
   alone.prepare(segments);
   const Eigen::VectorXd start = segments[0].x0;
   const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;

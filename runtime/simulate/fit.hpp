@@ -2,6 +2,7 @@
 // Parameters refined on the trajectory: least squares on the displacement of free runs, by exact sensitivities.
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "record/record.hpp"
@@ -162,7 +163,9 @@ struct FittedChannel {
 };
 std::vector<FittedChannel> fitted_channels(const Model& model, const Record& record);
 
-/// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit.
-Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row);
+/// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit. With theta the
+/// displacements that are shown so (Model::measures), where that can be undone.
+Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row,
+                               std::span<const double> theta = {});
 
 }  // namespace lunid

@@ -109,6 +109,21 @@ TEST(Measures, AFitFindsThePhysicsBehindAFaultyChannel) {
 }
 
 /// With imposed motion the force is that of the true motion, as its channel shows it: against the sum written out.
+/// Where a fit's free run starts: behind an offset and a gain; a lag or a limit does not follow the displacement alone.
+TEST(Measures, AreUndoneOfTheStateThatARunStartsFrom) {
+  Eigen::VectorXd y(300), none = Eigen::VectorXd::Zero(300);
+  for (int i = 0; i < 300; ++i) y[i] = 0.5 + std::sin(0.05 * i);
+  const Record record("r", 0, 0.01, {channel("y", y), channel("v", none), channel("a", none), channel("F", none)});
+  const auto start = [&](const Model& model, const std::vector<double>& theta) {
+    return measured_state(System(model), record, 100, theta)[0];
+  };
+  const double shown = start(model_of("1", "k*y"), {1});
+  EXPECT_NEAR(shown, y[100], 1e-3);
+  EXPECT_NEAR(start(measuring(model_of("1", "k*y"), {{"y", "1.25*y + b"}}), {1, 0.3}), (shown - 0.3) / 1.25, 1e-9);
+  EXPECT_EQ(start(measuring(model_of("1", "k*y"), {{"y", "min(y, level)"}}), {1, 0.2}), shown);
+  EXPECT_EQ(measured_state(System(measuring(model_of("1", "k*y"), {{"y", "y + b"}})), record, 100)[0], shown);
+}
+
 TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
   const System system(measuring(model_of("2", "k*y^3 + c*v", {}, true), {{"y", "g*y + b + d*t"}}, {{"F", "h*F + f"}}));
   const std::vector<double> theta =
