@@ -52,7 +52,10 @@ class Search {
     const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
     result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
     std::vector<Candidate> field = contenders();
-    hear_faults_in_place(field);
+    if (const auto best = std::ranges::min_element(
+            field, {}, [](const Candidate& c) { return c.choices.size() > 1 ? priced(c) : INFINITY; });
+        best != field.end())
+      hear_faults_in_place(Candidate(*best), field);
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
@@ -123,16 +126,11 @@ class Search {
     return field;
   }
 
-  /// Where a fault of a channel alone does what an effect of one of the best larger sets does alone, it is heard in
-  /// that one's place too: constant_force beside another effect may be the displacement's offset.
-  void hear_faults_in_place(std::vector<Candidate>& field) const {
-    std::vector<Candidate> larger;
-    std::ranges::copy_if(field, std::back_inserter(larger), [](const Candidate& c) { return c.choices.size() > 1; });
-    std::ranges::stable_sort(larger, {}, priced);
-    if (larger.size() > finalists) larger.resize(finalists);
-    const auto pairs = the_same_alone();
-    for (const Candidate& whole : larger)
-      for (const auto& [physics, fault] : pairs) hear_in_place(*physics, *fault, whole, field);
+  /// Where a fault of a channel alone does what an effect of a larger set does alone, it is heard in that one's place
+  /// too: constant_force beside another effect may be the displacement's offset.
+  void hear_faults_in_place(const Candidate& whole, std::vector<Candidate>& field) const {
+    if (whole.choices.size() < 2) return;
+    for (const auto& [physics, fault] : the_same_alone()) hear_in_place(*physics, *fault, whole, field);
   }
 
   /// Single effects beside the faults that alone leave the same error.
@@ -194,6 +192,9 @@ class Search {
     std::size_t pick = in_the_usual_words(field, alike);
     for (const auto i : alike)
       if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
+    const std::size_t judged = field.size();
+    hear_faults_in_place(Candidate(field[pick]), field);
+    for (std::size_t i = judged; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
     prefer_the_same_fault(field, alike, pick);
     prune(field, pick);
     Candidate chosen = field[pick];
