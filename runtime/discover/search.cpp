@@ -157,7 +157,7 @@ class Search {
     Candidate c = compile(study_, model_, set);
     c.starts = {values_of(c, {&fault, &whole})};
     c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
-    if (c.ran()) field.push_back(std::move(c));
+    if (c.ran() && !c.degenerate()) field.push_back(std::move(c));
   }
 
   /// The best single effect at the other places where it was fitted.
