@@ -8,17 +8,12 @@
 
 namespace lunid {
 
-namespace {
-
-/// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
 bool same_runs(const Candidate& a, const Candidate& b) {
   double apart = 0;
   for (std::size_t r = 0; r < a.fit.residual.size(); ++r)
     apart += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
   return apart < 1e-3 * squared_error(a.fit);
 }
-
-}  // namespace
 
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
   return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&

@@ -7,6 +7,9 @@
 
 namespace lunid {
 
+/// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
+bool same_runs(const Candidate& a, const Candidate& b);
+
 /// A more general form of a set, which the likelihood ratio tells from it (one of `tried`) and which takes the least
 /// gain off its error.
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried);

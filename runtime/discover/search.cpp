@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 
 #include "discover/between_samples.hpp"
 #include "discover/proposal_fits.hpp"
@@ -239,10 +238,12 @@ class Search {
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
     if (named) {
-      std::vector<std::size_t> all(field.size());
-      std::iota(all.begin(), all.end(), std::size_t{0});
+      // A set that the best one holds is tested harder than one beside it: the same run is heard all the same.
+      const bool as_picked = same(chosen.choices, field[pick].choices);
       std::vector<const Candidate*> among;
-      for (const auto i : same(chosen.choices, field[pick].choices) ? alike : all) among.push_back(&field[i]);
+      for (std::size_t i = 0; i < field.size(); ++i)
+        if (!as_picked || std::ranges::find(alike, i) != alike.end() || same_runs(field[i], chosen))
+          among.push_back(&field[i]);
       result_.ties = find_ties(study_, result_.baseline, chosen, among);
     }
     collect_rivals(field, chosen);
