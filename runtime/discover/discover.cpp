@@ -421,11 +421,10 @@ class Spine {
   /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
   std::vector<std::string> in_other_words(const Effect& effect) const {
     std::vector<std::string> out;
-    for (Effect other : catalogue_) {
-      const bool general = std::ranges::find(effect.special_case_of, other.name) != effect.special_case_of.end();
-      if (!general || other.parameters.size() != effect.parameters.size()) continue;
-      other.place = effect.place;
-      out.push_back(other.label());
+    for (const Effect& general : catalogue_) {
+      const bool is_general = std::ranges::find(effect.special_case_of, general.name) != effect.special_case_of.end();
+      if (is_general && general.parameters.size() == effect.parameters.size())
+        out.push_back(effect.place ? general.name + " " + words_of(*effect.place) : general.name);
     }
     return out;
   }

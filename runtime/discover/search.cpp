@@ -54,7 +54,7 @@ class Search {
     if (const auto best = std::ranges::min_element(
             field, {}, [](const Candidate& c) { return c.choices.size() > 1 ? priced(c) : INFINITY; });
         best != field.end())
-      hear_faults_in_place(Candidate(*best), field);
+      hear_faults_in_place(*best, field);
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
@@ -126,28 +126,25 @@ class Search {
   }
 
   /// Where a fault of a channel alone does what an effect of a larger set does alone, it is heard in that one's place
-  /// too: constant_force beside another effect may be the displacement's offset.
-  void hear_faults_in_place(const Candidate& whole, std::vector<Candidate>& field) const {
-    if (whole.choices.size() < 2) return;
-    for (const auto& [physics, fault] : the_same_alone()) hear_in_place(*physics, *fault, whole, field);
-  }
-
-  /// Single effects beside the faults that alone leave the same error.
-  std::vector<std::pair<const Candidate*, const Candidate*>> the_same_alone() const {
+  /// too: constant_force beside another effect may be the displacement's offset. By value: the field grows.
+  void hear_faults_in_place(Candidate whole, std::vector<Candidate>& field) const {
     constexpr double alike = 0.05;  // in squared error
-    std::vector<std::pair<const Candidate*, const Candidate*>> out;
-    for (const Candidate& physics : result_.grown.sets)
+    if (whole.choices.size() < 2) return;
+    for (const Candidate& physics : result_.grown.sets) {
+      if (physics.choices.size() != 1 || physics_in(physics.choices) == 0) continue;
+      const Choice& old = physics.choices.front();
+      if (!holds(whole.choices, old.effect)) continue;
       for (const Candidate& fault : result_.grown.sets)
-        if (physics.choices.size() == 1 && fault.choices.size() == 1 && physics_in(physics.choices) == 1 &&
-            physics_in(fault.choices) == 0 && std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)
-          out.emplace_back(&physics, &fault);
-    return out;
+        if (fault.choices.size() == 1 && physics_in(fault.choices) == 0 &&
+            std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)
+          hear_in_place(old, fault, whole, field);
+    }
   }
 
-  void hear_in_place(const Candidate& physics, const Candidate& fault, const Candidate& whole,
+  void hear_in_place(const Choice& old, const Candidate& fault, const Candidate& whole,
                      std::vector<Candidate>& field) const {
-    const Choice &old = physics.choices.front(), &other = fault.choices.front();
-    if (!holds(whole.choices, old.effect) || holds(whole.choices, other.effect)) return;
+    const Choice& other = fault.choices.front();
+    if (holds(whole.choices, other.effect)) return;
     Choices set = whole.choices;
     std::erase(set, old);
     if (!goes_with(set, other)) return;
@@ -192,7 +189,7 @@ class Search {
     for (const auto i : alike)
       if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
     const std::size_t judged = field.size();
-    hear_faults_in_place(Candidate(field[pick]), field);
+    hear_faults_in_place(field[pick], field);
     for (std::size_t i = judged; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
     prefer_the_same_fault(field, alike, pick);
     prune(field, pick);

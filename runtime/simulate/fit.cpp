@@ -9,17 +9,21 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// The model's parameters, without what a fit has beside them.
+std::span<const double> own_values(const System& system, const Eigen::VectorXd& theta) {
+  return {theta.data(), static_cast<std::size_t>(system.parameters())};
+}
+
 std::vector<FitSegment> cut(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             Eigen::Index length) {
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(system.parameters()));
   std::vector<FitSegment> segments;
   for (std::size_t r = 0; r < data.size(); ++r) {
     const Eigen::Index rows = data[r].record.rows();
     const Eigen::Index parts = length <= 0 ? 1 : std::max<Eigen::Index>(1, rows / length);
     for (Eigen::Index k = 0; k < parts; ++k) {
       const Eigen::Index first = rows * k / parts, last = rows * (k + 1) / parts;
-      segments.push_back(
-          {static_cast<int>(r), first, last - first, measured_state(system, data[r].record, first, values)});
+      segments.push_back({static_cast<int>(r), first, last - first,
+                          measured_state(system, data[r].record, first, own_values(system, theta))});
     }
   }
   return segments;
@@ -88,9 +92,8 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
     // A tenth of what the sensor's noise hides.
     const double tolerance =
         std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
-    const int chosen =
-        choose_substeps(system, {theta.data(), static_cast<std::size_t>(system.parameters())},
-                        d.excitation.part(first, rows), measured_state(system, d.record, first), tolerance);
+    const int chosen = choose_substeps(system, own_values(system, theta), d.excitation.part(first, rows),
+                                       measured_state(system, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, explicit_limit);
@@ -115,8 +118,8 @@ FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std
     for (std::size_t r = 0; r < data.size() && stiff; ++r) {
       Eigen::Index rows = 0;
       const Eigen::Index first = middle(data[r], rows);
-      const Run run = simulate(system, {theta.data(), static_cast<std::size_t>(system.parameters())},
-                               data[r].excitation.part(first, rows), measured_state(system, data[r].record, first));
+      const Run run = simulate(system, own_values(system, theta), data[r].excitation.part(first, rows),
+                               measured_state(system, data[r].record, first));
       if (run.summary.solver.starts_with(sundials_name(Solver::bdf))) options.solver = Solver::bdf;
     }
   }
@@ -191,31 +194,6 @@ double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& me
   return model.states[state].initial;
 }
 
-/// Moves a displacement until its channel shows what it is taken to show (Newton's method, slopes by a difference): an
-/// offset, a gain. As it is where the map does not follow the displacement (a lag, a limit).
-void undo_measure(const System& system, std::span<const double> theta, int coordinate, const Record& record,
-                  Eigen::Index row, Eigen::VectorXd& x0) {
-  const std::string channel = system.model().channel('y', coordinate);
-  if (!system.measure(channel)) return;
-  const double wanted = x0[2 * coordinate], small = 1e-4 * spread_of(record[channel]);
-  const auto shows = [&](double y) {
-    Run run;
-    run.t0 = record.start() + static_cast<double>(row) * record.dt();
-    run.dt = record.dt();
-    run.x = x0.transpose();
-    run.x(0, 2 * coordinate) = y;
-    run.a = Eigen::MatrixXd::Zero(1, system.degrees());
-    return shown(system, theta, run, channel)[0];
-  };
-  double y = wanted;
-  for (int pass = 0; pass < 4; ++pass) {
-    const double at = shows(y), slope = (shows(y + small) - at) / small;
-    if (!std::isfinite(at) || !(std::abs(slope) > 0.1)) return;
-    y -= (at - wanted) / slope;
-  }
-  if (std::isfinite(y)) x0[2 * coordinate] = y;
-}
-
 }  // namespace
 
 Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row,
@@ -234,7 +212,8 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
   }
   for (std::size_t i = 0; i < model.states.size(); ++i)
     x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
-  for (int i = 0; i < model.degrees() && !theta.empty(); ++i) undo_measure(system, theta, i, record, row, x0);
+  const double t = record.start() + static_cast<double>(row) * record.dt();
+  for (int i = 0; i < model.degrees() && !theta.empty(); ++i) x0[2 * i] = displacement_behind(system, theta, i, t, x0);
   return x0;
 }
 
@@ -379,8 +358,8 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   options.substeps = substeps;
   const std::vector<FitData> one{data};
   Problem alone(system, one, options, substeps);
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(system.parameters()));
-  std::vector<FitSegment> segments{{0, first, count, measured_state(system, data.record, first, values)}};
+  std::vector<FitSegment> segments{
+      {0, first, count, measured_state(system, data.record, first, own_values(system, theta))}};
   alone.prepare(segments);
   const Eigen::VectorXd start = segments[0].x0;
   const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;

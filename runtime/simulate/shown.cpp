@@ -1,5 +1,6 @@
 // What channels show of a run: their states, or what the model makes of them.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -122,6 +123,27 @@ Eigen::VectorXd shown(const System& system, std::span<const double> theta, const
     out[row] = run.x.row(row).allFinite() ? value : std::numeric_limits<double>::quiet_NaN();
   }
   return out;
+}
+
+double displacement_behind(const System& system, std::span<const double> theta, int coordinate, double t,
+                           const Eigen::VectorXd& x) {
+  constexpr int passes = 4;
+  constexpr double least_slope = 0.1;
+  const int state = 2 * coordinate;
+  const Tape* tape = system.measure(system.model().channel('y', coordinate));
+  if (!tape) return x[state];
+  MeasureRows rows(system, *tape, theta);
+  Run at;
+  at.t0 = t;
+  at.x = x.transpose();
+  at.a = Eigen::MatrixXd::Zero(1, system.degrees());
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::vector<double>& shows = rows.row(at, 0);
+    const double slope = shows[1 + static_cast<std::size_t>(state)];
+    if (!std::isfinite(shows[0]) || !(std::abs(slope) > least_slope)) return x[state];
+    at.x(0, state) -= (shows[0] - x[state]) / slope;
+  }
+  return std::isfinite(at.x(0, state)) ? at.x(0, state) : x[state];
 }
 
 Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,

@@ -209,8 +209,12 @@ struct SensitivityRun {
 /// (Model::measures).
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run,
                       std::string_view channel = "y");
-/// Its derivatives to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states(), under the
-/// same excitation. 0 in rows that slide, where a channel is an acceleration (acceleration_slopes).
+/// The displacement of a coordinate at which its channel shows at t what `x` has there (an offset, a gain; Newton's
+/// method). As it is in `x` where the channel does not follow it (a lag, a limit).
+double displacement_behind(const System& system, std::span<const double> theta, int coordinate, double t,
+                           const Eigen::VectorXd& x);
+/// What shown() gives, derived to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states(),
+/// under the same excitation. 0 in rows that slide, where a channel is an acceleration (acceleration_slopes).
 Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,
                              const SensitivityRun& run, std::string_view channel = "y");
 /// The states that a channel shows, from 0: of an acceleration all. Throws InputError for a channel that is no

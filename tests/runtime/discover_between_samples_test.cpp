@@ -2,11 +2,8 @@
 // interpolation says so, and what it leaves looks like another mass.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-
-#include "discover/between_samples.hpp"
 #include "discover_catalogue.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 namespace {
@@ -14,21 +11,13 @@ namespace {
 constexpr double spacing = 2 * M_PI / 14;  // of a mass of 1 on k = 1
 constexpr int rows = 840, finer = 32;
 
-/// `mass` under a force of 20 lines and a loop of this stiffness, by Runge and Kutta's method within each sample.
-Record looped(double mass, double loop, int seed) {
-  std::mt19937_64 bits(seed);
-  std::vector<double> phase(40);
-  for (double& p : phase) p = 2 * M_PI * std::uniform_real_distribution<double>()(bits);
-  const auto lines = [&](double t) {
-    double sum = 0;
-    for (std::size_t i = 0; i < phase.size(); ++i)
-      sum += 0.02 * std::cos((0.2 + 0.05 * static_cast<double>(i)) * t + phase[i]);
-    return sum;
-  };
+/// `mass` under a force of 40 lines and a loop of this stiffness, by Runge and Kutta's method within each sample.
+Record looped(double mass, double loop, std::uint64_t seed) {
+  const truth::Signal lines = truth::multisine(0.2, 2.2, 40, seed);
   truth::Motion out;
   double x = 0, v = 0;
   for (int row = 0; row < rows; ++row) {
-    const double held = -loop * x, first = lines(row * spacing), last = lines((row + 1) * spacing);
+    const double held = -loop * x, first = 0.02 * lines(row * spacing), last = 0.02 * lines((row + 1) * spacing);
     out.x.push_back(x);
     out.force.push_back(first + held);
     const double h = spacing / finer;
@@ -42,10 +31,9 @@ Record looped(double mass, double loop, int seed) {
       v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
     }
   }
-  Channel y = testing::channel("y", "m", out.x);
-  const double noise = 0.003 * std::sqrt(y.values.squaredNorm() / rows);
-  std::normal_distribution<double> normal;
-  for (double& value : out.x) value += noise * normal(bits);
+  const double noise = 0.003 * moments::standard_deviation(out.x);
+  Philox random(seed, 7);
+  for (double& x_of_row : out.x) x_of_row += noise * random.normal();
   return Record("loop " + std::to_string(seed), 0, spacing,
                 {testing::channel("F", "N", out.force), testing::channel("y", "m", out.x)});
 }
@@ -55,7 +43,7 @@ Discovery find(double mass, double loop) {
   const Model model = testing::baseline("k*y + c*v", 1);
   std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
   catalogue.push_back(testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")}));
-  return discover(model, catalogue, {looped(mass, loop, 1), looped(mass, loop, 2)}, {looped(mass, loop, 3)});
+  return discover(model, catalogue, {looped(mass, loop, 11), looped(mass, loop, 12)}, {looped(mass, loop, 13)});
 }
 
 TEST(BetweenSamples, APartThatIsHeldIsNoMass) {

@@ -108,7 +108,6 @@ TEST(Measures, AFitFindsThePhysicsBehindAFaultyChannel) {
         << system.model().parameters[i].name;
 }
 
-/// With imposed motion the force is that of the true motion, as its channel shows it: against the sum written out.
 /// Where a fit's free run starts: behind an offset and a gain; a lag or a limit does not follow the displacement alone.
 TEST(Measures, AreUndoneOfTheStateThatARunStartsFrom) {
   Eigen::VectorXd y(300), none = Eigen::VectorXd::Zero(300);
@@ -124,6 +123,7 @@ TEST(Measures, AreUndoneOfTheStateThatARunStartsFrom) {
   EXPECT_EQ(measured_state(System(measuring(model_of("1", "k*y"), {{"y", "y + b"}})), record, 100)[0], shown);
 }
 
+/// With imposed motion the force is that of the true motion, as its channel shows it: against the sum written out.
 TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
   const System system(measuring(model_of("2", "k*y^3 + c*v", {}, true), {{"y", "g*y + b + d*t"}}, {{"F", "h*F + f"}}));
   const std::vector<double> theta =
