@@ -78,7 +78,7 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
 
 void ProposalFits::end(Candidate& c) const {
   if (c.ran()) {
-    FitResult further = fit_near(study_, c, c.fit.theta, 12, coarse_substeps(c), c.fit.segments);
+    FitResult further = fit_near(study_, c, c.fit.theta, 24, coarse_substeps(c), c.fit.segments);
     if (further.cost < c.fit.cost) c.fit = std::move(further);
   }
   const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));

@@ -15,8 +15,6 @@ Eigen::MatrixXd schur(const Normal& normal) {
   return a;
 }
 
-/// What each entry of the fitted vector may be.
-
 /// Parameters that may not move: fixed ones, and those at a bound that the gradient pushes against.
 std::vector<std::uint8_t> frozen(const Bounds& bounds, const Eigen::VectorXd& theta, const Eigen::VectorXd& descent,
                                  std::vector<std::uint8_t>* at_bound) {
@@ -134,6 +132,56 @@ Step damped_step(const Normal& normal, double lambda, const std::vector<std::uin
   return step;
 }
 
+namespace {
+
+std::vector<FitSegment> moved(std::vector<FitSegment> segments, const Step& step, double part) {
+  for (std::size_t s = 0; s < step.x0.size(); ++s) segments[s].x0 += part * step.x0[s];
+  return segments;
+}
+
+bool is_finite(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments) {
+  return theta.allFinite() &&
+         std::all_of(segments.begin(), segments.end(), [](const FitSegment& s) { return s.x0.allFinite(); });
+}
+
+/// Length of a step, each entry in units of its own column.
+double length_of(const Normal& normal, const Step& step) {
+  double sum = normal.a.diagonal().dot(step.theta.cwiseAbs2());
+  for (std::size_t s = 0; s < step.x0.size(); ++s) sum += normal.axx[s].diagonal().dot(step.x0[s].cwiseAbs2());
+  return std::sqrt(sum);
+}
+
+/// Adds to a step what the bend of the runs along it asks for: in a narrow bent valley straight steps stay short
+/// (geodesic acceleration: Transtrum, Machta and Sethna 2011, Phys. Rev. E 83, 036701). Costs one run; leaves
+/// the step as it is where the second order is not small beside the first.
+void bend(Problem& problem, const Normal& normal, const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments,
+          double lambda, const std::vector<std::uint8_t>& hold, const Bounds& bounds, Step& step) {
+  constexpr double part = 0.1, most = 0.375;  // of the step
+  const Eigen::VectorXd ahead = theta + part * step.theta;
+  const std::vector<FitSegment> from = moved(segments, step, part);
+  const bool inside = (ahead.array() >= bounds.min.array()).all() && (ahead.array() <= bounds.max.array()).all();
+  if (!inside || !is_finite(ahead, from)) return;
+  const Normal there = problem.evaluate(ahead, from, false);
+  if (!std::isfinite(there.cost)) return;
+  const Eigen::Index p = theta.size();
+  Normal second = normal;
+  second.b.setZero();
+  for (std::size_t s = 0; s < normal.parts.size(); ++s) {
+    const auto& here = normal.parts[s];
+    Eigen::VectorXd along = here.columns.leftCols(p) * step.theta;
+    if (!step.x0.empty()) along += here.columns.rightCols(here.columns.cols() - p) * step.x0[s];
+    const Eigen::VectorXd bent = (2 / part) * ((there.parts[s].error - here.error) / part + along);
+    second.b += here.columns.leftCols(p).transpose() * bent;
+    if (!step.x0.empty()) second.bx[s] = here.columns.rightCols(here.columns.cols() - p).transpose() * bent;
+  }
+  const Step turn = damped_step(second, lambda, hold);
+  if (!(length_of(normal, turn) <= most * length_of(normal, step))) return;
+  step.theta += 0.5 * turn.theta;
+  for (std::size_t s = 0; s < step.x0.size(); ++s) step.x0[s] += 0.5 * turn.x0[s];
+}
+
+}  // namespace
+
 FitResult minimise(const System& system, const Eigen::VectorXd& given, const std::vector<FitData>& data,
                    const FitOptions& options, std::vector<FitSegment> segments, int substeps, double clip) {
   Problem problem(system, data, options, substeps);
@@ -148,6 +196,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
   Normal normal = problem.evaluate(result.theta, segments, true);
   double lambda = 1e-4;
+  bool bent = false;  // the last straight step was refused
   result.stopped = "iterations";
   if (!std::isfinite(normal.cost)) {
     result.cost = infinity;
@@ -162,16 +211,10 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
     for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
       auto hold = frozen(bounds, result.theta, normal.b, &result.at_bound);
       Step step = damped_step(normal, lambda, hold);
+      if (bent || attempt > 0) bend(problem, normal, result.theta, segments, lambda, hold, bounds, step);
       Eigen::VectorXd theta = (result.theta + step.theta).cwiseMax(bounds.min).cwiseMin(bounds.max);
-      if (!theta.allFinite()) {
-        lambda = lambda * 10 + 1e-6;
-        continue;
-      }
-      std::vector<FitSegment> trial = segments;
-      for (std::size_t s = 0; s < step.x0.size(); ++s) trial[s].x0 += step.x0[s];
-      bool finite = true;
-      for (const auto& t : trial) finite = finite && t.x0.allFinite();
-      if (!finite) {
+      std::vector<FitSegment> trial = moved(segments, step, 1);
+      if (!is_finite(theta, trial)) {
         lambda = lambda * 10 + 1e-6;
         continue;
       }
@@ -188,6 +231,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
         segments = std::move(trial);
         normal = std::move(full);
         improved = true;
+        bent = attempt > 0;
         lambda = std::max(lambda * 0.1, 1e-12);
         if (drop < options.tolerance) {
           result.converged = true;

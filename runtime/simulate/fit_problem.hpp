@@ -22,7 +22,7 @@ struct Normal {
   struct Part {
     Eigen::VectorXd residual;  ///< measured - model
     Eigen::VectorXd error;     ///< the same, whitened
-    Eigen::MatrixXd columns;   ///< d model / d(theta, first state), whitened
+    Eigen::MatrixXd columns;   ///< d model / d(theta, first state), whitened; without derivatives none
   };
   std::vector<Part> parts;
   Eigen::Index outliers = 0;
@@ -106,7 +106,10 @@ class Problem {
     if (derivatives) part.columns *= data.weight;
     if (clip > 0) clip_outliers(part, derivatives, normal);
     normal.cost += part.error.squaredNorm();
-    if (!derivatives) return;
+    if (!derivatives) {
+      normal.parts.push_back(std::move(part));
+      return;
+    }
     if (!layout_.shared()) part.columns = spread(part.columns, segment.record);
     const auto jt = part.columns.leftCols(p);
     normal.a.noalias() += jt.transpose() * jt;

@@ -242,6 +242,21 @@ TEST(FitTrajectory, FromFarGrowsTheRuns) {
   EXPECT_NEAR(fit.theta[2], 1e8, 4 * std::sqrt(fit.covariance(2, 2)));
 }
 
+// A longer wave of another height has nearly the same slope and bend: straight steps creep along that valley.
+TEST(FitTrajectory, FollowsABentValley) {
+  const auto wave = truth<2>({0.001, 0}, [](double t, const std::array<double, 2>& x) {
+    return std::array<double, 2>{x[1], push(t) - 2e4 * x[0] - 10 * x[1] - 10 * std::sin(600 * x[0])};
+  });
+  const System system(model_of("1", "k*y + c*v + h*sin(p*y)"));
+  const std::vector<FitData> data{data_of(system, record_of(wave, {"y"}, {2e-6}, 8))};
+  FitOptions options;
+  options.max_iterations = 15;
+  const FitResult fit = fit_trajectory(system, vector({1.1e4, 10, 55, 300}), data, options);
+  ASSERT_TRUE(fit.converged) << fit.stopped << ", h = " << fit.theta[2];
+  EXPECT_NEAR(fit.theta[2], 10, 4 * std::sqrt(fit.covariance(2, 2)));
+  EXPECT_NEAR(fit.theta[3], 600, 4 * std::sqrt(fit.covariance(3, 3)));
+}
+
 TEST(FitTrajectory, OfTwoCoordinatesUsesBothSensors) {
   const auto x = truth<4>({0, 0, 0, 0}, [](double t, const std::array<double, 4>& s) {
     const double d = s[2] - s[0], inner = 1e4 * d + 5e8 * d * d * d;
