@@ -8,6 +8,11 @@
 
 namespace lunid {
 
+bool not_rejected(const Study& study, const Candidate& c, const Candidate& best, int tried) {
+  if (within(c.choices, best.choices)) return corrected(improvement_p_value(c, best), tried) > study.options->alpha;
+  return !fits_worse(study, c, best);
+}
+
 bool same_runs(const Candidate& a, const Candidate& b) {
   double apart = 0;
   for (std::size_t r = 0; r < a.fit.residual.size(); ++r)

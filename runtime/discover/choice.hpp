@@ -7,6 +7,9 @@
 
 namespace lunid {
 
+/// Not rejected against the best: nested sets by the likelihood ratio, corrected for so many sets that were tried,
+/// others by Vuong's test (fits_worse).
+bool not_rejected(const Study& study, const Candidate& c, const Candidate& best, int tried);
 /// Their free runs differ by less than a thirtieth of what they leave open: one force in two notations.
 bool same_runs(const Candidate& a, const Candidate& b);
 

@@ -87,12 +87,12 @@ class Spine {
   }
 
   // ---- motions that forget where they came from ----
-  /// No set that was fitted comes near the measured motion.
+  /// Nothing was named, and no set that was fitted comes near the measured motion, or noise alone keeps the run from
+  /// it.
   bool nothing_follows(const Round& round) const {
-    if (study_.imposed || round.names()) return false;
+    if (study_.imposed || round.names() || round.left.gap.value < lost) return false;
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < lost * study_.measured_std(); };
-    return !(round.left.gap.value < lost) &&
-           std::none_of(round.found.grown.sets.begin(), round.found.grown.sets.end(), follows);
+    return lost_to_noise(round.left.gap) || std::ranges::none_of(round.found.grown.sets, follows);
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
@@ -282,9 +282,17 @@ class Spine {
     const bool fits_as_well =
         rms_error(rare.fit) <= as_well * rms_error(common.fit) || rare.left_out_gap <= as_well * common.left_out_gap;
     if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
+    if (round.names() && rare.parameters() < common.parameters() && !is_rejected(rare, common, further.found))
+      return true;
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
+  }
+
+  /// `common` is heard again, under the force between samples and the colour of the noise that `found` ended with.
+  bool is_rejected(const Candidate& rare, Candidate common, const SearchResult& found) const {
+    judge(study_, common, found.whitening);
+    return fits_worse(study_, rare, common);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/choice.hpp"
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
@@ -39,8 +40,12 @@ class Resampler {
   Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(found.grown.tried) {
     add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
+    // What likelihood alone prefers was refused by runs over left-out blocks, which a resample does not make again.
+    const auto refused = [&](const Candidate& c) {
+      return !found.chosen.choices.empty() && !not_rejected(study, found.chosen, c, tried_);
+    };
     for (const Candidate& c : found.rivals)
-      if (c.ran() && c.innovations.size() > 0) add(c, found.whitening);
+      if (c.ran() && c.innovations.size() > 0 && !refused(c)) add(c, found.whitening);
   }
 
   bool possible() const { return finalists_.size() > 1 && blocks_.size() >= 10; }

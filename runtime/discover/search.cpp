@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <optional>
 
 #include "discover/between_samples.hpp"
 #include "discover/proposal_fits.hpp"
@@ -170,17 +170,11 @@ class Search {
 
   double corrected(double p) const { return lunid::corrected(p, result_.grown.tried); }
 
-  /// Not rejected against the best: nested sets by the likelihood ratio, others by Vuong's test.
-  bool not_rejected(const Candidate& c, const Candidate& best) const {
-    if (within(c.choices, best.choices)) return corrected(improvement_p_value(c, best)) > study_.options->alpha;
-    return !fits_worse(study_, c, best);
-  }
-
   void choose(std::vector<Candidate>& field) {
     const Candidate best = field.front();
     std::vector<std::size_t> alike;
     for (std::size_t i = 0; i < field.size(); ++i)
-      if (i == 0 || not_rejected(field[i], best)) alike.push_back(i);
+      if (i == 0 || not_rejected(study_, field[i], best, result_.grown.tried)) alike.push_back(i);
     // The simplest member that is not rejected; among equals a faulty sensor or input before physics, then the
     // likelier.
     std::stable_sort(alike.begin(), alike.end(),
@@ -214,23 +208,15 @@ class Search {
     }
   }
 
-  /// Every effect of the chosen set must lower the left-out gap; sets shrink until that holds.
+  /// Every effect of the chosen set must lower the left-out gap; sets shrink until that holds. What a set has lost had
+  /// made simpler sets look worse than they are: those are held against what is left.
   void accept(std::vector<Candidate>& field, Candidate chosen, const std::vector<std::size_t>& alike,
               std::size_t pick) {
     run_left_out(study_, result_.baseline);
     run_left_out(study_, chosen);
-    while (!chosen.choices.empty()) {
-      std::vector<Candidate> smaller = one_less(field, chosen);
-      parallel_for(static_cast<int>(smaller.size()), study_.options->threads, [&](int i) {
-        auto& c = smaller[static_cast<std::size_t>(i)];
-        if (c.left_out.size() == 0) run_left_out(study_, c);
-      });
-      const Candidate* weakest = nullptr;
-      for (const auto& c : smaller)
-        if (!earns(c, chosen) && (!weakest || c.left_out_gap < weakest->left_out_gap)) weakest = &c;
-      if (!weakest) break;
-      chosen = *weakest;
-    }
+    chosen = what_earns(field, std::move(chosen));
+    if (chosen.choices.size() < field[pick].choices.size())
+      if (std::optional<Candidate> simpler = simpler_than(field, chosen)) chosen = std::move(*simpler);
     if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
@@ -245,6 +231,36 @@ class Search {
     }
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
+  }
+
+  /// The set without the effects that do not earn their place in it.
+  Candidate what_earns(const std::vector<Candidate>& field, Candidate chosen) {
+    while (!chosen.choices.empty()) {
+      std::vector<Candidate> smaller = one_less(field, chosen);
+      parallel_for(static_cast<int>(smaller.size()), study_.options->threads, [&](int i) {
+        auto& c = smaller[static_cast<std::size_t>(i)];
+        if (c.left_out.size() == 0) run_left_out(study_, c);
+      });
+      const Candidate* weakest = nullptr;
+      for (const auto& c : smaller)
+        if (!earns(c, chosen) && (!weakest || c.left_out_gap < weakest->left_out_gap)) weakest = &c;
+      if (!weakest) break;
+      chosen = *weakest;
+    }
+    return chosen;
+  }
+
+  /// The simplest set that fits as well as this one and that earns its place.
+  std::optional<Candidate> simpler_than(const std::vector<Candidate>& field, const Candidate& chosen) {
+    std::optional<Candidate> out;
+    for (const Candidate& c : field) {
+      if (c.choices.empty() || !c.ran() || within(c.choices, chosen.choices) || fits_worse(study_, c, chosen)) continue;
+      if (!(simplicity(c) < simplicity(out ? *out : chosen))) continue;
+      Candidate heard = c;
+      run_left_out(study_, heard);
+      if (const Candidate kept = what_earns(field, heard); same(kept.choices, c.choices)) out = std::move(heard);
+    }
+    return out;
   }
 
   /// More of what the baseline leaves above the sensor's noise is closed than stays open. A small part of a disturbance
@@ -371,6 +387,8 @@ class Search {
         remark = "no better than what the force may do between its samples";
       else if (chosen.choices.empty())
         remark = "does not lower the left-out gap by the least gain";
+      else if (!not_rejected(study_, chosen, c, result_.grown.tried))
+        remark = "fits better, but not all of its effects earn their place";
       else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
         remark = "not better by what its extra parameters cost";
       else if (fits_worse(study_, c, chosen))

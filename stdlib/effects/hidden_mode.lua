@@ -17,9 +17,9 @@ return function(effect)
       end
       return guesses
     end,
-    range = function(scale)  -- very stiff: added_mass; very heavy: linear_stiffness
+    range = function(scale)  -- very stiff: added_mass; very heavy: linear_stiffness; very light: a line of the noise
       local mass = scale.stiffness / scale.omega ^ 2
-      return { mh = { 1e-6 * mass, 1e3 * mass }, kh = { 1e-6 * scale.stiffness, 1e4 * scale.stiffness } }
+      return { mh = { 1e-4 * mass, 1e3 * mass }, kh = { 1e-6 * scale.stiffness, 1e4 * scale.stiffness } }
     end,
     passive = true,
     signature = "odd, linear: the fundamental only; another resonance, and an antiresonance of the driven point",
