@@ -69,8 +69,8 @@ int evaluate(lua_State* L) {
   return 1;
 }
 
-/// predict_one_step(model, record) -> column y, column v: each row but the first is run to from the measured state of
-/// the row before it, over four substeps.
+/// predict_one_step(model, record) -> column y, column v, as their channels show them: each row but the first is run to
+/// from the measured state of the row before it, over four substeps.
 int predict_one_step(lua_State* L) {
   const System system(check<Model>(L, 1));
   const Record& record = check<Record>(L, 2);
@@ -85,9 +85,10 @@ int predict_one_step(lua_State* L) {
   VectorXd y = VectorXd::Constant(record.rows(), std::nan("")), v = y;
   for (Index row = 0; row + 1 < record.rows(); ++row) {
     if (row % 256 == 0) throw_if_cancelled(runtime(L));
-    const Run run = simulate(system, theta, excitation.part(row, 2), measured_state(system, record, row), options);
-    y[row + 1] = run.x(1, 0);
-    v[row + 1] = run.x(1, 1);
+    const Run run =
+        simulate(system, theta, excitation.part(row, 2), measured_state(system, theta, record, row), options);
+    y[row + 1] = shown(system, theta, run, "y")[1];
+    v[row + 1] = shown(system, theta, run, "v")[1];
   }
   push_column(L, y.tail(record.rows() - 1));
   push_column(L, v.tail(record.rows() - 1));

@@ -105,7 +105,7 @@ Excitations on_rows(Excitations excitation, const System& system, double record_
 /// The first state: the user's, whose internal states may be left to their own initial values; or the record's.
 Eigen::VectorXd first_state(const System& system, const Eigen::VectorXd& from, const Record* record) {
   const Eigen::Index motion = 2 * system.degrees(), states = system.states();
-  Eigen::VectorXd x0 = from.size() ? from : measured_state(system, *record, 0);
+  Eigen::VectorXd x0 = from.size() ? from : measured_state(system, system.model().values(), *record, 0);
   const Eigen::Index given = x0.size();
   const bool rest = x0.isZero(0);  // of any number of coordinates
   if ((given < motion && !rest) || given > states) {

@@ -199,6 +199,11 @@ std::vector<std::uint8_t> linear_parameters(const Model& model) {
   return linear;
 }
 
+double priced(const Candidate& c) {
+  const auto n = static_cast<double>(c.fit.rows);
+  return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
+}
+
 bool Candidate::degenerate() const {
   const auto& table = system->model().parameters;
   const std::size_t own = table.size() - added();

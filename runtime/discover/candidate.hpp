@@ -55,6 +55,9 @@ struct Candidate {
   std::string name() const { return name_of(choices); }
 };
 
+/// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
+double priced(const Candidate& c);
+
 /// Where a record of these scales can show a choice's shape parameters, and its parameters within that.
 Ranges ranges_of(const Choice& choice, const RecordScales& scales);
 std::vector<Parameter> limited(std::vector<Parameter> parameters, const Ranges& ranges);

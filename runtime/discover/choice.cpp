@@ -20,6 +20,10 @@ bool same_runs(const Candidate& a, const Candidate& b) {
   return apart < 1e-3 * squared_error(a.fit);
 }
 
+bool same_in_other_words(const Candidate& a, const Candidate& b) {
+  return a.parameters() == b.parameters() && physics_in(a.choices) == physics_in(b.choices) && same_runs(a, b);
+}
+
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
   return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
          rms_error(general.fit) < (1 - study.options->minimum_gain) * rms_error(special.fit) &&
@@ -28,15 +32,25 @@ bool outgrows(const Study& study, const Candidate& general, const Candidate& spe
 
 std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike) {
   const Candidate& first = field[alike.front()];
-  const auto before = [&](std::size_t a, std::size_t b) {
-    return field[a].choices.back().effect < field[b].choices.back().effect;  // entries lie in the catalogue's order
+  // What one set has and the other has not, where that is one effect; entries lie in the catalogue's order.
+  const auto own = [](const Choices& set, const Choices& other) -> const Effect* {
+    const Effect* found = nullptr;
+    for (const Choice& c : set)
+      if (std::ranges::find(other, c) == other.end()) {
+        if (found) return nullptr;
+        found = c.effect;
+      }
+    return found;
+  };
+  const auto before = [&](const Choices& a, const Choices& b) {
+    const Effect *of_a = own(a, b), *of_b = own(b, a);
+    return of_a && of_b && of_a < of_b;
   };
   std::size_t pick = alike.front();
   for (const auto i : alike) {
-    const bool other_words = first.choices.size() == 1 && field[i].choices.size() == 1 &&
-                             field[i].parameters() == first.parameters() && same_runs(field[i], first) &&
-                             physics_in(field[i].choices) == physics_in(first.choices);
-    if (other_words && before(i, pick)) pick = i;
+    if (field[i].choices.size() == first.choices.size() && same_in_other_words(field[i], first) &&
+        before(field[i].choices, field[pick].choices))
+      pick = i;
   }
   return pick;
 }
@@ -61,7 +75,7 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
         related(c.choices, chosen.choices) || c.name() == chosen.name())
       continue;
     // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
-    if (same_runs(c, chosen) && physics_in(c.choices) == physics_in(chosen.choices))
+    if (same_in_other_words(c, chosen))
       out.aliases.push_back(c.name());
     else if (!fits_worse(study, c, chosen) && !fits_worse(study, chosen, c) &&
              improvement_p_value(baseline, c) < study.options->alpha)

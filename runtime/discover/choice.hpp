@@ -17,7 +17,11 @@ bool same_runs(const Candidate& a, const Candidate& b);
 /// gain off its error.
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried);
 
-/// Of one force in two notations the one that the catalogue has first. `alike`: of the field, the simplest first.
+/// Sets of as many parameters, and as many forces among them, with the same runs.
+bool same_in_other_words(const Candidate& a, const Candidate& b);
+
+/// Of one force in two notations, alone or beside the same other effects, the one that the catalogue has first.
+/// `alike`: of the field, the simplest first.
 std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike);
 
 /// A fault of a channel comes before physics that does the same, also where a larger set that holds the fault rejects

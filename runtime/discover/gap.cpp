@@ -140,9 +140,9 @@ Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& th
                                  const SimulateOptions& options) {
   const Eigen::Index own = 2 * system.degrees();
   if (system.states() == own) return {};
-  const Eigen::VectorXd start = measured_state(system, data.record, 0);
-  const Run run =
-      simulate(system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.excitation, start, options);
+  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const Eigen::VectorXd start = measured_state(system, values, data.record, 0);
+  const Run run = simulate(system, values, data.excitation, start, options);
   Eigen::VectorXd spread = Eigen::VectorXd::Zero(system.states());
   if (!run.summary.completed) return spread;
   for (Eigen::Index i = own; i < spread.size(); ++i)

@@ -86,6 +86,7 @@ class Grower {
       if (parents.empty()) break;
     }
     sort_by_cost(out_.sets);
+    contest_the_best();
     return std::move(out_);
   }
 
@@ -261,7 +262,8 @@ class Grower {
   }
 
   bool is_open(const std::vector<Candidate>& sorted) const {
-    return sorted.empty() || rms(sorted.front()) > reached * study_.sensor_noise();
+    const auto best = std::ranges::find_if_not(sorted, &Candidate::degenerate);
+    return best == sorted.end() || rms(*best) > reached * study_.sensor_noise();
   }
 
   /// Of the best single effects: noise may have led the force to a minimum that is far from the trajectory's.
@@ -388,6 +390,98 @@ class Grower {
       if (std::isfinite(offers[i].misfit)) all.push_back(offers[i].misfit);
     std::sort(all.begin(), all.end());
     return all.empty() ? -1 : all[std::min<std::size_t>(1, all.size() - 1)];
+  }
+
+  // ---- simpler words ----
+  /// A set grows by what is best beside its parents, which may be an entry with more parameters than are needed: its
+  /// special cases, and in the best set those that are as simple and do most on the trajectory, are fitted in its
+  /// place.
+  void contest_the_best() {
+    std::vector<Choices> contested;
+    for (int pass = 0; pass < study_.options->max_effects; ++pass) {
+      std::vector<Candidate> more;
+      const auto best = std::ranges::min_element(out_.sets, {}, priced);
+      for (const Candidate& whole : out_.sets) {
+        if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
+        for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
+      }
+      if (best != out_.sets.end() && best->choices.size() > 1 &&
+          std::ranges::none_of(contested, [&](const Choices& c) { return same(c, best->choices); })) {
+        contested.push_back(best->choices);
+        for (const Choice& old : best->choices) fit_as_simple(*best, old, more);
+      }
+      if (more.empty()) return;
+      std::ranges::move(more, std::back_inserter(out_.sets));
+      sort_by_cost(out_.sets);
+    }
+  }
+
+  Candidate without(const Candidate& whole, const Choice& old) const {
+    Choices set = whole.choices;
+    std::erase(set, old);
+    const auto known = std::ranges::find_if(out_.sets, [&](const Candidate& c) { return same(c.choices, set); });
+    return set.empty() ? baseline_ : known != out_.sets.end() ? *known : compile(study_, model_, set);
+  }
+
+  /// `more`: sets that are fitted already, beside those of out_.
+  std::vector<Offer> offers_beside(const Candidate& rest, const Proposer::Parent& space,
+                                   const std::vector<Candidate>& more,
+                                   const std::function<bool(const Shape&)>& wanted) {
+    std::vector<Offer> offers;
+    for (const Shape& shape : shapes_) {
+      Choices set = rest.choices;
+      set.push_back(shape.choice);
+      const auto is_set = [&](const Candidate& c) { return same(c.choices, set); };
+      if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape) ||
+          std::ranges::any_of(out_.sets, is_set) || std::ranges::any_of(more, is_set) || is_known(rest, shape.choice))
+        continue;
+      offers.push_back({&rest, &space, {}});
+      offers.back().standing.shape = &shape;
+      out_.tried += static_cast<int>(shape.guesses.size());
+    }
+    parallel_for(static_cast<int>(offers.size()), study_.options->threads, [&](int i) {
+      Standing& s = offers[static_cast<std::size_t>(i)].standing;
+      s = proposer_.score(*s.shape, space);
+      if (s.shown && std::isfinite(s.cost) && !all_linear(*s.shape)) proposer_.refine(s, space, 10);
+    });
+    std::erase_if(offers, [](const Offer& o) { return !o.standing.shown || !std::isfinite(o.standing.cost); });
+    return offers;
+  }
+
+  void fit_in_place(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
+                    std::vector<Candidate>& more) {
+    if (list.empty()) return;
+    for (Candidate& c : fit_list(offers, list, {}, static_cast<int>(offers.front().parent->choices.size()) + 1))
+      if (!c.degenerate() &&
+          std::ranges::none_of(out_.sets, [&](const Candidate& o) { return same(o.choices, c.choices); }))
+        more.push_back(std::move(c));
+  }
+
+  /// Beside the other effects as they are in the whole set.
+  void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const auto is_special = [&](const Shape& shape) { return shape.choice.effect->is_special_case(*old.effect); };
+    if (std::ranges::none_of(shapes_, is_special)) return;
+    Candidate rest = without(whole, old);
+    rest.fit.theta = values_of(rest, {&whole});
+    rest.fit.cost = INFINITY;  // of no run
+    const Proposer::Parent space = proposer_.parent(rest, rest.fit.theta);
+    const std::vector<Offer> offers = offers_beside(rest, space, more, is_special);
+    std::vector<std::size_t> all(offers.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    fit_in_place(offers, all, more);
+  }
+
+  void fit_as_simple(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const std::size_t own = old.effect->parameters.size();
+    const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own; };
+    if (std::ranges::none_of(shapes_, is_as_simple)) return;
+    Candidate rest = without(whole, old);
+    if (rest.fit.theta.size() == 0)
+      rest.fit = fit_near(study_, rest, values_of(rest, {&whole}), 20, whole.fit.substeps);
+    if (!rest.ran()) return;
+    const Proposer::Parent space = proposer_.parent(rest, rest.fit.theta);
+    const std::vector<Offer> offers = offers_beside(rest, space, more, is_as_simple);
+    fit_in_place(offers, best_on_motion(offers, {}, rest), more);
   }
 
   // ---- faults of channels: no force to be proposed, but few, and fitted beside all that runs fast ----

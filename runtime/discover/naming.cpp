@@ -37,7 +37,8 @@ struct Drawn {
 
 class Resampler {
  public:
-  Resampler(const Study& study, const SearchResult& found) : study_(study), tried_(found.grown.tried) {
+  Resampler(const Study& study, const SearchResult& found)
+      : study_(study), tried_(found.grown.tried), chosen_(found.chosen) {
     add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
     // What likelihood alone prefers was refused by runs over left-out blocks, which a resample does not make again.
@@ -62,7 +63,8 @@ class Resampler {
     std::vector<Drawn> all;
     for (const Finalist& f : finalists_) all.push_back(refit(f, drawn, rows));
     const Candidate& chosen = *finalists_[choose(all, rows)].candidate;
-    return chosen.choices.empty() ? "nothing" : chosen.name();
+    if (chosen.choices.empty()) return "nothing";
+    return same_in_other_words(chosen, chosen_) ? chosen_.name() : chosen.name();
   }
 
  private:
@@ -171,6 +173,7 @@ class Resampler {
 
   const Study& study_;
   int tried_;
+  const Candidate& chosen_;
   std::vector<Finalist> finalists_;  ///< the baseline first
   std::vector<Index> blocks_;        ///< rows of each
 };

@@ -44,10 +44,12 @@ void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
 void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const {
   constexpr std::size_t most = 8;
   constexpr int iterations = 8;
-  if (all_linear(shape) || many_states(shape) || shape.guesses.size() > most) return;
+  if (all_linear(shape) || many_states(shape)) return;
   const auto& table = c.system->model().parameters;
   const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
-  for (const Guess& guess : shape.guesses) {
+  const std::size_t step = (shape.guesses.size() + most - 1) / most;
+  for (std::size_t g = 0; g < shape.guesses.size(); g += step) {
+    const Guess& guess = shape.guesses[g];
     Eigen::VectorXd start = from;
     for (Eigen::Index j = before; j < start.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);

@@ -84,12 +84,6 @@ class Search {
     result_.baseline = std::move(again);
   }
 
-  /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
-  static double priced(const Candidate& c) {
-    const auto n = static_cast<double>(c.fit.rows);
-    return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
-  }
-
   /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
   /// the input are heard whatever physics does better.
   std::vector<Candidate> contenders() {

@@ -203,7 +203,7 @@ double squares_of_runs(const Study& study, const Candidate& candidate, const Eig
       squares += (column(data.record, study.output()) - imposed_force(system, values, data.record)).squaredNorm();
       continue;
     }
-    Eigen::VectorXd x0 = measured_state(system, data.record, 0, values);
+    Eigen::VectorXd x0 = measured_state(system, values, data.record, 0);
     const Eigen::VectorXd& known = states.segments[r].x0;
     x0.head(std::min(known.size(), x0.size())) = known.head(std::min(known.size(), x0.size()));
     const Run run = simulate(system, values, data.excitation, x0, options);

@@ -23,7 +23,7 @@ std::vector<FitSegment> cut(const System& system, const Eigen::VectorXd& theta, 
     for (Eigen::Index k = 0; k < parts; ++k) {
       const Eigen::Index first = rows * k / parts, last = rows * (k + 1) / parts;
       segments.push_back({static_cast<int>(r), first, last - first,
-                          measured_state(system, data[r].record, first, own_values(system, theta))});
+                          measured_state(system, own_values(system, theta), data[r].record, first)});
     }
   }
   return segments;
@@ -92,8 +92,9 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
     // A tenth of what the sensor's noise hides.
     const double tolerance =
         std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
-    const int chosen = choose_substeps(system, own_values(system, theta), d.excitation.part(first, rows),
-                                       measured_state(system, d.record, first), tolerance);
+    const std::span<const double> values = own_values(system, theta);
+    const int chosen = choose_substeps(system, values, d.excitation.part(first, rows),
+                                       measured_state(system, values, d.record, first), tolerance);
     most = std::max(most, chosen);
   }
   return std::min(most, explicit_limit);
@@ -118,8 +119,9 @@ FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std
     for (std::size_t r = 0; r < data.size() && stiff; ++r) {
       Eigen::Index rows = 0;
       const Eigen::Index first = middle(data[r], rows);
-      const Run run = simulate(system, own_values(system, theta), data[r].excitation.part(first, rows),
-                               measured_state(system, data[r].record, first));
+      const std::span<const double> values = own_values(system, theta);
+      const Run run = simulate(system, values, data[r].excitation.part(first, rows),
+                               measured_state(system, values, data[r].record, first));
       if (run.summary.solver.starts_with(sundials_name(Solver::bdf))) options.solver = Solver::bdf;
     }
   }
@@ -196,8 +198,8 @@ double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& me
 
 }  // namespace
 
-Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen::Index row,
-                               std::span<const double> theta) {
+Eigen::VectorXd measured_state(const System& system, std::span<const double> theta, const Record& record,
+                               Eigen::Index row) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
   const Model& model = system.model();
   const Eigen::Index width = std::min<Eigen::Index>(record.rows(), 201);
@@ -213,7 +215,7 @@ Eigen::VectorXd measured_state(const System& system, const Record& record, Eigen
   for (std::size_t i = 0; i < model.states.size(); ++i)
     x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
   const double t = record.start() + static_cast<double>(row) * record.dt();
-  for (int i = 0; i < model.degrees() && !theta.empty(); ++i) x0[2 * i] = displacement_behind(system, theta, i, t, x0);
+  for (int i = 0; i < model.degrees(); ++i) x0[2 * i] = displacement_behind(system, theta, i, t, x0);
   return x0;
 }
 
@@ -359,7 +361,7 @@ StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta,
   const std::vector<FitData> one{data};
   Problem alone(system, one, options, substeps);
   std::vector<FitSegment> segments{
-      {0, first, count, measured_state(system, data.record, first, own_values(system, theta))}};
+      {0, first, count, measured_state(system, own_values(system, theta), data.record, first)}};
   alone.prepare(segments);
   const Eigen::VectorXd start = segments[0].x0;
   const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;

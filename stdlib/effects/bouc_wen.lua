@@ -25,9 +25,9 @@ return function(effect)
       end
       return guesses
     end,
-    range = function(scale)  -- yields at once: coulomb_friction; never: linear_stiffness
+    range = function(scale)  -- yields at once: coulomb_friction; never: linear_stiffness; rho = 0: a curved spring
       local range = scale.y_max - scale.y_min
-      return { zy = { 1e-4 * range, range } }
+      return { zy = { 1e-4 * range, range }, rho = { 0.1, 100 } }
     end,
     passive = "where rho >= 1/2",  -- abs(gamma) <= beta: Baber and Wen 1981, J. Eng. Mech. Div. ASCE 107, 1069
     signature = "odd; odd harmonics; a loop even in slow motion; at equal (y, v) the force depends on the past",

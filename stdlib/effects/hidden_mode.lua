@@ -11,8 +11,8 @@ return function(effect)
     },
     guess = function(scale)
       local guesses, mh = {}, 0.1 * scale.stiffness / scale.omega ^ 2  -- how heavy is solved for: all scale with mh
-      for _, ratio in ipairs { 0.35, 0.5, 0.7, 1, 1.4, 2, 2.8 } do
-        local wh = ratio * scale.omega
+      for i = -12, 12 do  -- as dense as its resonance is wide: beside it the force has the wrong phase
+        local wh = 1.1 ^ i * scale.omega
         guesses[#guesses + 1] = { mh = mh, kh = mh * wh ^ 2, ch = 0.1 * mh * wh }
       end
       return guesses

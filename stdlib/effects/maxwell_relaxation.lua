@@ -10,13 +10,14 @@ return function(effect)
       local guesses = {}
       for _, part in ipairs { 0.1, 1, 10 } do
         for _, stiffer in ipairs { 0.1, 1 } do
-          guesses[#guesses + 1] = { k = stiffer * scale.stiffness, tau = part / scale.omega }
+          guesses[#guesses + 1] = { k = stiffer * scale.stiffness, tau = scale.interval + part / scale.omega }
         end
       end
       return guesses
     end,
-    range = function(scale)  -- tau -> 0: viscous_damping; tau -> infinity: linear_stiffness
-      return { k = { 1e-4 * scale.stiffness, 1e5 * scale.stiffness }, tau = { 1e-3 / scale.omega, 1e3 / scale.omega } }
+    range = function(scale)  -- tau below a sample: viscous_damping; tau -> infinity: linear_stiffness
+      return { k = { 1e-4 * scale.stiffness, 1e5 * scale.stiffness },
+        tau = { scale.interval, scale.interval + 1e3 / scale.omega } }
     end,
     passive = true,
     signature = "odd, linear: the fundamental only; an elliptic loop, widest where omega*tau = 1; depends on frequency",

@@ -11,8 +11,8 @@ return function(effect)
       for i, turns in ipairs { 0.7, 1.5, 3, 6, 12 } do guesses[i] = { p = turns / reach(scale) } end
       return guesses
     end,
-    range = function(scale)  -- a small part of a wave: linear_stiffness, or constant_force
-      return { p = { 0.2 / reach(scale), 200 / reach(scale) } }
+    range = function(scale)  -- a small part of a wave: cubic_stiffness
+      return { p = { 0.5 / reach(scale), 200 / reach(scale) } }
     end,
     passive = true,
     signature = "odd in y (the cosine even), even in v; odd harmonics; no loop; waves that repeat over the displacement",

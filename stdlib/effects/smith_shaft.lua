@@ -23,6 +23,7 @@ return function(effect)
     signature = "odd; odd harmonics; a parallelogram whose roof bulges with the velocity",
     sentence = "friction along the shaft: the soil is drawn along up to the quake q, slips at Ru, and resists speed too",
     confusers = { "elastic_slip", "rate_power_law", "coulomb_friction", "masing_soil" },
+    special_case_of = { "rate_power_law" },
     source = "Smith 1960, Journal of the Soil Mechanics and Foundations Division ASCE 86, 35-61",
   }
 end

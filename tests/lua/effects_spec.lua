@@ -56,6 +56,8 @@ local same = {
   { "masing_soil", { k = 300, yr = 0.015 }, "iwan", { k = 300, Fs = 4.5, n = 1 } },
   { "elastic_slip", { k = 300, Fs = 3 }, "iwan", { k = 300, Fs = 3, n = 50 }, 3e-3 },  -- n -> infinity
   { "elastic_slip", { k = 300, Fs = 3 }, "smith_shaft", { Ru = 3, q = 0.01, J = 0 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "rate_power_law", { Ru = 3, q = 0.01, J = 0, n = 0.2 } },
+  { "smith_shaft", { Ru = 3, q = 0.01, J = 0.4 }, "rate_power_law", { Ru = 3, q = 0.01, J = 0.4, n = 1 } },
   { "elastic_slip", { k = 300, Fs = 3 }, "friction_lift_off", { k = 300, fN = 3, kf = 0 } },
   { "elastic_slip", { k = 300, Fs = 3 }, "backlash_play", { k = 300, g = 0.01 } },
   { "backlash_play", { k = 300, g = 0.01 }, "elastic_slip", { k = 300, Fs = 3 } },

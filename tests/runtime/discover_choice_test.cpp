@@ -83,6 +83,24 @@ TEST(Ties, OfOneRunAreAliasesUnlessOneIsAFault) {
   EXPECT_EQ(name_of(ties.rivals[0]), "fault");
 }
 
+/// Alone or beside the same companion the word that the catalogue has first is taken; not of two sets that differ in
+/// more.
+TEST(Ties, OfOneRunAreSaidInTheWordsThatTheCatalogueHasFirst) {
+  Field f;
+  const Candidate usual = f.with("usual", "stiffness", residual(0)), rare = f.with("rare", "stiffness", residual(0)),
+                  beside = f.with("beside", "stiffness", residual(0)),
+                  other = f.with("other", "stiffness", residual(0));
+  const auto both = [&](const Candidate& a, const Candidate& b) {
+    Candidate c = compile(f.study, complete(f.model), {a.choices.front(), b.choices.front()});
+    Field::left_by(c, residual(0));
+    return c;
+  };
+  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 1u);
+  EXPECT_EQ(in_the_usual_words({both(rare, beside), both(beside, usual)}, {0, 1}), 1u);
+  EXPECT_EQ(in_the_usual_words({both(usual, beside), both(beside, rare)}, {0, 1}), 0u);
+  EXPECT_EQ(in_the_usual_words({both(rare, other), both(beside, usual)}, {0, 1}), 0u);
+}
+
 /// A larger set may reject the fault and the physics that does the same alike: the fault still comes first, and is
 /// told.
 TEST(Faults, ComeBeforePhysicsOfTheSameRun) {
