@@ -1,0 +1,106 @@
+-- What lunid.discover names with the whole catalogue, in records of a hand-written integrator.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local y, v = lunid.displacement, lunid.velocity
+
+--- The motion of x'' + rest(x, v, z) = F(t), z' = rate(x, v, z), by Runge and Kutta's fourth order in `fine` parts of a
+--- sample: lists of the force and the displacement.
+local function motion(of, force, rows, dt, fine)
+  local h, x, forces, ys = dt / fine, { 0, 0 }, {}, {}
+  for i = 1, of.states or 0 do x[2 + i] = 0 end
+  local function slope(t, s)
+    local d = { s[2], force(t) - of.rest(s[1], s[2], s[3], s[4]) }
+    if of.rate then d[3], d[4] = of.rate(s[1], s[2], s[3], s[4]) end
+    return d
+  end
+  local function along(s, d, length)
+    local out = {}
+    for i = 1, #s do out[i] = s[i] + length * d[i] end
+    return out
+  end
+  for i = 1, rows do
+    forces[i], ys[i] = force((i - 1) * dt), x[of.shows or 1]
+    for j = 1, fine do
+      local t = ((i - 1) + (j - 1) / fine) * dt
+      local a = slope(t, x)
+      local b = slope(t + h/2, along(x, a, h/2))
+      local c = slope(t + h/2, along(x, b, h/2))
+      local d = slope(t + h, along(x, c, h))
+      for k = 1, #x do x[k] = x[k] + h/6 * (a[k] + 2*b[k] + 2*c[k] + d[k]) end
+    end
+  end
+  return forces, ys
+end
+
+local function chirp(amplitude, first, last, duration)
+  return function(t) return amplitude * math.sin(first*t + (last - first) * t^2 / (2*duration)) end
+end
+
+local function tones(amplitude, seed)
+  return function(t)
+    local sum = 0
+    for i = 1, 12 do sum = sum + math.sin((0.2 + 0.17*i)*t + (seed*i*i) % 6.28) end
+    return amplitude * sum
+  end
+end
+
+--- Of mass 1 and k 1; noise as a share of the displacement.
+local function record_of(of, force, rows, dt, noise, seed)
+  local forces, ys = motion(of, force, rows, dt, of.fine or 8)
+  return lunid.record({ channels = { { "F", forces }, { "y", ys } }, dt = dt })
+    :with_noise { y = lunid.noise.gaussian { relative = noise }, seed = seed }
+end
+
+local function names_of(found)
+  local names = {}
+  for i, effect in ipairs(found.effects) do names[i] = effect.name end
+  table.sort(names)
+  return table.concat(names, " ")
+end
+
+local function discover(of, train, test)
+  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+  return lunid.discover {
+    model = lunid.model { mass = 1, restoring = k*y + c*v }, train = train, test = test, out = of.name,
+  }
+end
+
+-- A lightly damped absorber between the frequencies of coarser guesses: beside its resonance the force along the motion
+-- has the wrong phase, and nothing points to it.
+spec.case("a hidden mode of little damping beside a cubic spring", function()
+  local mh, wh, ch = 0.08, 1, 0.004
+  local of = {
+    name = "absorber", states = 2,
+    rest = function(x, u, z, w) return x + 0.018*u + 0.02*x^3 + mh*wh^2*(x - z) + ch*(u - w) end,
+    rate = function(x, u, z, w) return w, wh^2*(x - z) + ch/mh*(u - w) end,
+  }
+  local found = discover(of, record_of(of, chirp(0.1, 0.3, 1.6, 450), 3000, 0.15, 0.002, 1),
+    record_of(of, tones(0.05, 2), 2500, 0.15, 0.002, 2))
+  spec.equal(names_of(found), "cubic_stiffness hidden_mode")
+end)
+
+-- More parameters than are needed follow the same motion: Bouc and Wen's hysteresis without loss.
+spec.case("a curved spring beside drag is no hysteresis", function()
+  local of = {
+    name = "curved", rest = function(x, u) return x + 0.1*u + 0.5*x/(1 + math.abs(x)/0.8) + 0.1*math.abs(u)*u end,
+  }
+  local found = discover(of, record_of(of, chirp(1, 0.3, 2.4, 380), 2500, 0.152, 0.01, 3),
+    record_of(of, tones(0.25, 4), 1900, 0.2, 0.01, 4))
+  spec.equal(names_of(found), "hyperbolic_soil quadratic_drag")
+end)
+
+-- Friction that grows with |y| has a parameter more.
+spec.case("friction beside a lag", function()
+  local of = {
+    name = "lag", states = 2, shows = 3, fine = 24,
+    rest = function(x, u) return x + 0.2*u + 0.15*math.tanh(u/2e-3) end,
+    rate = function(x, _, z) return (x - z)/0.4, 0 end,
+  }
+  local found = discover(of, record_of(of, tones(0.2, 5), 2200, 0.16, 0.01, 5),
+    record_of(of, chirp(0.6, 0.3, 2.4, 350), 2200, 0.16, 0.01, 6))
+  spec.equal(names_of(found), "coulomb_friction sensor_lag")
+end)
+
+spec.clean()
+spec.finish()
