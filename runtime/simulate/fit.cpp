@@ -215,7 +215,8 @@ Eigen::VectorXd measured_state(const System& system, std::span<const double> the
   for (std::size_t i = 0; i < model.states.size(); ++i)
     x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
   const double t = record.start() + static_cast<double>(row) * record.dt();
-  for (int i = 0; i < model.degrees(); ++i) x0[2 * i] = displacement_behind(system, theta, i, t, x0);
+  for (int i = 0; i < model.degrees(); ++i)
+    if (record.has(model.channel('y', i))) x0.segment<2>(2 * i) = motion_behind(system, theta, record, i, t, x0);
   return x0;
 }
 

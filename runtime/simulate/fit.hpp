@@ -164,7 +164,7 @@ struct FittedChannel {
 std::vector<FittedChannel> fitted_channels(const Model& model, const Record& record);
 
 /// The smoothed measured state (y, v, initial z...) at a row: where a free run starts before its fit. Behind channels
-/// that show something else (Model::measures) the displacements that are shown so, where that can be undone.
+/// that show something else (Model::measures) the motion that is shown so (motion_behind()).
 Eigen::VectorXd measured_state(const System& system, std::span<const double> theta, const Record& record,
                                Eigen::Index row);
 

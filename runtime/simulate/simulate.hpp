@@ -209,10 +209,11 @@ struct SensitivityRun {
 /// (Model::measures).
 Eigen::VectorXd shown(const System& system, std::span<const double> theta, const Run& run,
                       std::string_view channel = "y");
-/// The displacement of a coordinate at which its channel shows at t what `x` has there (an offset, a gain; Newton's
-/// method). As it is in `x` where the channel does not follow it (a lag, a limit).
-double displacement_behind(const System& system, std::span<const double> theta, int coordinate, double t,
-                           const Eigen::VectorXd& x);
+/// The displacement and the velocity of a coordinate at which its channels show at t what `x` has there (an offset, a
+/// gain; Newton's method); what the record computed from a channel is divided by that one's gain. As it is in `x` where
+/// the channel does not follow it (a lag, a limit).
+Eigen::Vector2d motion_behind(const System& system, std::span<const double> theta, const Record& record, int coordinate,
+                              double t, const Eigen::VectorXd& x);
 /// What shown() gives, derived to theta and x0, rows x (p + n); of a run that kept the sensitivities of shown_states(),
 /// under the same excitation. 0 in rows that slide, where a channel is an acceleration (acceleration_slopes).
 Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,

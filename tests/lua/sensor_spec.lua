@@ -216,6 +216,28 @@ spec.case("a fit compares with what the sensor shows, a run gives the true motio
   spec.near(fit.model.parameters.b.value, 0.01, 1e-6)
 end)
 
+spec.case("a run from a record's state and one-step predictions start behind the channels", function()
+  local function model(measures) return lunid.model { mass = 1, restoring = 400*y + v, measures = measures } end
+  local truth = lunid.simulate { model = model(), duration = 8, dt = 0.01, excitation = 9*lunid.cos(15*t) + 4*lunid.sin(31*t + 1) }
+  local shown = {}
+  for i = 1, truth.rows do shown[i] = 3*truth:column "y"[i] + 0.01 end
+  local measured = lunid.record({ channels = { { "F", truth:column "F" }, { "y", shown } }, dt = 0.01 }):window(2, 6)
+  local right, wrong = model { y = 3*y + 0.01 }, model()
+  local run = lunid.simulate { model = right, excitation = measured, from = "record", interpolation = "cubic" }
+  for _, row in ipairs { 1, 2, 3, 400 } do
+    spec.near(run:column "y"[row], truth:column "y"[200 + row], 1e-3*truth:column "y":rms())
+  end
+  local function error_of(of)
+    return lunid.compare({ model = of, record = measured, mode = "one_step" }).rmse
+  end
+  assert(error_of(right) < 1e-2*error_of(wrong), ("%g beside %g"):format(error_of(right), error_of(wrong)))
+  for i = 1, truth.rows do shown[i] = 3*truth:column "v"[i] end
+  local gauge = lunid.record { channels = { { "F", truth:column "F" }, { "v", shown } }, dt = 0.01 }
+  run = lunid.simulate { model = model { v = 3*v }, excitation = gauge:window(2, 6), from = "record", interpolation = "cubic" }
+  spec.near(run:column "y"[10], truth:column "y"[210], 0.02*truth:column "y":rms())
+  spec.near(run:column "v"[10], truth:column "v"[210], 0.02*truth:column "v":rms())
+end)
+
 spec.case("messages", function()
   local function refused(text, fields)
     fields.mass, fields.restoring = 1, y
