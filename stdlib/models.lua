@@ -82,7 +82,8 @@ models.model = schema.define({
     { "forces", types.list(types.integer { min = 1 }, 1),
       help = "the coordinates that a force acts on, such as { 1 }; else all" },
     { "delay", delay, unit = "s",
-      help = "the forces act so much later than they are recorded; a number or a parameter, >= 0" },
+      help = "the forces act so much later than they are recorded; a number or a parameter, >= 0; "
+        .. "what came before a record is predicted from its rows, a formula's force follows the formula" },
     { "measures", maps, help = "what displacements, velocities and accelerations show in a record where it is not their true value: "
       .. "{ y = y + b }; fits and gaps compare with that, runs give the true motion" },
     { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, affine in F" },

@@ -56,6 +56,14 @@ void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::v
   }
 }
 
+/// A channel that comes late makes damping negative on the force, and the free run grows without bound.
+void from_damped_start(const Study& study, Candidate& baseline) {
+  if (baseline.ran()) return;
+  const Eigen::VectorXd start = without_signs(*baseline.system, baseline.starts.front());
+  FitResult again = fit_trajectory(*baseline.system, start, study.train, full_fit(study, 40));
+  if (std::isfinite(again.cost)) baseline.fit = std::move(again);
+}
+
 /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
 void check_excitation(const Study& study, const Model& model, const Candidate& baseline,
                       std::vector<std::string>& warnings) {
@@ -97,6 +105,7 @@ Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::
   check_excitation(study, model, baseline, warnings);
   fit(study, baseline, full_fit(study, 40));
   from_given_guess(study, model, baseline);
+  from_damped_start(study, baseline);
   say_first(baseline, warnings);
   return baseline;
 }

@@ -13,6 +13,25 @@ namespace lunid {
 
 namespace {
 
+/// A record whose forces are what acts: so much later.
+Record delayed(Record record, const std::vector<std::string>& forces, double delay) {
+  for (const std::string& name : forces) {
+    const Excitation force(record.start(), record.dt(), record[name], Interpolation::cubic);
+    Channel channel = record.channel(name);
+    channel.values.resize(record.rows());
+    for (Eigen::Index i = 0; i < record.rows(); ++i) channel.values[i] = force.also_before(record.time(i) - delay);
+    record = record.with(std::move(channel));
+  }
+  return record;
+}
+
+/// The forces that act on the motion: those that a record shows, as late as the candidate says.
+Eigen::VectorXd late_forces(const Candidate& candidate, std::span<const double> theta, const Record& record) {
+  const double delay = candidate.system->delay(theta);
+  const Model& model = candidate.system->model();
+  return acting_forces(model, delay > 0 ? delayed(record, model.inputs(), delay) : record);
+}
+
 /// Regression of the smoothed force on the linear parameters, the others held; bounds kept by holding what violates
 /// them. Returns the squared misfit; infinite where the force is not finite.
 double regress_force(const Study& study, const Candidate& candidate, Eigen::VectorXd& theta) {
@@ -32,7 +51,7 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
     if (!model.allFinite() || !jacobian.allFinite()) return INFINITY;
     Eigen::MatrixXd columns(model.size(), p);
     for (Eigen::Index j = 0; j < p; ++j) columns.col(j) = jacobian.col(free[static_cast<std::size_t>(j)]);
-    Eigen::VectorXd error = acting_forces(system.model(), data.record) - model;
+    Eigen::VectorXd error = late_forces(candidate, values, data.record) - model;
     for (Eigen::Index i = 0; i < error.size(); ++i)
       if (!data.use[static_cast<std::size_t>(i % data.record.rows())]) {
         error[i] = 0;
@@ -318,27 +337,9 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
 }
 
-namespace {
-
-/// A record whose forces are what acts: so much later.
-Record delayed(Record record, const std::vector<std::string>& forces, double delay) {
-  for (const std::string& name : forces) {
-    const Excitation force(record.start(), record.dt(), record[name], Interpolation::cubic);
-    Channel channel = record.channel(name);
-    channel.values.resize(record.rows());
-    for (Eigen::Index i = 0; i < record.rows(); ++i) channel.values[i] = force.at(record.time(i) - delay);
-    record = record.with(std::move(channel));
-  }
-  return record;
-}
-
-}  // namespace
-
-Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& given) {
+Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
   const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
-  const double delay = candidate.system->delay(values);
-  const Record record = delay > 0 ? delayed(given, candidate.system->model().inputs(), delay) : given;
-  return acting_forces(candidate.system->model(), record) - imposed_force(*candidate.force_system, values, record);
+  return late_forces(candidate, values, record) - imposed_force(*candidate.force_system, values, record);
 }
 
 Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
@@ -351,6 +352,13 @@ Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, co
     gram += jacobian.transpose() * jacobian;
   }
   return gram;
+}
+
+Eigen::VectorXd without_signs(const System& system, Eigen::VectorXd theta) {
+  for (Eigen::Index i = 0; i < theta.size(); ++i)
+    if (const Parameter& p = system.model().parameters[static_cast<std::size_t>(i)]; !p.fixed)
+      theta[i] = std::clamp(std::abs(theta[i]), p.min, p.max);
+  return theta;
 }
 
 bool in_a_mass(const Model& model, Expr symbol) {

@@ -91,6 +91,10 @@ Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& th
 Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
                               int substeps = 0);
 
+/// The first parameters of a system, each free one with its size alone, within its bounds: a start whose run does not
+/// grow without bound where that of a regression does.
+Eigen::VectorXd without_signs(const System& system, Eigen::VectorXd theta);
+
 /// The mass of a coordinate holds this symbol.
 bool in_a_mass(const Model& model, Expr symbol);
 

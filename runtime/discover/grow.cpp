@@ -101,7 +101,7 @@ class Grower {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
     if (closes_nearly_all(before, after)) return false;
-    return rms(after) < (1 - required_gain(study_, rms(after) / study_.measured_std())) * rms(before) &&
+    return rms(after) < (1 - required_gain(study_, gap(after))) * rms(before) &&
            (1 - required_gain(study_, 0)) * rms(after) > study_.sensor_noise();  // else nothing could be named
   }
 
@@ -116,8 +116,10 @@ class Grower {
   /// An entry of many states beside which others cost much and could close little.
   bool closes_nearly_all(const Candidate& before, const Candidate& after) const {
     return before.ran() && after.ran() && many_states(after.choices) &&
-           closed_share(rms(before), rms(after), study_.sensor_noise()) > explained;
+           closed_share(gap(before), gap(after), study_.noise_gap()) > explained;
   }
+
+  double gap(const Candidate& c) const { return rms(c) / study_.measured_std(); }
 
   // ---- the catalogue along the motion ----
   void make_shapes() {

@@ -58,6 +58,7 @@ double rms_error(const FitResult& fit) {
 
 Whitening residual_colour(const Study& study, const Candidate& candidate) {
   Whitening whitening;
+  if (!candidate.ran()) return whitening;
   const double dt = study.train.front().record.dt();
   const double upper = study.imposed ? 0 : upper_frequency(study);
   if (upper > 0) whitening.average = std::max(1, static_cast<int>(M_PI / dt / (6 * upper)));
@@ -225,6 +226,7 @@ double required_gain(const Study& study, double gap_after) {
 }
 
 double closed_share(double before, double after, double floor) {
+  before = before < 1 ? before : 1;
   const double excess = before * before - floor * floor;
   return excess > 0 ? (before * before - after * after) / excess : 0;
 }

@@ -175,10 +175,20 @@ void order_by_motion(const Study& study, Candidate& candidate, const Eigen::Vect
   options.tolerance = 1e-3;
   options.cancelled = study.options->cancelled;
   std::vector<std::pair<double, Eigen::VectorXd>> starts;
-  for (Eigen::VectorXd start : candidate.starts) {
-    start.head(theta.size()) = theta;
+  const auto try_from = [&](const Eigen::VectorXd& start) {
     FitResult fit = fit_trajectory(*candidate.system, start, study.train, options);
-    if (std::isfinite(fit.cost)) starts.emplace_back(fit.cost, std::move(fit.theta));
+    const bool ran = std::isfinite(fit.cost);
+    if (ran) starts.emplace_back(fit.cost, std::move(fit.theta));
+    return ran;
+  };
+  const bool delays = candidate.system->model().delay.valid();
+  for (Eigen::VectorXd start : candidate.starts) {
+    if (delays) try_from(start);  // the regression was that of the delayed force
+    start.head(theta.size()) = theta;
+    if (try_from(start)) continue;
+    // What comes late is negative damping on the force along the motion, and a run with that grows without bound.
+    start.head(theta.size()) = without_signs(*candidate.system, theta);
+    try_from(start);
   }
   std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   candidate.starts.clear();

@@ -141,12 +141,12 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const Left& left = round.left;
   const Gap first = round.gap(before), last = round.gap(after);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";
-  if (!std::isfinite(first.value)) return "";
   if (!(lowers_the_gap(study, before, after) && p_value < 0.2)) return "did not lower the gap on the test record";
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
-  const bool far = far_from_the_floor(last, much_open) && last.value - last.floor > part * (first.value - last.floor);
+  const double at_first = first.value < 1 ? first.value : 1;
+  const bool far = far_from_the_floor(last, much_open) && last.value - last.floor > part * (at_first - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
@@ -154,12 +154,12 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const std::size_t names = round.found.chosen.choices.size();
   const double at_the_floor =
       names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
-  const bool patchwork =
-      names > 1 && last.value > at_the_floor && closed_share(first.value, last.value, last.floor) < 0.998;
+  const bool closed = closed_share(first.value, last.value, last.floor) >= 0.998;
+  const bool patchwork = names > 1 && last.value > at_the_floor && !closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
-  if (left.whole) return "left a force that is repeatable";
+  if (left.whole && !closed) return "left a force that is repeatable";
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
@@ -171,8 +171,7 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     const Candidate& step = found.steps[count - 1];
     const std::vector<FreeRun> after = runs(study, step, study.test);
     const Gap last = round.gap(after);
-    const bool closes = std::isfinite(first.value) && std::isfinite(last.value) &&
-                        closed_share(first.value, last.value, last.floor) > 0.95 &&
+    const bool closes = std::isfinite(last.value) && closed_share(first.value, last.value, last.floor) > 0.95 &&
                         test_p_value(study, before, after) < 0.05;
     if (!closes) continue;
     if (!far_from_the_floor(last, little_open)) return count;

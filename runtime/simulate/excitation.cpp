@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "record/extension.hpp"
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
@@ -170,6 +171,9 @@ constexpr double on_sample = 1e-9;
 /// Samples that differ from a formula by less than this part of the peak are those of the formula.
 constexpr double rounding = 1e-12;
 
+constexpr Index most_early = 1024;  ///< rows that are predicted before the first
+constexpr Index early_ahead = 3;    ///< rows of the signal itself behind them
+
 /// Parts per sample of the grid on which at() reads a band-limited force.
 constexpr int at_substeps = 8;
 
@@ -202,12 +206,14 @@ struct Excitation::Source {
   std::mutex mutex;  ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
   VectorXd fine_grid;                               ///< of what is interpolated, for at()
+  VectorXd early;  ///< of what is interpolated: rows before the first, and the first three
 
   /// The samples that are interpolated.
   const VectorXd& interpolated() const { return function ? rest : samples; }
   VectorXd refine(std::span<const double> places) const;
   const VectorXd& even_grid(int substeps);
   const VectorXd& interpolated_grid();
+  const VectorXd& early_rows();
   const VectorXd& stage_grid(int substeps);
 };
 
@@ -277,16 +283,14 @@ Excitation::Excitation(double t0, double dt, std::span<const double> force, Inte
 
 bool Excitation::analytic() const { return source_ && source_->function && source_->rest.size() == 0; }
 
-double Excitation::at(double t) const {
-  const double last = static_cast<double>(rows_ - 1);
+double Excitation::at(double t) const { return within(std::clamp(t, t0_, t0_ + static_cast<double>(rows_ - 1) * dt_)); }
+
+double Excitation::within(double t) const {
   double exact = 0;
-  if (source_->function) {
-    const double within = std::clamp(t, t0_, t0_ + last * dt_);
-    source_->function({&within, 1}, {&exact, 1});
-  }
+  if (source_->function) source_->function({&t, 1}, {&exact, 1});
   const VectorXd& f = source_->interpolated();
   if (f.size() == 0) return exact;
-  const double position = static_cast<double>(first_) + std::clamp((t - t0_) / dt_, 0.0, last);
+  const double position = std::max(0.0, static_cast<double>(first_) + (t - t0_) / dt_);
   const Index row = std::min<Index>(static_cast<Index>(position), f.size() - 2);
   const double fraction = position - static_cast<double>(row);
   switch (source_->interpolation) {
@@ -296,6 +300,27 @@ double Excitation::at(double t) const {
     case Interpolation::band_limited: return exact + sextic(source_->interpolated_grid(), position * 2 * at_substeps);
   }
   return 0;
+}
+
+double Excitation::also_before(double t) const {
+  if (t >= t0_) return at(t);
+  const double position = static_cast<double>(first_) + (t - t0_) / dt_;
+  if (position >= 0) return within(t);
+  double exact = 0;
+  if (source_->function) {
+    source_->function({&t, 1}, {&exact, 1});
+    if (!std::isfinite(exact)) source_->function({&source_->t0, 1}, {&exact, 1});
+  }
+  const VectorXd& f = source_->early_rows();
+  if (f.size() == 0) return exact;
+  const double at = std::max(0.0, position + static_cast<double>(f.size() - early_ahead));
+  const Index row = std::min<Index>(static_cast<Index>(at), f.size() - 2);
+  const double fraction = at - static_cast<double>(row);
+  switch (source_->interpolation) {
+    case Interpolation::hold: return exact + f[row];
+    case Interpolation::linear: return exact + f[row] + fraction * (f[row + 1] - f[row]);
+    default: return exact + LocalCubic(f)(row, fraction);
+  }
 }
 
 /// The force at `places` (parts of an interval, the first 0) of each interval, then the last sample.
@@ -325,6 +350,19 @@ const VectorXd& Excitation::Source::interpolated_grid() {
   const std::lock_guard lock(mutex);
   if (fine_grid.size() == 0) fine_grid = interpolate(interpolated(), even_places(at_substeps), interpolation);
   return fine_grid;
+}
+
+const VectorXd& Excitation::Source::early_rows() {
+  const std::lock_guard lock(mutex);
+  const VectorXd& f = interpolated();
+  if (early.size() || f.size() < early_ahead) return early;
+  const Index reach = std::min(f.size(), most_early);
+  const Extended whole = extend({f.data(), static_cast<std::size_t>(f.size())}, 2 * reach);  // half of it falls to zero
+  early.resize(reach + early_ahead);
+  for (Index i = 0; i < reach; ++i)
+    early[i] = whole.values[reach + i] + whole.line[0] - whole.slope * static_cast<double>(reach - i);
+  early.tail(early_ahead) = f.head(early_ahead);
+  return early;
 }
 
 const VectorXd& Excitation::Source::stage_grid(int substeps) {

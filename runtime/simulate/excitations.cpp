@@ -106,8 +106,10 @@ namespace {
 /// A signal `delay` later, and its rate; a held one as straight lines within the interval of its jump.
 Excitation shifted(const Excitation& signal, double delay, bool rate) {
   const double h = 1e-4 * signal.dt();
-  const auto at = [=](double t) { return signal.at(t - delay); };
-  const auto slope = [=](double t) { return (signal.at(t - delay + h) - signal.at(t - delay - h)) / (2 * h); };
+  const auto at = [=](double t) { return signal.also_before(t - delay); };
+  const auto slope = [=](double t) {
+    return (signal.also_before(t - delay + h) - signal.also_before(t - delay - h)) / (2 * h);
+  };
   if (rate) return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(slope));
   return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(at));
 }

@@ -350,7 +350,14 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   final_stage.substeps = substeps;
   if (!stage.first_states.empty()) final_stage.first_states = stage.first_states;
   FitResult result = fit_trajectory(system, current, data, final_stage);
-  result.runs += runs;
+  runs += result.runs;
+  if (!std::isfinite(result.cost) && !lengths.empty()) {  // what short runs led to grows without bound in a whole one
+    final_stage.first_states = chosen.first_states;
+    FitResult whole = fit_trajectory(system, theta, data, final_stage);
+    runs += whole.runs;
+    if (std::isfinite(whole.cost)) result = std::move(whole);
+  }
+  result.runs = runs;
   return result;
 }
 

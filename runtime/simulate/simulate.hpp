@@ -57,7 +57,10 @@ class Excitation {
   Interpolation interpolation() const { return interpolation_; }
   bool analytic() const;      ///< known by a formula alone
   double at(double t) const;  ///< F(t); constant beyond the ends
-  double peak() const;        ///< largest |F| on the samples
+  /// The same, but for what came before the first row: of a part the rows that it was cut from, of a whole its formula
+  /// and for samples their linear prediction (Burg's model, record/extension.hpp).
+  double also_before(double t) const;
+  double peak() const;  ///< largest |F| on the samples
   Eigen::VectorXd samples() const;
   /// The force at the ends of `substeps` equal parts of each sample interval, and at their midpoints: the entry
   /// 2*(row*substeps + j) is F at row + j/substeps. Size 2*(rows-1)*substeps + 1. With `hold`, an entry on a sample is
@@ -73,6 +76,7 @@ class Excitation {
 
  private:
   struct Source;
+  double within(double t) const;  ///< t in the source's own rows
   double t0_ = 0, dt_ = 1;
   Eigen::Index first_ = 0, rows_ = 0;  ///< of the source
   Interpolation interpolation_ = Interpolation::linear;
@@ -116,7 +120,7 @@ class Excitations {
   /// One for each input of the system, in its order; force_rate follows from F. Throws InputError naming a channel that
   /// is no input of it.
   Excitations ordered(const System& system) const;
-  /// The same as the system takes them at these parameters: forces shifted by its delay (constant before they begin),
+  /// The same as the system takes them at these parameters: forces shifted by its delay (Excitation::also_before()),
   /// then their rates and the delay. The errors of ordered() and of System::delay.
   Excitations of(const System& system, std::span<const double> theta) const;
 

@@ -17,7 +17,7 @@ return function(effect)
     signature = "the phase falls behind in proportion to the frequency, the amplitude stays; at one frequency it is damping "
       .. "(of either sign) and stiffness",
     sentence = "the force acts later than its channel says, or the motion's channels are that much late",
-    note = "the shifted force and its exact slope by tau; before the record begins the force is its first value",
+    note = "the shifted force and its exact slope by tau; before the record begins the force is predicted from its rows",
     confusers = { "sensor_lag", "viscous_damping", "maxwell_relaxation" },
     source = "Doebelin 2003, Measurement Systems, chapter 3 (dead-time elements)",
   }

@@ -496,7 +496,7 @@ function record:summary(fields) end
 ---@field mass number|lunid.expression # a number, a parameter, or an expression; for several coordinates a list, or the rows of a matrix
 ---@field restoring number|lunid.expression # restoring force; 0 for none; for several coordinates a list
 ---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
----@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0
+---@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0; what came before a record is predicted from its rows, a formula's force follows the formula
 ---@field measures? lunid.table # what displacements, velocities and accelerations show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
 ---@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, affine in F
 ---@field states? table # internal states that the restoring force does not name

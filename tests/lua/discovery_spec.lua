@@ -5,9 +5,9 @@ local spec = require "spec"
 local y, v = lunid.displacement, lunid.velocity
 
 --- The motion of x'' + rest(x, v, z) = F(t), z' = rate(x, v, z), by Runge and Kutta's fourth order in `fine` parts of a
---- sample: lists of the force and the displacement.
+--- sample: lists of the force, the displacement and the acceleration.
 local function motion(of, force, rows, dt, fine)
-  local h, x, forces, ys = dt / fine, { 0, 0 }, {}, {}
+  local h, x, forces, ys, accelerations = dt / fine, { 0, 0 }, {}, {}, {}
   for i = 1, of.states or 0 do x[2 + i] = 0 end
   local function slope(t, s)
     local d = { s[2], force(t) - of.rest(s[1], s[2], s[3], s[4]) }
@@ -21,6 +21,7 @@ local function motion(of, force, rows, dt, fine)
   end
   for i = 1, rows do
     forces[i], ys[i] = force((i - 1) * dt), x[of.shows or 1]
+    accelerations[i] = slope((i - 1) * dt, x)[2]
     for j = 1, fine do
       local t = ((i - 1) + (j - 1) / fine) * dt
       local a = slope(t, x)
@@ -30,7 +31,7 @@ local function motion(of, force, rows, dt, fine)
       for k = 1, #x do x[k] = x[k] + h/6 * (a[k] + 2*b[k] + 2*c[k] + d[k]) end
     end
   end
-  return forces, ys
+  return forces, ys, accelerations
 end
 
 local function chirp(amplitude, first, last, duration)
@@ -100,6 +101,33 @@ spec.case("friction beside a lag", function()
   local found = discover(of, record_of(of, tones(0.2, 5), 2200, 0.16, 0.01, 5),
     record_of(of, chirp(0.6, 0.3, 2.4, 350), 2200, 0.16, 0.01, 6))
   spec.equal(names_of(found), "coulomb_friction sensor_lag")
+end)
+
+-- The force acts three samples late: along the motion damping is negative, and the baseline's run grows without bound.
+-- What came before the record is predicted from it: an accelerometer shows it at once.
+spec.case("a late force beside a baseline that cannot be run", function()
+  local late, dt = 0.42, 0.14
+  local of = { name = "late", rest = function(x, u) return x + 0.06*u end }
+  local function record(force, duration, seed)
+    local rows = math.floor(duration/dt)
+    local forces, _, accelerations = motion(of, force, rows + 3, dt, 8)
+    table.move(forces, 4, rows + 3, 1)
+    local made = { {}, {} }
+    for i = 1, rows do made[1][i], made[2][i] = forces[i], accelerations[i] end
+    return lunid.record({ channels = { { "F", made[1] }, { "a", made[2] } }, dt = dt })
+      :with_noise { a = lunid.noise.gaussian { relative = 0.01 }, seed = seed }
+  end
+  local function two(t) return 0.6*math.sin(0.7*t + 0.4) + math.sin(1.9*t) end
+  local k, c = lunid.parameter { "k" }, lunid.parameter { "c" }
+  for _, catalogue in ipairs { { "force_delay" }, { "missing_harmonic", "sensor_lag", "force_delay", "cubic_stiffness" } } do
+    local found = lunid.discover {
+      model = lunid.model { mass = 1, restoring = k*y + c*v }, catalogue = catalogue, out = of.name .. #catalogue,
+      train = record(two, 240, 7), test = record(chirp(1, 0.4, 2.2, 240), 240, 8),
+    }
+    spec.equal(names_of(found), "force_delay")
+    spec.near(found.data.effects[1].parameters.tau.value, late, 0.01)
+    assert(found.data.final.gap_test < 0.02, found.data.final.gap_test)
+  end
 end)
 
 spec.clean()

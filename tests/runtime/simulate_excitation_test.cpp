@@ -35,6 +35,22 @@ TEST(Excitation, RefinedGridMeetsTheSamplesAndAt) {
   }
 }
 
+// A delayed force needs what came before the record: two tones are predicted from their rows, a part knows the rows
+// that it was cut from, a formula holds for all times.
+TEST(Excitation, WhatCameBeforeIsPredictedOrKnown) {
+  const auto f = [](double t) { return std::sin(3 * t + 0.7) + 0.4 * std::cos(7.3 * t); };
+  const Excitation whole(2, 0.05, samples_of([&](double t) { return f(2 + t); }, 900, 0.05), Interpolation::cubic);
+  for (const double t : {1.99, 1.93, 1.8, 1.5}) EXPECT_NEAR(whole.also_before(t), f(t), 1e-3) << t;
+  const Excitation part = whole.part(100, 200);
+  for (const double t : {2.4, 5.013, 6.9}) EXPECT_NEAR(part.also_before(t), whole.at(t), 1e-12) << t;
+  EXPECT_NEAR(part.also_before(1.9), f(1.9), 1e-3);
+  EXPECT_EQ(part.also_before(8.123), part.at(8.123));
+  EXPECT_DOUBLE_EQ(Excitation(0, 0.1, 50, [&](double t) { return f(t); }).also_before(-0.33), f(-0.33));
+  EXPECT_DOUBLE_EQ(Excitation(0, 0.1, 50, [](double t) { return std::sqrt(t) + 1; }).also_before(-0.33), 1);
+  const std::vector<double> constant(40, 5.0);
+  EXPECT_NEAR(Excitation(0, 0.1, constant).also_before(-1), 5, 1e-12);
+}
+
 TEST(Excitation, KindsDoWhatTheySay) {
   const std::vector<double> force{0, 1, 8, 27, 64, 125};  // i^3
   EXPECT_EQ(Excitation(0, 1, force, Interpolation::hold).at(2.9), 8);
