@@ -146,7 +146,7 @@ TEST(Judge, KeepsBothWhereTheyDifferByLittle) {
 
 /// The verdict on names whose free run leaves these parts of the training and of the test motion, where the baseline
 /// left 1.25 of this.
-std::string verdict_on(int names, double train, double test, double floor) {
+std::string verdict_on(int names, double train, double test, double floor, bool leaves_a_force = false) {
   DiscoverOptions options;
   Study study;
   study.options = &options;
@@ -156,6 +156,8 @@ std::string verdict_on(int names, double train, double test, double floor) {
   for (int i = 0; i < names; ++i) round.found.chosen.choices.push_back({&catalogue[static_cast<std::size_t>(i)], 0});
   round.left.gap.value = train;
   round.left.gap.floor = floor;
+  round.left.seen = round.left.material = round.left.whole = leaves_a_force;
+  round.left.closure.system = compile(study, complete(testing::baseline("k*y", 1)), {}).system;
   FreeRun before, after;
   before.rows = after.rows = 1000;
   before.variance = after.variance = 1;
@@ -168,6 +170,11 @@ std::string verdict_on(int names, double train, double test, double floor) {
 TEST(Verdict, AsksMoreOfSeveralNamesThanOfOne) {
   EXPECT_EQ(verdict_on(1, 0.18, 0.19, 0.01), "");
   EXPECT_EQ(verdict_on(2, 0.18, 0.19, 0.01), "left much of the gap on the test record open");
+}
+
+TEST(Verdict, TakesNoNameBackForASmallForceBesideThoseThatCloseNearlyAll) {
+  EXPECT_EQ(verdict_on(1, 0.011, 0.06, 0.02, true), "left a force that is repeatable");
+  EXPECT_EQ(verdict_on(1, 0.011, 0.04, 0.02, true), "");
 }
 
 /// A sum of powers follows any smooth curve within the motion that it was fitted to.
