@@ -22,12 +22,14 @@ Parameter within(const std::string& name, double limit) {
 std::optional<Effect> between_samples(const Study& study, const Model& model) {
   const auto drives = [&](const FitData& data) { return !is_free(study, data.record); };
   if (study.imposed || study.degrees() > 1 || std::ranges::none_of(study.train, drives)) return {};
+  constexpr double most_damping = 0.1;  // of critical damping, that a controller adds
   const double dt = study.full.front().dt(), phase = study.omega * dt;
   Pool& pool = *model.pool;
   Effect out;
   out.name = "between_samples";
   out.family = "input";
-  out.parameters = {within("between_samples_mass", phase * phase / 12), within("between_samples_lag", 0.5 * dt)};
+  out.parameters = {within("between_samples_mass", phase * phase / 12 + most_damping * phase),
+                    within("between_samples_lag", 0.5 * dt)};
   EffectVariant form = pool.parameter("between_samples_mass") * model.mass * pool.channel("a");
   form.acts = {{"F", pool.channel("F") + pool.parameter("between_samples_lag") * pool.channel("force_rate")}};
   out.variants.push_back(form);

@@ -7,11 +7,12 @@
 
 namespace lunid {
 
-/// A part of the force that a controller holds while the rest goes on: held less straight, -kappa y is to second order
-/// in the sampling interval dt the force kappa dt/2 v + kappa dt^2/12 a. As an entry it is a change of the mass of
-/// either sign, by (omega dt)^2/12 at most (kappa up to the stiffness that holds the mass), and a lag of the force
-/// below half a sample. What is no better than these is not named. None where the motion is imposed, several
-/// coordinates move or no force acts. Grows the pool: main thread only.
+/// A part of the force that a controller holds while the rest goes on: held less straight, -kappa y - delta v is to
+/// second order in the sampling interval dt the force kappa dt/2 v + (delta dt/2 + kappa dt^2/12) a. As an entry it is
+/// a change of the mass of either sign, by (omega dt)^2/12 + omega dt/10 at most (kappa up to the stiffness that holds
+/// the mass, delta up to a tenth of critical damping), and a lag of the force below half a sample. What is no better
+/// than these is not named. None where the motion is imposed, several coordinates move or no force acts. Grows the
+/// pool: main thread only.
 std::optional<Effect> between_samples(const Study& study, const Model& model);
 
 }  // namespace lunid

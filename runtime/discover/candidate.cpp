@@ -231,7 +231,7 @@ bool Candidate::degenerate() const {
       return true;
   for (const auto& [i, limits] : shown) {
     double value = fit.theta[static_cast<Eigen::Index>(i)], least = limits.first, most = limits.second;
-    if (least > 0 && most > 2e4 * least) {  // over so many decades a limit is near by its logarithm
+    if (least > 0 && most > 2e3 * least) {  // over so many decades a limit is near by its logarithm
       value = std::log(value);
       least = std::log(least);
       most = std::log(most);

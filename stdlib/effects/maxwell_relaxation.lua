@@ -1,4 +1,6 @@
 return function(effect)
+  --- Below that it is told from no damper, or from nothing but what the force does between its samples.
+  local function shortest(scale) return scale.interval / 4 end
   return effect {
     name = "maxwell_relaxation",
     family = "hysteresis",
@@ -10,14 +12,14 @@ return function(effect)
       local guesses = {}
       for _, part in ipairs { 0.1, 1, 10 } do
         for _, stiffer in ipairs { 0.1, 1 } do
-          guesses[#guesses + 1] = { k = stiffer * scale.stiffness, tau = scale.interval + part / scale.omega }
+          guesses[#guesses + 1] = { k = stiffer * scale.stiffness, tau = shortest(scale) + part / scale.omega }
         end
       end
       return guesses
     end,
-    range = function(scale)  -- tau below a sample: viscous_damping; tau -> infinity: linear_stiffness
+    range = function(scale)  -- tau -> 0: viscous_damping; tau -> infinity: linear_stiffness
       return { k = { 1e-4 * scale.stiffness, 1e5 * scale.stiffness },
-        tau = { scale.interval, scale.interval + 1e3 / scale.omega } }
+        tau = { shortest(scale), shortest(scale) + 1e3 / scale.omega } }
     end,
     passive = true,
     signature = "odd, linear: the fundamental only; an elliptic loop, widest where omega*tau = 1; depends on frequency",

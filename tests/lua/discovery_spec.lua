@@ -130,5 +130,14 @@ spec.case("a late force beside a baseline that cannot be run", function()
   end
 end)
 
+-- At ten rows a period: what relaxes within one row still stiffens a tone more than what the force does between rows.
+spec.case("a relaxation shorter than the sampling interval", function()
+  local of = { name = "relaxation", states = 1, rest = function(x, u, z) return x + 0.04*u + z end,
+    rate = function(_, u, z) return 0.8*u - z/0.42 end, fine = 24 }
+  local found = discover(of, record_of(of, chirp(1, 0.3, 2.2, 360), 560, 0.63, 0.004, 9),
+    record_of(of, tones(0.4, 10), 560, 0.63, 0.004, 10))
+  spec.equal(names_of(found), "maxwell_relaxation")
+end)
+
 spec.clean()
 spec.finish()

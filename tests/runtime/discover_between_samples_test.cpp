@@ -11,13 +11,15 @@ namespace {
 constexpr double spacing = 2 * M_PI / 14;  // of a mass of 1 on k = 1
 constexpr int rows = 840, finer = 32;
 
-/// `mass` under a force of 40 lines and a loop of this stiffness, by Runge and Kutta's method within each sample.
-Record looped(double mass, double loop, std::uint64_t seed) {
+/// `mass` under a force of 40 lines and a loop of this stiffness and damping, by Runge and Kutta's method within each
+/// sample.
+Record looped(double mass, double loop, double damping, std::uint64_t seed) {
   const truth::Signal lines = truth::multisine(0.2, 2.2, 40, seed);
   truth::Motion out;
   double x = 0, v = 0;
   for (int row = 0; row < rows; ++row) {
-    const double held = -loop * x, first = 0.02 * lines(row * spacing), last = 0.02 * lines((row + 1) * spacing);
+    const double held = -loop * x - damping * v, first = 0.02 * lines(row * spacing),
+                 last = 0.02 * lines((row + 1) * spacing);
     out.x.push_back(x);
     out.force.push_back(first + held);
     const double h = spacing / finer;
@@ -39,21 +41,24 @@ Record looped(double mass, double loop, std::uint64_t seed) {
 }
 
 /// Of a baseline with a mass of 1.
-Discovery find(double mass, double loop) {
+Discovery find(double mass, double loop, double damping) {
   const Model model = testing::baseline("k*y + c*v", 1);
   std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
   catalogue.push_back(testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")}));
-  return discover(model, catalogue, {looped(mass, loop, 11), looped(mass, loop, 12)}, {looped(mass, loop, 13)});
+  return discover(model, catalogue, {looped(mass, loop, damping, 11), looped(mass, loop, damping, 12)},
+                  {looped(mass, loop, damping, 13)});
 }
 
 TEST(BetweenSamples, APartThatIsHeldIsNoMass) {
-  const Discovery d = find(1, 0.3);
-  EXPECT_TRUE(d.effects.empty()) << d.sentence;
-  EXPECT_NE(d.verdict, "explained");
+  for (const double damping : {0.0, 0.15}) {
+    const Discovery d = find(1, 0.3, damping);
+    EXPECT_TRUE(d.effects.empty()) << d.sentence;
+    EXPECT_NE(d.verdict, "explained");
+  }
 }
 
 TEST(BetweenSamples, AMassIsOne) {
-  const Discovery d = find(1.06, 0.3);
+  const Discovery d = find(1.12, 0.3, 0);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "added_mass");
 }
