@@ -158,6 +158,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool patchwork = names > 1 && last.value > at_the_floor && !closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
+  if (patchwork && names > 2 && left.material) return "left a repeatable force beside several: they follow another one";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !closed) return "left a force that is repeatable";
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));

@@ -177,6 +177,13 @@ TEST(Verdict, TakesNoNameBackForASmallForceBesideThoseThatCloseNearlyAll) {
   EXPECT_EQ(verdict_on(1, 0.011, 0.04, 0.02, true), "");
 }
 
+TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
+  const std::string another = "left a repeatable force beside several: they follow another one";
+  EXPECT_EQ(verdict_on(3, 0.036, 0.12, 0.02, true), another);
+  EXPECT_NE(verdict_on(2, 0.036, 0.12, 0.02, true), another);
+  EXPECT_NE(verdict_on(3, 0.036, 0.12, 0.02, false), another);
+}
+
 /// A sum of powers follows any smooth curve within the motion that it was fitted to.
 TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
   const std::string patchwork =
