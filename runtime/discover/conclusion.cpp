@@ -117,7 +117,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::string names;
     for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.label;
     names += not_physics(found.order);
-    const double first = std::min(out.baseline_test.value, 1.0);  // a run that explodes leaves no more than all
+    const double first = at_most_all(out.baseline_test.value);
     const double excess = first - out.final_test.floor;
     const double share = excess > 0 ? (first - out.final_test.value) / excess : 0;
     std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",

@@ -164,6 +164,13 @@ class Grower {
     double misfit = INFINITY;  ///< of the force as it is
   };
 
+  void add_offer(std::vector<Offer>& offers, const Candidate& parent, const Proposer::Parent& space,
+                 const Shape& shape) {
+    offers.push_back({&parent, &space, {}});
+    offers.back().standing.shape = &shape;
+    out_.tried += static_cast<int>(shape.guesses.size());
+  }
+
   std::vector<Candidate> add_one(const std::vector<Candidate>& parents, int size) {
     std::vector<Proposer::Parent> spaces(parents.size());
     parallel_for(static_cast<int>(parents.size()), study_.options->threads, [&](int i) {
@@ -174,9 +181,7 @@ class Grower {
     for (std::size_t k = 0; k < parents.size(); ++k)
       for (const auto& shape : shapes_) {
         if (holds(parents[k].choices, shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
-        offers.push_back({&parents[k], &spaces[k], {}});
-        offers.back().standing.shape = &shape;
-        out_.tried += static_cast<int>(shape.guesses.size());
+        add_offer(offers, parents[k], spaces[k], shape);
       }
     const auto each = [&](const std::vector<std::size_t>& list, const std::function<void(Offer&)>& job) {
       parallel_for(static_cast<int>(list.size()), study_.options->threads,
@@ -437,9 +442,7 @@ class Grower {
       if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape) ||
           std::ranges::any_of(out_.sets, is_set) || std::ranges::any_of(more, is_set) || is_known(rest, shape.choice))
         continue;
-      offers.push_back({&rest, &space, {}});
-      offers.back().standing.shape = &shape;
-      out_.tried += static_cast<int>(shape.guesses.size());
+      add_offer(offers, rest, space, shape);
     }
     parallel_for(static_cast<int>(offers.size()), study_.options->threads, [&](int i) {
       Standing& s = offers[static_cast<std::size_t>(i)].standing;

@@ -225,8 +225,10 @@ double required_gain(const Study& study, double gap_after) {
   return std::min(0.5, study.options->minimum_gain * (gap_after < 1.5 * study.noise_gap() ? 1 : 5));
 }
 
+double at_most_all(double gap) { return gap < 1 ? gap : 1; }
+
 double closed_share(double before, double after, double floor) {
-  before = before < 1 ? before : 1;
+  before = at_most_all(before);
   const double excess = before * before - floor * floor;
   return excess > 0 ? (before * before - after * after) / excess : 0;
 }

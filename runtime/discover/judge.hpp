@@ -77,8 +77,11 @@ double left_out_p_value(const Study& study, const Candidate& before, const Candi
 /// there come from patching what is no function of the motion.
 double required_gain(const Study& study, double gap_after);
 
-/// Share of the excess of a gap over its floor (squared) that a better model closes. A model worse than none (gap 1: of
-/// a motion that is predicted as zero) counts as none: nobody earns by what a run that explodes leaves.
+/// A gap of 1 is that of a motion which is predicted as zero. A model that is worse, or cannot be run, counts as none:
+/// nobody earns by what a run that explodes leaves.
+double at_most_all(double gap);
+
+/// Share of the excess of a gap, at_most_all(), over its floor (squared) that a better model closes.
 double closed_share(double before, double after, double floor);
 
 /// Block length [rows] for bootstraps: two periods of the motion.

@@ -145,8 +145,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
-  const double at_first = first.value < 1 ? first.value : 1;
-  const bool far = far_from_the_floor(last, much_open) && last.value - last.floor > part * (at_first - last.floor);
+  const bool far =
+      far_from_the_floor(last, much_open) && last.value - last.floor > part * (at_most_all(first.value) - last.floor);
   if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more

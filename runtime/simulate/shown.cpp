@@ -127,79 +127,51 @@ Eigen::VectorXd shown(const System& system, std::span<const double> theta, const
 
 namespace {
 
-/// One coordinate's channels at one state.
-class ShownAt {
- public:
-  ShownAt(const System& system, std::span<const double> theta, double t, const Eigen::VectorXd& x)
-      : system_(system), theta_(theta) {
-    at_.t0 = t;
-    at_.x = x.transpose();
-    at_.a = Eigen::MatrixXd::Zero(1, system.degrees());
+/// A channel that follows less than this of a state says nothing of it.
+bool follows(double slope) {
+  constexpr double least_slope = 0.1;
+  return std::isfinite(slope) && std::abs(slope) > least_slope;
+}
+
+/// The value of a state at which its channel shows what the state holds now (Newton's method); as it is where the
+/// channel does not follow it.
+double behind(const System& system, const Tape& tape, std::span<const double> theta, Run at, int state) {
+  constexpr int passes = 4;
+  MeasureRows rows(system, tape, theta);
+  double& x = at.x(0, state);
+  const double was = x;
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::vector<double>& shows = rows.row(at, 0);
+    const double slope = shows[1 + static_cast<std::size_t>(state)];
+    if (!std::isfinite(shows[0]) || !follows(slope)) return was;
+    x -= (shows[0] - was) / slope;
   }
-
-  /// What a channel shows and its slope along a column of its values (MeasureRows::row()).
-  struct Value {
-    double shows, slope;
-  };
-  Value along(const Tape& tape, int column) {
-    MeasureRows rows(system_, tape, theta_);
-    const std::vector<double>& values = rows.row(at_, 0);
-    return {values[0], values[1 + static_cast<std::size_t>(column)]};
-  }
-
-  /// Moves a state until its channel shows what it was; leaves it where the channel does not follow it.
-  void move(const Tape& tape, int state) {
-    constexpr int passes = 4;
-    const double was = at_.x(0, state);
-    for (int pass = 0; pass < passes; ++pass) {
-      const auto [shows, slope] = along(tape, state);
-      if (!std::isfinite(shows) || !follows(slope)) {
-        at_.x(0, state) = was;
-        return;
-      }
-      at_.x(0, state) -= (shows - was) / slope;
-    }
-    if (!std::isfinite(at_.x(0, state))) at_.x(0, state) = was;
-  }
-
-  void divide(int state, double slope) {
-    if (follows(slope)) at_.x(0, state) /= slope;
-  }
-
-  double value(int state) const { return at_.x(0, state); }
-
- private:
-  static bool follows(double slope) {
-    constexpr double least_slope = 0.1;
-    return std::isfinite(slope) && std::abs(slope) > least_slope;
-  }
-
-  const System& system_;
-  std::span<const double> theta_;
-  Run at_;
-};
+  return std::isfinite(x) ? x : was;
+}
 
 }  // namespace
 
 Eigen::Vector2d motion_behind(const System& system, std::span<const double> theta, const Record& record, int coordinate,
                               double t, const Eigen::VectorXd& x) {
   const Model& model = system.model();
-  const int y = 2 * coordinate, v = y + 1;
-  const std::string measured = measured_channel(record, model.channel('y', coordinate).substr(1));
-  const int from = state_of(model, measured);
-  ShownAt at(system, theta, t, x);
-  for (const int state : {y, v}) {
-    const std::string channel = model.channel(state == y ? 'y' : 'v', coordinate);
-    const Tape* tape = system.measure(channel);
-    if (tape && !record.channel(channel).derived) at.move(*tape, state);
-  }
+  const int first = 2 * coordinate;
+  const std::string channels[] = {model.channel('y', coordinate), model.channel('v', coordinate)};
+  const auto derived = [&](int i) { return record.channel(channels[i]).derived; };
+  Run at;
+  at.t0 = t;
+  at.x = x.transpose();
+  at.a = Eigen::MatrixXd::Zero(1, system.degrees());
+  for (int i = 0; i < 2; ++i)
+    if (const Tape* tape = system.measure(channels[i]); tape && !derived(i))
+      at.x(0, first + i) = behind(system, *tape, theta, at, first + i);
+  const std::string measured = measured_channel(record, channels[0].substr(1));
   if (const Tape* tape = system.measure(measured)) {
-    const double slope = at.along(*tape, from >= 0 ? from : system.states() + coordinate).slope;
-    for (const int state : {y, v})
-      if (state != from && record.channel(model.channel(state == y ? 'y' : 'v', coordinate)).derived)
-        at.divide(state, slope);
+    const int from = state_of(model, measured), column = from >= 0 ? from : system.states() + coordinate;
+    const double slope = MeasureRows(system, *tape, theta).row(at, 0)[1 + static_cast<std::size_t>(column)];
+    for (int i = 0; i < 2; ++i)
+      if (first + i != from && derived(i) && follows(slope)) at.x(0, first + i) /= slope;
   }
-  return {at.value(y), at.value(v)};
+  return {at.x(0, first), at.x(0, first + 1)};
 }
 
 Eigen::MatrixXd shown_slopes(const System& system, std::span<const double> theta, const Excitations& excitation,

@@ -60,11 +60,13 @@ local function names_of(found)
   return table.concat(names, " ")
 end
 
-local function discover(of, train, test)
+--- What the whole catalogue names; train and test are { force, rows, dt, seed }.
+local function named(of, noise, train, test)
+  local function record(made) return record_of(of, made[1], made[2], made[3], noise, made[4]) end
   local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
-  return lunid.discover {
-    model = lunid.model { mass = 1, restoring = k*y + c*v }, train = train, test = test, out = of.name,
-  }
+  return names_of(lunid.discover {
+    model = lunid.model { mass = 1, restoring = k*y + c*v }, train = record(train), test = record(test), out = of.name,
+  })
 end
 
 -- A lightly damped absorber between the frequencies of coarser guesses: beside its resonance the force along the motion
@@ -76,9 +78,8 @@ spec.case("a hidden mode of little damping beside a cubic spring", function()
     rest = function(x, u, z, w) return x + 0.018*u + 0.02*x^3 + mh*wh^2*(x - z) + ch*(u - w) end,
     rate = function(x, u, z, w) return w, wh^2*(x - z) + ch/mh*(u - w) end,
   }
-  local found = discover(of, record_of(of, chirp(0.1, 0.3, 1.6, 450), 3000, 0.15, 0.002, 1),
-    record_of(of, tones(0.05, 2), 2500, 0.15, 0.002, 2))
-  spec.equal(names_of(found), "cubic_stiffness hidden_mode")
+  local names = named(of, 0.002, { chirp(0.1, 0.3, 1.6, 450), 3000, 0.15, 1 }, { tones(0.05, 2), 2500, 0.15, 2 })
+  spec.equal(names, "cubic_stiffness hidden_mode")
 end)
 
 -- More parameters than are needed follow the same motion: Bouc and Wen's hysteresis without loss.
@@ -86,9 +87,8 @@ spec.case("a curved spring beside drag is no hysteresis", function()
   local of = {
     name = "curved", rest = function(x, u) return x + 0.1*u + 0.5*x/(1 + math.abs(x)/0.8) + 0.1*math.abs(u)*u end,
   }
-  local found = discover(of, record_of(of, chirp(1, 0.3, 2.4, 380), 2500, 0.152, 0.01, 3),
-    record_of(of, tones(0.25, 4), 1900, 0.2, 0.01, 4))
-  spec.equal(names_of(found), "hyperbolic_soil quadratic_drag")
+  local names = named(of, 0.01, { chirp(1, 0.3, 2.4, 380), 2500, 0.152, 3 }, { tones(0.25, 4), 1900, 0.2, 4 })
+  spec.equal(names, "hyperbolic_soil quadratic_drag")
 end)
 
 -- Friction that grows with |y| has a parameter more.
@@ -98,9 +98,8 @@ spec.case("friction beside a lag", function()
     rest = function(x, u) return x + 0.2*u + 0.15*math.tanh(u/2e-3) end,
     rate = function(x, _, z) return (x - z)/0.4, 0 end,
   }
-  local found = discover(of, record_of(of, tones(0.2, 5), 2200, 0.16, 0.01, 5),
-    record_of(of, chirp(0.6, 0.3, 2.4, 350), 2200, 0.16, 0.01, 6))
-  spec.equal(names_of(found), "coulomb_friction sensor_lag")
+  local names = named(of, 0.01, { tones(0.2, 5), 2200, 0.16, 5 }, { chirp(0.6, 0.3, 2.4, 350), 2200, 0.16, 6 })
+  spec.equal(names, "coulomb_friction sensor_lag")
 end)
 
 -- The force acts three samples late: along the motion damping is negative, and the baseline's run grows without bound.
@@ -134,9 +133,8 @@ end)
 spec.case("a relaxation shorter than the sampling interval", function()
   local of = { name = "relaxation", states = 1, rest = function(x, u, z) return x + 0.04*u + z end,
     rate = function(_, u, z) return 0.8*u - z/0.42 end, fine = 24 }
-  local found = discover(of, record_of(of, chirp(1, 0.3, 2.2, 360), 560, 0.63, 0.004, 9),
-    record_of(of, tones(0.4, 10), 560, 0.63, 0.004, 10))
-  spec.equal(names_of(found), "maxwell_relaxation")
+  local names = named(of, 0.004, { chirp(1, 0.3, 2.2, 360), 560, 0.63, 9 }, { tones(0.4, 10), 560, 0.63, 10 })
+  spec.equal(names, "maxwell_relaxation")
 end)
 
 spec.clean()

@@ -60,14 +60,14 @@ Candidate with_force(const Study& study, double value, const std::string& force 
   return c;
 }
 
-/// A baseline whose fit ended elsewhere makes the likelihood of any force that started better: the force's own
-/// coefficient knows better.
 TEST(ClosedShare, AModelThatIsWorseThanNoneCountsAsNone) {
   EXPECT_DOUBLE_EQ(closed_share(1e6, 0.3, 0), closed_share(1, 0.3, 0));
   EXPECT_DOUBLE_EQ(closed_share(INFINITY, 0.3, 0), 1 - 0.3 * 0.3);
   EXPECT_DOUBLE_EQ(closed_share(0.5, 0.1, 0.1), 1);
 }
 
+/// A baseline whose fit ended elsewhere makes the likelihood of any force that started better: the force's own
+/// coefficient knows better.
 TEST(Judge, AForceWhoseCoefficientMayBeZeroIsNone) {
   const Compared c(noise, 0);
   EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5), c.best));
