@@ -88,9 +88,11 @@ double misfit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Index* 
 }
 
 /// Squared error on rows that the regression did not see, for the own columns and for all; small ridge on all.
-std::pair<double, double> left_out_misfit(const Eigen::MatrixXd& all, Eigen::Index own, const Columns& columns,
-                                          int parts) {
+std::pair<double, double> left_out_misfit(const Columns& columns, int parts) {
   double with = 0, without = 0;
+  const Eigen::Index own = columns.own.cols();
+  Eigen::MatrixXd all(columns.own.rows(), own + columns.extra.cols());
+  all << columns.own, columns.extra;
   const Eigen::Index m = all.cols();
   std::vector<Eigen::MatrixXd> gram(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(m, m));
   std::vector<Eigen::VectorXd> right(static_cast<std::size_t>(parts), Eigen::VectorXd::Zero(m));
@@ -144,15 +146,19 @@ namespace {
 struct Generic {
   Closure closure;
   std::vector<Feature> features;
+  Columns columns;
   double left = INFINITY;  ///< squared error beside them
 };
 
-Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place) {
+/// Of all generic forces, or of those that are listed.
+Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place,
+                   const std::vector<std::size_t>* listed = nullptr) {
   Generic out;
   out.closure.place = place;
   Model model = candidate.system->model();
   out.features = generic_forces(study, model, place);
   for (std::size_t j = 0; j < out.features.size(); ++j) {
+    if (listed && std::ranges::find(*listed, j) == listed->end()) continue;
     const std::string name = "closure_" + std::to_string(j + 1);
     add_force(model, place, model.pool->parameter(name) * out.features[j].force);
     Parameter row;
@@ -166,7 +172,7 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
 
 void test(const Study& study, const Candidate& candidate, const Whitening& whitening, Generic& generic) {
   Closure& closure = generic.closure;
-  Columns columns;
+  Columns& columns = generic.columns;
   if (!collect(study, candidate, *closure.system, whitening, columns)) return;
   const Eigen::MatrixXd &own = columns.own, &extra = columns.extra;
   Eigen::MatrixXd all(own.rows(), own.cols() + extra.cols());
@@ -178,18 +184,33 @@ void test(const Study& study, const Candidate& candidate, const Whitening& white
   const double freedom = static_cast<double>(own.rows() - rank_all);
   if (added > 0 && freedom > 0 && generic.left > 0)
     closure.p_value = f_tail((before - generic.left) / added / (generic.left / freedom), added, freedom);
-  const auto [without, with] = left_out_misfit(all, own.cols(), columns, study.options->blocks);
-  closure.gain = 1 - std::sqrt(with / without);
-  double best = before;
-  for (Eigen::Index j = 0; j < extra.cols(); ++j) {
-    Eigen::MatrixXd one(own.rows(), own.cols() + 1);
-    one << own, extra.col(j);
-    const double cost = misfit(one, columns.residual);
-    if (cost < best) {
-      best = cost;
-      closure.shape = generic.features[static_cast<std::size_t>(j)].words;
+}
+
+/// Forward selection of the generic forces that explain more than chance beside those before them, best first: what all
+/// of them follow together does not hold for another motion.
+std::vector<std::size_t> select(const Columns& columns, double alpha) {
+  std::vector<std::size_t> chosen;
+  Eigen::MatrixXd with = columns.own;
+  double before = misfit(with, columns.residual);
+  const auto all = static_cast<std::size_t>(columns.extra.cols());
+  while (chosen.size() < all) {
+    double least = before;
+    std::size_t best = all;
+    with.conservativeResize(Eigen::NoChange, with.cols() + 1);
+    for (std::size_t j = 0; j < all; ++j) {
+      if (std::ranges::find(chosen, j) != chosen.end()) continue;
+      with.rightCols(1) = columns.extra.col(static_cast<Eigen::Index>(j));
+      if (const double cost = misfit(with, columns.residual); cost < least) least = cost, best = j;
     }
+    const double freedom = static_cast<double>(with.rows() - with.cols());
+    if (best == all || !(freedom > 0 && least > 0)) break;
+    const double p_value = f_tail((before - least) / (least / freedom), 1, freedom);
+    if (!(corrected(p_value, static_cast<int>(all)) < alpha)) break;
+    with.rightCols(1) = columns.extra.col(static_cast<Eigen::Index>(best));
+    chosen.push_back(best);
+    before = least;
   }
+  return chosen;
 }
 
 }  // namespace
@@ -201,10 +222,20 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
   if (all.empty()) all.push_back(generic_at(study, candidate, {}));
   parallel_for(static_cast<int>(all.size()), study.options->threads,
                [&](int i) { test(study, candidate, whitening, all[static_cast<std::size_t>(i)]); });
-  const auto best =
-      std::min_element(all.begin(), all.end(), [](const Generic& a, const Generic& b) { return a.left < b.left; });
-  best->closure.p_value = std::min(1.0, best->closure.p_value * static_cast<double>(all.size()));
-  return best->closure;
+  Generic& best =
+      *std::min_element(all.begin(), all.end(), [](const Generic& a, const Generic& b) { return a.left < b.left; });
+  Closure out = best.closure;
+  out.p_value = std::min(1.0, out.p_value * static_cast<double>(all.size()));
+  if (!std::isfinite(best.left)) return out;
+  const std::vector<std::size_t> chosen = select(best.columns, study.options->alpha);
+  if (chosen.empty()) return out;
+  out.shape = best.features[chosen.front()].words;
+  const std::vector<Eigen::Index> columns(chosen.begin(), chosen.end());
+  best.columns.extra = best.columns.extra(Eigen::all, columns).eval();
+  const auto [without, with] = left_out_misfit(best.columns, study.options->blocks);
+  out.gain = 1 - std::sqrt(with / without);
+  out.system = generic_at(study, candidate, out.place, &chosen).closure.system;
+  return out;
 }
 
 }  // namespace lunid

@@ -309,8 +309,8 @@ class Spine {
       const std::string fault = refuted(study, round, out_.test_p_value, before, after);
       if (!fault.empty())
         take_back(round, fault, steps_that_stand(study, round, before));
-      else if (const std::size_t stand = steps_that_help(study, found, after); stand < found.steps.size())
-        take_back(round, "did worse on the test record than " + found.steps[stand - 1].name(), stand);
+      else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size())
+        take_back(round, "did no better on the test record than " + found.steps[stand - 1].name(), stand);
     } else {
       round.verdict = something_is_missing(round) ? "unknown-effect" : "nothing-missing";
     }
@@ -378,7 +378,7 @@ class Spine {
   bool something_is_missing(const Round& round, bool patched = false) const {
     const bool open =
         leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(before_test_));
-    return open || ((patched || round.left.material) && !gone_on_test(study_, round.left, before_test_));
+    return open || ((patched || round.left.material) && !gone_on_test(study_, round, before_test_));
   }
 
   /// What is left of a larger set has rivals of its own.

@@ -290,25 +290,34 @@ class Search {
 
   /// The chosen set without each of its effects, fitted and judged (from the field where it is there).
   std::vector<Candidate> one_less(const std::vector<Candidate>& field, const Candidate& chosen) {
-    std::vector<Candidate> out;
+    if (chosen.choices.size() == 1) return {result_.baseline};
+    std::vector<Choices> sets;
     for (std::size_t drop = 0; drop < chosen.choices.size(); ++drop) {
-      Choices set = chosen.choices;
-      set.erase(set.begin() + static_cast<std::ptrdiff_t>(drop));
-      out.push_back(set.empty() ? result_.baseline : obtain(field, set, chosen));
+      sets.push_back(chosen.choices);
+      sets.back().erase(sets.back().begin() + static_cast<std::ptrdiff_t>(drop));
     }
-    return out;
+    return obtain(field, sets, chosen);
   }
 
-  /// A part of a fitted set, fitted from the parameters of that set, and from those with the baseline's own; as the
+  /// Parts of a fitted set, fitted from the parameters of that set, and from those with the baseline's own; each as the
   /// field has it where that is likelier (alone it may have ended elsewhere).
-  Candidate obtain(const std::vector<Candidate>& field, const Choices& set, const Candidate& larger) {
-    const auto known =
-        std::find_if(field.begin(), field.end(), [&](const Candidate& c) { return same(c.choices, set); });
-    Candidate c = known != field.end() ? *known : compile(study_, model_, set);
-    fit_from(c, larger);
-    judge(study_, c, result_.whitening);
-    const bool as_known = known != field.end() && (!c.ran() || known->likelihood_cost <= c.likelihood_cost);
-    return as_known ? *known : c;
+  std::vector<Candidate> obtain(const std::vector<Candidate>& field, const std::vector<Choices>& sets,
+                                const Candidate& larger) const {
+    std::vector<Candidate> out;
+    std::vector<const Candidate*> known;
+    for (const Choices& set : sets) {
+      const auto at = std::ranges::find_if(field, [&](const Candidate& c) { return same(c.choices, set); });
+      known.push_back(at != field.end() ? &*at : nullptr);
+      out.push_back(known.back() ? *known.back() : compile(study_, model_, set));
+    }
+    parallel_for(static_cast<int>(out.size()), study_.options->threads, [&](int i) {
+      Candidate& c = out[static_cast<std::size_t>(i)];
+      const Candidate* as_known = known[static_cast<std::size_t>(i)];
+      fit_from(c, larger);
+      judge(study_, c, result_.whitening);
+      if (as_known && (!c.ran() || as_known->likelihood_cost <= c.likelihood_cost)) c = *as_known;
+    });
+    return out;
   }
 
   /// The first states of a set's fit as far as a part of it has the same states in the same order.
@@ -337,20 +346,17 @@ class Search {
   void order_steps(const std::vector<Candidate>& field, Candidate& chosen) {
     Choices rest = chosen.choices, ordered;
     while (rest.size() > 1) {
-      Candidate best;
-      std::size_t which = 0;
-      for (std::size_t i = 0; i < rest.size(); ++i) {
-        Choices set = ordered;
-        set.push_back(rest[i]);
-        Candidate c = obtain(field, set, chosen);
-        if (i == 0 || c.fit.cost < best.fit.cost) {
-          best = std::move(c);
-          which = i;
-        }
+      std::vector<Choices> sets;
+      for (const Choice& next : rest) {
+        sets.push_back(ordered);
+        sets.back().push_back(next);
       }
+      std::vector<Candidate> with = obtain(field, sets, chosen);
+      const auto best = std::ranges::min_element(with, {}, [](const Candidate& c) { return c.fit.cost; });
+      const auto which = static_cast<std::size_t>(best - with.begin());
       ordered.push_back(rest[which]);
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(which));
-      result_.steps.push_back(std::move(best));
+      result_.steps.push_back(std::move(*best));
     }
     ordered.push_back(rest.front());
     // The chosen model's effects in the order of the steps.

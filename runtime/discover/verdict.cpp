@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discover/accept.hpp"
+#include "discover/baseline.hpp"
 #include "discover/judge.hpp"
 #include "statistics/statistics.hpp"
 
@@ -23,21 +24,23 @@ std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vec
 
 namespace {
 
-/// Relative drop of the left-out gap by the generic forces as they were fitted: what their slopes at zero promise is
-/// less where they bend the run.
-double left_out_gain(const Study& study, const Candidate& c, const Closure& closure) {
-  if (!(std::isfinite(c.left_out_gap) && c.left_out_gap > 0)) return 0;
+/// Of the generic forces as they were fitted: what their slopes at zero promise is another thing where they bend the
+/// run.
+double left_out_gap(const Study& study, const Closure& closure) {
   Candidate generic;
   generic.system = closure.system;
   generic.fit = closure.fit;
   run_left_out(study, generic);
-  return 1 - generic.left_out_gap / c.left_out_gap;
+  return generic.left_out_gap;
 }
 
 }  // namespace
 
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
                         const Whitening& whitening) {
+  // Fitted forces follow a disturbance a good way, over rows that they were not fitted to as well where the motion is
+  // lightly damped.
+  constexpr double beyond_disturbances = 0.75;
   Left left;
   left.gap = pool_gap(train, 0);
   left.closure = test_closure(study, c, whitening);
@@ -54,8 +57,12 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   // names this may be chance: the floor is known to some percent, and they were chosen to be near it.
   const bool above = !(now.value <= now.floor + 3 * now.floor_std), named = !c.choices.empty();
   const double least = study.options->minimum_gain;
-  if (left.seen && named && (!above || left.closure.gain <= least))
-    left.closure.gain = left_out_gain(study, c, left.closure);
+  const bool doubtful = !named || !above || left.closure.gain <= least;
+  if (left.seen && doubtful && std::isfinite(c.left_out_gap) && c.left_out_gap > 0) {
+    const double with_generic = left_out_gap(study, left.closure);
+    const double closed = closed_share(c.left_out_gap, with_generic, study.noise_gap());
+    left.closure.gain = named || closed > beyond_disturbances ? 1 - with_generic / c.left_out_gap : 0;
+  }
   left.material = left.seen && (above || named) && left.closure.gain > least;
   const bool far_above = now.value > 3 * now.floor && closed_share(now.value, with.value, now.floor) > 0.9;
   left.whole = left.material && (far_above || with.value < 1.5 * with_closure(true).floor);
@@ -64,6 +71,7 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
+constexpr double most_closed = 0.95;  ///< of the squared excess, by names that stand beside a small repeatable force
 constexpr double much_open = 0.15;    ///< of the motion
 constexpr double little_open = 0.05;  ///< the same where less is asked for
 
@@ -95,7 +103,7 @@ void decide(const Study& study, Round& round) {
     round.verdict =
         round.left.material || leaves_motion_open(study, round.gap(round.train)) ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
-             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < 0.95) {
+             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < most_closed) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
@@ -114,10 +122,31 @@ void withdraw(Round& round, const std::string& remark) {
   found.ties = {};
 }
 
-bool gone_on_test(const Study& study, const Left& left, const std::vector<FreeRun>& before) {
-  if (left.closure.fit.theta.size() == 0 || !std::isfinite(left.closure.fit.cost)) return false;
-  const std::vector<FreeRun> with = runs(study, *left.closure.system, left.closure.fit, study.test, false);
-  return std::isfinite(pool_gap(with, 0).value) && !lowers_the_gap(study, before, with);
+namespace {
+
+/// Forces that follow the training motion need not hold beyond it: whether the test records show some of their own
+/// beside the same model, fitted to them.
+bool test_shows_structure(const Study& study, const Candidate& model, const Whitening& whitening) {
+  Study own = study;
+  own.full = study.test;
+  own.train.clear();
+  for (const Record& record : study.test) own.train.push_back(fit_data(study, record));
+  smooth_all(own);
+  Candidate c = model;
+  c.fit = fit_trajectory(*c.system, model.fit.theta, own.train, full_fit(study, 20));
+  judge(own, c, whitening);
+  run_left_out(own, c);
+  return look_for_structure(own, c, runs(own, c, own.full), whitening).material;
+}
+
+}  // namespace
+
+bool gone_on_test(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
+  const Closure& closure = round.left.closure;
+  if (closure.fit.theta.size() == 0 || !std::isfinite(closure.fit.cost)) return false;
+  const std::vector<FreeRun> with = runs(study, *closure.system, closure.fit, study.test, false);
+  return std::isfinite(pool_gap(with, 0).value) && !lowers_the_gap(study, before, with) &&
+         !test_shows_structure(study, round.found.chosen, round.found.whitening);
 }
 
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -146,21 +175,23 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
   const bool far =
-      far_from_the_floor(last, much_open) && last.value - last.floor > part * (at_most_all(first.value) - last.floor);
-  if (far || (last.value > 5 * last.floor && closed_share(first.value, last.value, last.floor) < 0.9))
+      leaves_motion_open(study, last) && last.value - last.floor > part * (at_most_all(first.value) - last.floor);
+  const double closed = closed_share(first.value, last.value, last.floor);
+  if (far || (last.value > 3 * last.floor && closed < 0.9) || (last.value > 1.5 * last.floor && closed < 0.5))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
   // all that is above the floor counts.
   const std::size_t names = round.found.chosen.choices.size();
   const double at_the_floor =
       names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
-  const bool closed = closed_share(first.value, last.value, last.floor) >= 0.998;
-  const bool patchwork = names > 1 && last.value > at_the_floor && !closed;
+  const bool all_closed = closed >= 0.998;
+  const bool patchwork = names > 1 && last.value > at_the_floor && !all_closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (patchwork && names > 2 && left.material) return "left a repeatable force beside several: they follow another one";
   if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
-  if (left.whole && !closed) return "left a force that is repeatable";
+  if (left.whole && !all_closed) return "left a force that is repeatable";
+  if (closed >= most_closed) return "";  // names that close most stand beside what is left, which is told
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
@@ -172,7 +203,7 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     const Candidate& step = found.steps[count - 1];
     const std::vector<FreeRun> after = runs(study, step, study.test);
     const Gap last = round.gap(after);
-    const bool closes = std::isfinite(last.value) && closed_share(first.value, last.value, last.floor) > 0.95 &&
+    const bool closes = std::isfinite(last.value) && closed_share(first.value, last.value, last.floor) > most_closed &&
                         test_p_value(study, before, after) < 0.05;
     if (!closes) continue;
     if (!far_from_the_floor(last, little_open)) return count;
@@ -184,13 +215,16 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
   return 0;
 }
 
-std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after) {
+std::size_t steps_that_help(const Study& study, const Round& round, const std::vector<FreeRun>& after) {
   constexpr double neither = 0.005;  // better nor worse
-  std::size_t count = found.steps.size();
-  for (std::vector<FreeRun> with = after; count > 1; --count) {
-    std::vector<FreeRun> without = runs(study, found.steps[count - 2], study.test, false);
-    if (!(pool_gap(without, 0).value < (1 - neither) * pool_gap(with, 0).value)) break;
-    with = std::move(without);
+  const std::vector<Candidate>& steps = round.found.steps;
+  std::size_t count = steps.size();
+  for (Gap with = round.gap(after); count > 1; --count) {
+    const Gap without = round.gap(runs(study, steps[count - 2], study.test, false));
+    const bool raised = without.value < (1 - neither) * with.value;
+    const bool open = without.value > 1.5 * with.floor && closed_share(without.value, with.value, with.floor) < 0.5;
+    if (!raised && !open) break;
+    with.value = without.value;
   }
   return count;
 }

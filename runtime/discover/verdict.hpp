@@ -55,9 +55,10 @@ bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, cons
 /// Fills in what follows from `found`; the test records stay closed.
 void decide(const Study& study, Round& round);
 
-/// The test records do not bear out what generic forces saw in the training records: the gap on them does not fall by
-/// these either. False where they cannot be run there. `before`: the model's runs over the test records.
-bool gone_on_test(const Study& study, const Left& left, const std::vector<FreeRun>& before);
+/// The test records do not bear out what generic forces saw in the training records beside the chosen model: the gap on
+/// them does not fall by these, nor do they show such forces of their own. False where these cannot be run there.
+/// `before`: the model's runs over the test records.
+bool gone_on_test(const Study& study, const Round& round, const std::vector<FreeRun>& before);
 
 /// Takes the names back; the model is the baseline again.
 void withdraw(Round& round, const std::string& remark);
@@ -73,8 +74,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
 /// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
 /// gap, and to leave little. `before`: the baseline's runs over the test records.
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
-/// The same where they confirm all together: without the last ones whose step has raised the gap. `after`: the
-/// final model's runs over the test records.
-std::size_t steps_that_help(const Study& study, const SearchResult& found, const std::vector<FreeRun>& after);
+/// The same where they confirm all together: without the last ones whose step has raised the gap, or closed less than
+/// half of what the steps before it leave above the noise. `after`: the final model's runs over the test records.
+std::size_t steps_that_help(const Study& study, const Round& round, const std::vector<FreeRun>& after);
 
 }  // namespace lunid

@@ -355,7 +355,8 @@ const VectorXd& Excitation::Source::interpolated_grid() {
 const VectorXd& Excitation::Source::early_rows() {
   const std::lock_guard lock(mutex);
   const VectorXd& f = interpolated();
-  if (early.size() || f.size() < early_ahead) return early;
+  if (early.size() || f.size() == 0) return early;
+  if (f.size() < early_ahead) return early = VectorXd::Constant(early_ahead + 1, f[0]);  // too few say nothing more
   const Index reach = std::min(f.size(), most_early);
   const Extended whole = extend({f.data(), static_cast<std::size_t>(f.size())}, 2 * reach);  // half of it falls to zero
   early.resize(reach + early_ahead);

@@ -152,6 +152,7 @@ std::string verdict_on(int names, double train, double test, double floor, bool 
   study.options = &options;
   const Model model = testing::baseline("k*y", 1);
   const std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+  study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
   Round round;
   for (int i = 0; i < names; ++i) round.found.chosen.choices.push_back({&catalogue[static_cast<std::size_t>(i)], 0});
   round.left.gap.value = train;

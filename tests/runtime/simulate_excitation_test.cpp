@@ -49,6 +49,7 @@ TEST(Excitation, WhatCameBeforeIsPredictedOrKnown) {
   EXPECT_DOUBLE_EQ(Excitation(0, 0.1, 50, [](double t) { return std::sqrt(t) + 1; }).also_before(-0.33), 1);
   const std::vector<double> constant(40, 5.0);
   EXPECT_NEAR(Excitation(0, 0.1, constant).also_before(-1), 5, 1e-12);
+  EXPECT_DOUBLE_EQ(Excitation(0, 0.1, std::vector<double>{3, 4}).also_before(-0.25), 3);
 }
 
 TEST(Excitation, KindsDoWhatTheySay) {
