@@ -1,0 +1,60 @@
+// Forces of the motion without a name, beside a model that lacks one.
+#include <gtest/gtest.h>
+
+#include "discover/baseline.hpp"
+#include "discover/judge.hpp"
+#include "discover/verdict.hpp"
+#include "discover_catalogue.hpp"
+
+namespace lunid {
+namespace {
+
+/// The baseline beside a motion of the truth that has one force more, or a disturbance, judged on its training record.
+struct Beside {
+  DiscoverOptions options;
+  Model model = testing::baseline("k*y + c*v", 1);
+  Study study;
+  Candidate baseline;
+  Whitening whitening;
+
+  explicit Beside(const truth::Physics& physics) {
+    const auto record = [&](double force, int seed) {
+      const auto push = truth::multisine(0.2, 2.2, 20, static_cast<std::uint64_t>(seed));
+      const truth::Motion motion = truth::integrate(physics, push, force, {}, 2000, testing::spacing, 16);
+      return testing::noisy_record(motion, "y", motion.x, 0.02, seed);
+    };
+    study = prepare(complete(model), {record(0.15, 5)}, {record(0.22, 6)}, options);
+    baseline = compile(study, complete(model), {});
+    baseline.fit = fit_trajectory(*baseline.system, Eigen::Vector2d(1, 0.06), study.train, full_fit(study, 20));
+    whitening = residual_colour(study, baseline);
+    judge(study, baseline, whitening);
+    run_left_out(study, baseline);
+  }
+
+  Left left() const { return look_for_structure(study, baseline, runs(study, baseline, study.full), whitening); }
+};
+
+/// All generic forces together follow the training motion, and nothing else.
+TEST(Closure, OfFewForcesHoldsForALargerMotion) {
+  truth::Physics physics;
+  physics.other = [](double x, double v) { return 0.02 * x * v * v; };
+  const Beside t(physics);
+  const Left left = t.left();
+  EXPECT_TRUE(left.material);
+  EXPECT_EQ(left.closure.shape, "stiffness that depends on v");
+  EXPECT_LE(left.closure.system->parameters(), 2 + 6);
+  const auto gap = [&](const System& system, const FitResult& fit) {
+    return pool_gap(runs(t.study, system, fit, t.study.test), 0);
+  };
+  const Gap before = gap(*t.baseline.system, t.baseline.fit), after = gap(*left.closure.system, left.closure.fit);
+  ASSERT_GT(before.value, 2 * before.floor);
+  EXPECT_GT(closed_share(before.value, after.value, after.floor), 0.9);
+}
+
+TEST(Closure, SeesNothingBesideTheWholeTruth) {
+  const Left left = Beside({}).left();
+  EXPECT_FALSE(left.seen || left.material);
+}
+
+}  // namespace
+}  // namespace lunid
