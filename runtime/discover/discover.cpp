@@ -88,11 +88,12 @@ class Spine {
 
   // ---- motions that forget where they came from ----
   /// Nothing was named, and no set that was fitted comes near the measured motion, or noise alone keeps the run from
-  /// it.
+  /// it: of what was chosen, or of what was, before its run over the whole record took it back.
   bool nothing_follows(const Round& round) const {
     if (study_.imposed || round.names() || round.left.gap.value < lost) return false;
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < lost * study_.measured_std(); };
-    return lost_to_noise(round.left.gap) || std::ranges::none_of(round.found.grown.sets, follows);
+    return lost_to_noise(round.left.gap) || std::ranges::none_of(round.found.grown.sets, follows) ||
+           (!round.withdrawn.empty() && is_lost(study_, round.found.rivals.front()));
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
@@ -106,8 +107,7 @@ class Spine {
     baseline_ = fit_baseline(study_, model_, unsaid);
     Round shorter = look_at_all();
     const bool reached = rms_error(shorter.found.chosen.fit) < 1.5 * study_.sensor_noise();
-    if (shorter.verdict != "unknown-effect" && reached &&
-        lost_to_noise(pool_gap(runs(study, shorter.found.chosen, study.full), 1))) {
+    if (shorter.verdict != "unknown-effect" && reached && is_lost(study, shorter.found.chosen)) {
       round = std::move(shorter);
       out_.warnings.push_back(
           "runs over whole records are lost to noise, whatever the model: all runs, fits and gaps are of " +
@@ -121,6 +121,11 @@ class Spine {
 
   /// Most of the gap, and much of the motion, is what noise makes of it.
   static bool lost_to_noise(const Gap& gap) { return gap.floor > lost && gap.value < 2 * gap.floor; }
+
+  /// Of a model's runs over whole records. A fit that knows the first states of all rows may follow such a motion.
+  static bool is_lost(const Study& study, const Candidate& model) {
+    return lost_to_noise(pool_gap(runs(study, model, study.full), 1));
+  }
 
   /// Searches the first entries of the catalogue. What is found may show how the force is to be read between its
   /// samples; where that matters the search is made again.

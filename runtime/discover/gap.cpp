@@ -66,19 +66,34 @@ void add_input_noise(const Study& study, const Nominal& at, std::vector<FreeRun>
     out[i].input_squares = std::isfinite(squares[i]) ? squares[i] / draws : 0;
 }
 
+/// Gaussian steps of a covariance, whatever the units of its rows.
+class Steps {
+ public:
+  explicit Steps(const Eigen::MatrixXd& covariance) {
+    const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+    const Eigen::VectorXd inverse = std.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(inverse.asDiagonal() * covariance *
+                                                               inverse.asDiagonal());
+    const Eigen::VectorXd lengths = parts.eigenvalues().cwiseMax(0).cwiseSqrt();
+    root_ = std.asDiagonal() * parts.eigenvectors() * lengths.asDiagonal();
+  }
+  Eigen::VectorXd draw(Philox& random) const {
+    return root_ * Eigen::VectorXd::NullaryExpr(root_.cols(), [&](Eigen::Index) { return random.normal(); });
+  }
+
+ private:
+  Eigen::MatrixXd root_;
+};
+
 /// What the first state's error makes of the run where slopes do not tell: it grows along the run (several attractors,
 /// chaos, no spring) until the motion itself bounds it.
 void add_drawn_states(const Study& study, const Nominal& at, double share, std::vector<FreeRun>& out) {
   constexpr int draws = 16;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(share * at.state.covariance);
-  const Eigen::VectorXd lengths = parts.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const Steps steps(share * at.state.covariance);
   std::vector<std::vector<double>> squares(out.size());
   for (int draw = 0; draw < draws; ++draw) {
     Philox random(study.options->seed, stream_of("first state") + static_cast<std::uint64_t>(draw));
-    Eigen::VectorXd step(lengths.size());
-    for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = lengths[i] * random.normal();
-    const std::vector<double> change =
-        squared_changes(at, at.data.excitation, at.state.x0 + parts.eigenvectors() * step, out);
+    const std::vector<double> change = squared_changes(at, at.data.excitation, at.state.x0 + steps.draw(random), out);
     for (std::size_t i = 0; i < change.size(); ++i)
       if (!std::isnan(change[i])) squares[i].push_back(change[i]);
   }
@@ -293,6 +308,29 @@ Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   const bool vague = gap.floor_std > 0.2 * gap.floor || gap.floor - gap.value > 3 * gap.floor_std;
   if (vague && gap.value < gap.floor) gap.floor = gap.value;
   return gap;
+}
+
+double parameter_spread(const Study& study, const System& system, const FitResult& fit,
+                        const std::vector<Record>& records) {
+  constexpr int draws = 12;
+  if (fit.covariance.rows() != fit.theta.size() || !fit.covariance.allFinite()) return 0;
+  const Steps steps(fit.covariance);
+  double squares = 0, variance = 0;
+  for (const Record& record : records) {
+    const std::vector<double> weights = study.weights(record);
+    const auto run = [&](const Eigen::VectorXd& theta) {
+      return free_run(study, system, theta, record, std::max(1, fit.substeps), false);
+    };
+    const std::vector<FreeRun> nominal = run(fit.theta);
+    for (const FreeRun& o : nominal) variance += o.variance;
+    for (int draw = 0; draw < draws; ++draw) {
+      Philox random(study.options->seed, stream_of("parameters") + static_cast<std::uint64_t>(draw));
+      const std::vector<FreeRun> moved = run(fit.theta + steps.draw(random));
+      for (std::size_t i = 0; i < moved.size(); ++i)
+        squares += std::pow(weights[i], 2) * (moved[i].model - nominal[i].model).tail(nominal[i].rows).squaredNorm();
+    }
+  }
+  return std::isfinite(squares) ? std::sqrt(squares / draws / variance) : 0;
 }
 
 double input_noise_share(const std::vector<FreeRun>& train) {

@@ -165,6 +165,16 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
   return p_value_of_lower_error(a, b, bootstrap_block(study), study.options->seed);
 }
 
+namespace {
+
+/// What three deviations of the parameters do not explain of a gap on the test records.
+double beyond_parameters(const Study& study, const Candidate& model, double gap) {
+  const double spread = parameter_spread(study, *model.system, model.fit, study.test);
+  return std::sqrt(std::max(0.0, gap * gap - 9 * spread * spread));
+}
+
+}  // namespace
+
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after) {
   const Left& left = round.left;
@@ -185,11 +195,14 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const double at_the_floor =
       names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
   const bool all_closed = closed >= 0.998;
-  const bool patchwork = names > 1 && last.value > at_the_floor && !all_closed;
+  const double unexplained = names > 2 || all_closed || !(last.value > 1.5 * last.floor)
+                                 ? last.value
+                                 : beyond_parameters(study, round.found.chosen, last.value);
+  const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
   if (patchwork && names > 2 && left.material) return "left a repeatable force beside several: they follow another one";
-  if (!left.seen || !(last.value > (left.material ? 1.5 : 3) * last.floor)) return "";
+  if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
   if (closed >= most_closed) return "";  // names that close most stand beside what is left, which is told
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
