@@ -275,10 +275,10 @@ class Spine {
     });
   }
 
-  /// Rare effects take the place of common ones where they are no more than those and fit as well, or, as of a baseline
-  /// that lacks nothing, where they close what is left; a third of it where they are a more general form of the same. A
-  /// record with disturbances of its own (a loop that is closed, a foundation that moves) would otherwise be followed
-  /// by ever more of them.
+  /// Rare effects take the place of common ones where they are no more than those and fit as well, where they are fewer
+  /// and fit better, or, as of a baseline that lacks nothing, where they close what is left; a third of it where they
+  /// are a more general form of the same. A record with disturbances of its own (a loop that is closed, a foundation
+  /// that moves) would otherwise be followed by ever more of them.
   bool takes_the_place(const Round& further, const Round& round) const {
     if (round.verdict == "unknown-effect") return true;
     if (!further.names()) return false;
@@ -289,15 +289,17 @@ class Spine {
     if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
     if (round.names() && rare.parameters() < common.parameters() && !is_rejected(rare, common, further.found))
       return true;
+    if (round.names() && rare.choices.size() < common.choices.size() && is_rejected(common, rare, further.found))
+      return true;
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
-  /// `common` is heard again, under the force between samples and the colour of the noise that `found` ended with.
-  bool is_rejected(const Candidate& rare, Candidate common, const SearchResult& found) const {
-    judge(study_, common, found.whitening);
-    return fits_worse(study_, rare, common);
+  /// Both are heard again, under the force between samples and the colour of the noise that `found` ended with.
+  bool is_rejected(Candidate c, Candidate best, const SearchResult& found) const {
+    for (Candidate* heard : {&c, &best}) judge(study_, *heard, found.whitening);
+    return fits_worse(study_, c, best);
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.

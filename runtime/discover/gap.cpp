@@ -310,16 +310,16 @@ Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   return gap;
 }
 
-double parameter_spread(const Study& study, const System& system, const FitResult& fit,
-                        const std::vector<Record>& records) {
+double parameter_spread(const Study& study, const Candidate& model, const std::vector<Record>& records) {
   constexpr int draws = 12;
-  if (fit.covariance.rows() != fit.theta.size() || !fit.covariance.allFinite()) return 0;
+  const FitResult& fit = model.fit;
+  if (fit.covariance.size() == 0 || !fit.covariance.allFinite()) return 0;
   const Steps steps(fit.covariance);
   double squares = 0, variance = 0;
   for (const Record& record : records) {
     const std::vector<double> weights = study.weights(record);
     const auto run = [&](const Eigen::VectorXd& theta) {
-      return free_run(study, system, theta, record, std::max(1, fit.substeps), false);
+      return free_run(study, *model.system, theta, record, std::max(1, fit.substeps), false);
     };
     const std::vector<FreeRun> nominal = run(fit.theta);
     for (const FreeRun& o : nominal) variance += o.variance;

@@ -39,8 +39,7 @@ std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::stri
 
 /// What the parameters' own standard deviations make of free runs, as a gap: by drawn parameters, since what lies
 /// beyond the training motion (a jump at a resonance) may bend. 0 where that is not known.
-double parameter_spread(const Study& study, const System& system, const FitResult& fit,
-                        const std::vector<Record>& records);
+double parameter_spread(const Study& study, const Candidate& model, const std::vector<Record>& records);
 
 /// The share of the force channel's noise that the residual shows (0: the system felt it, or there is none).
 double input_noise_share(const std::vector<FreeRun>& train);

@@ -476,13 +476,19 @@ class Grower {
     fit_in_place(offers, all, more);
   }
 
+  /// Where the entry that is left out was the spring, the baseline's own has to take over.
+  void fit_part(Candidate& rest, const Candidate& whole) const {
+    rest.fit = fit_near(study_, rest, values_of(rest, {&whole}), 20, whole.fit.substeps);
+    if (rest.ran() || !baseline_.ran()) return;
+    rest.fit = fit_near(study_, rest, values_of(rest, {&whole, &baseline_}), 20, whole.fit.substeps);
+  }
+
   void fit_as_simple(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
     const std::size_t own = old.effect->parameters.size();
     const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own; };
     if (std::ranges::none_of(shapes_, is_as_simple)) return;
     Candidate rest = without(whole, old);
-    if (rest.fit.theta.size() == 0)
-      rest.fit = fit_near(study_, rest, values_of(rest, {&whole}), 20, whole.fit.substeps);
+    if (rest.fit.theta.size() == 0) fit_part(rest, whole);
     if (!rest.ran()) return;
     const Proposer::Parent space = proposer_.parent(rest, rest.fit.theta);
     const std::vector<Offer> offers = offers_beside(rest, space, more, is_as_simple);

@@ -45,6 +45,10 @@ class Search {
     });
   }
 
+  void judge_from(std::size_t first, std::vector<Candidate>& field) const {
+    for (std::size_t i = first; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
+  }
+
   void decide() {
     const auto& sets = result_.grown.sets;
     const Candidate& baseline = result_.baseline;
@@ -135,9 +139,18 @@ class Search {
     }
   }
 
-  void hear_in_place(const Choice& old, const Candidate& fault, const Candidate& whole,
+  /// A set that was part of a larger one may do with a simpler form of an entry, which the larger one did not.
+  void hear_special_cases(const Candidate& whole, std::vector<Candidate>& field) const {
+    for (const Choice& old : whole.choices)
+      for (const Candidate& alone : result_.grown.sets)
+        if (alone.choices.size() == 1 && alone.choices.front().effect->is_special_case(*old.effect))
+          hear_in_place(old, alone, whole, field);
+  }
+
+  /// `alone`: the fitted effect that takes the place of `old`.
+  void hear_in_place(const Choice& old, const Candidate& alone, const Candidate& whole,
                      std::vector<Candidate>& field) const {
-    const Choice& other = fault.choices.front();
+    const Choice& other = alone.choices.front();
     if (holds(whole.choices, other.effect)) return;
     Choices set = whole.choices;
     std::erase(set, old);
@@ -145,7 +158,7 @@ class Search {
     set.push_back(other);
     if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) return;
     Candidate c = compile(study_, model_, set);
-    c.starts = {values_of(c, {&fault, &whole})};
+    c.starts = {values_of(c, {&alone, &whole})};
     c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
     if (c.ran() && !c.degenerate()) field.push_back(std::move(c));
   }
@@ -178,7 +191,7 @@ class Search {
       if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
     const std::size_t judged = field.size();
     hear_faults_in_place(field[pick], field);
-    for (std::size_t i = judged; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
+    judge_from(judged, field);
     prefer_the_same_fault(field, alike, pick);
     prune(field, pick);
     Candidate chosen = field[pick];
@@ -209,8 +222,12 @@ class Search {
     run_left_out(study_, result_.baseline);
     run_left_out(study_, chosen);
     chosen = what_earns(field, std::move(chosen));
-    if (chosen.choices.size() < field[pick].choices.size())
+    if (chosen.choices.size() < field[pick].choices.size()) {
+      const std::size_t judged = field.size();
+      hear_special_cases(chosen, field);
+      judge_from(judged, field);
       if (std::optional<Candidate> simpler = simpler_than(field, chosen)) chosen = std::move(*simpler);
+    }
     if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);

@@ -20,9 +20,10 @@ return function(effect)
       end
       return guesses
     end,
-    range = function(scale, variant)  -- never in contact, or always; without damping: one_sided_stop
+    -- Never in contact, or always; without damping: one_sided_stop. No contact is as steep as n = 4.
+    range = function(scale, variant)
       local low, high = reach(scale, variant)
-      return { g = { low, high }, c = { 0, 10 / scale.v_max } }
+      return { g = { low, high }, c = { 0, 10 / scale.v_max }, n = { 0, 4 } }
     end,
     passive = true,
     signature = "neither odd nor even in y; all harmonics and a mean; a loop in contact, wider the faster the impact",
