@@ -27,6 +27,7 @@ namespace {
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
 constexpr double lost = 0.3;         ///< gap beyond which a run follows nothing
+constexpr double runaway = 10;       ///< gap of a run that grows beyond all motion: no noise leads a stable model there
 constexpr double short_run = 2;      ///< in periods of the motion's upper frequency
 constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
 
@@ -120,7 +121,9 @@ class Spine {
   }
 
   /// Most of the gap, and much of the motion, is what noise makes of it.
-  static bool lost_to_noise(const Gap& gap) { return gap.floor > lost && gap.value < 2 * gap.floor; }
+  static bool lost_to_noise(const Gap& gap) {
+    return gap.floor > lost && gap.value < 2 * gap.floor && gap.value < runaway;
+  }
 
   /// Of a model's runs over whole records. A fit that knows the first states of all rows may follow such a motion.
   static bool is_lost(const Study& study, const Candidate& model) {
@@ -325,6 +328,11 @@ class Spine {
     before_train_ = round.names() ? runs(study_, found.baseline, study_.full, false) : after_train_;
     share_ = input_noise_share(after_train_);
     out_.baseline_train = pool_gap(before_train_, share_);
+    if (out_.baseline_train.value > runaway)
+      out_.warnings.insert(out_.warnings.begin(),
+                           "the baseline's free run grows beyond the motion: with these parameters it is unstable (a "
+                           "channel that comes late, a controller's part that is held between samples, or forces that "
+                           "feed the motion make damping negative)");
     out_.baseline_test = pool_gap(before_test_, share_);
     out_.final_train = pool_gap(after_train_, share_);
     out_.final_test = pool_gap(after_test_, share_);
@@ -343,7 +351,8 @@ class Spine {
 
   /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
   std::optional<TestRuns> short_test_runs(const Round& round) {
-    if (study_.imposed || study_.run_length > 0 || !(round.gap(after_test_).floor > lost)) return {};
+    if (study_.imposed || study_.run_length > 0) return {};
+    if (const Gap gap = round.gap(after_test_); !(gap.floor > lost && gap.value < runaway)) return {};
     TestRuns out{in_short_runs(study_, short_run), {}, {}};
     out.after = runs(out.study, round.found.chosen, out.study.test);
     out.before = runs(out.study, round.found.baseline, out.study.test, false);
