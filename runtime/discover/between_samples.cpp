@@ -1,6 +1,8 @@
 #include "discover/between_samples.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "discover/accept.hpp"
 
@@ -34,6 +36,14 @@ std::optional<Effect> between_samples(const Study& study, const Model& model) {
   form.acts = {{"F", pool.channel("F") + pool.parameter("between_samples_lag") * pool.channel("force_rate")}};
   out.variants.push_back(form);
   return out;
+}
+
+std::string words_of_reading(const Study& study, const Eigen::Vector2d& parameters) {
+  char words[100];
+  const double mass = 100 * parameters[0], samples = parameters[1] / study.full.front().dt();
+  std::snprintf(words, sizeof words, "%.2g of a sample %s, and a mass that is %.2g %% %s", std::abs(samples),
+                samples > 0 ? "earlier" : "later", std::abs(mass), mass < 0 ? "less" : "more");
+  return words;
 }
 
 }  // namespace lunid

@@ -1,6 +1,7 @@
 #pragma once
 // What a force may do between its samples beyond what one kind of interpolation says.
 #include <optional>
+#include <string>
 
 #include "discover/effect.hpp"
 #include "discover/study.hpp"
@@ -14,5 +15,8 @@ namespace lunid {
 /// than these is not named. None where the motion is imposed, several coordinates move or no force acts. Grows the
 /// pool: main thread only.
 std::optional<Effect> between_samples(const Study& study, const Model& model);
+
+/// "0.31 of a sample earlier, and a mass that is 0.9 % more" of the entry's parameters.
+std::string words_of_reading(const Study& study, const Eigen::Vector2d& parameters);
 
 }  // namespace lunid

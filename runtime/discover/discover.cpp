@@ -392,6 +392,7 @@ class Spine {
   /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the
   /// test records took back) which these records do not deny.
   bool something_is_missing(const Round& round, bool patched = false) const {
+    if (!round.found.reading.empty()) return false;
     const bool open =
         leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(before_test_));
     return open || ((patched || round.left.material) && !gone_on_test(study_, round, before_test_));

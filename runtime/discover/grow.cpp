@@ -401,19 +401,18 @@ class Grower {
 
   // ---- simpler words ----
   /// A set grows by what is best beside its parents, which may be an entry with more parameters than are needed: its
-  /// special cases, and in the best set those that are as simple and do most on the trajectory, are fitted in its
+  /// special cases, and in the best sets those that are as simple and do most on the trajectory, are fitted in its
   /// place.
   void contest_the_best() {
     std::vector<Choices> contested;
     for (int pass = 0; pass < study_.options->max_effects; ++pass) {
       std::vector<Candidate> more;
-      const auto best = std::ranges::min_element(out_.sets, {}, priced);
       for (const Candidate& whole : out_.sets) {
         if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
         for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
       }
-      if (best != out_.sets.end() && best->choices.size() > 1 &&
-          std::ranges::none_of(contested, [&](const Choices& c) { return same(c, best->choices); })) {
+      for (const Candidate* best : best_of_several()) {
+        if (std::ranges::any_of(contested, [&](const Choices& c) { return same(c, best->choices); })) continue;
         contested.push_back(best->choices);
         for (const Choice& old : best->choices) fit_as_simple(*best, old, more);
       }
@@ -421,6 +420,24 @@ class Grower {
       std::ranges::move(more, std::back_inserter(out_.sets));
       sort_by_cost(out_.sets);
     }
+  }
+
+  /// The best set, and the best of fewer effects that fits nearly as well: the simpler one may be named.
+  std::vector<const Candidate*> best_of_several() const {
+    constexpr double nearly = 1.15;  // in squared error
+    std::vector<const Candidate*> out;
+    const Candidate* best = best_below(SIZE_MAX);
+    for (; best; best = best_below(best->choices.size()))
+      if (best->fit.cost < nearly * out_.sets.front().fit.cost) out.push_back(best);
+    return out;
+  }
+
+  /// Of two effects and more, and of fewer than this.
+  const Candidate* best_below(std::size_t most) const {
+    const Candidate* best = nullptr;
+    for (const Candidate& c : out_.sets)
+      if (c.choices.size() > 1 && c.choices.size() < most && (!best || priced(c) < priced(*best))) best = &c;
+    return best;
   }
 
   Candidate without(const Candidate& whole, const Choice& old) const {

@@ -240,6 +240,7 @@ class Search {
           among.push_back(&field[i]);
       result_.ties = find_ties(study_, result_.baseline, chosen, among);
     }
+    if (!named) read_between_samples();
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
   }
@@ -294,15 +295,32 @@ class Search {
 
   /// What the smaller set would do with a force that is read otherwise between its samples is no worse than the larger.
   bool is_between_samples(const Candidate& without, const Candidate& with) const {
+    const std::optional<Candidate> c = with_reading(without, with.fit.substeps);
+    return c && !fits_worse(study_, *c, with);
+  }
+
+  std::optional<Candidate> with_reading(const Candidate& of, int substeps) const {
     const std::optional<Effect> reading = between_samples(study_, model_);
-    if (!reading || !goes_with(without.choices, {&*reading, 0})) return false;
-    Choices set = without.choices;
+    if (!reading || !goes_with(of.choices, {&*reading, 0})) return {};
+    Choices set = of.choices;
     set.push_back({&*reading, 0});
     Candidate c = compile(study_, model_, set);
-    c.starts = {values_of(c, {&without})};
-    c.fit = fit_near(study_, c, c.starts.front(), 20, with.fit.substeps);
+    c.starts = {values_of(c, {&of})};
+    c.fit = fit_near(study_, c, c.starts.front(), 20, substeps);
     judge(study_, c, result_.whitening);
-    return c.ran() && !fits_worse(study_, c, with);
+    if (!c.ran()) return {};
+    return c;
+  }
+
+  /// Where nothing is named and something is left: whether a reading of the force takes nearly all of it.
+  void read_between_samples() {
+    constexpr double nearly_all = 0.95, at_noise = 1.1;
+    const Candidate& baseline = result_.baseline;
+    if (!baseline.ran() || !(rms_error(baseline.fit) > at_noise * study_.sensor_noise())) return;
+    const std::optional<Candidate> c = with_reading(baseline, baseline.fit.substeps);
+    const double y = study_.measured_std();
+    if (c && closed_share(rms_error(baseline.fit) / y, rms_error(c->fit) / y, study_.noise_gap()) > nearly_all)
+      result_.reading = words_of_reading(study_, c->fit.theta.tail(2));
   }
 
   /// The chosen set without each of its effects, fitted and judged (from the field where it is there).

@@ -21,6 +21,9 @@ struct SearchResult {
   std::vector<std::string> remarks;  ///< for each rival: why not
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
+  /// How the force is to be read between its samples for the baseline to follow nearly all of what it leaves, where a
+  /// set explains no more than that; else empty.
+  std::string reading;
 };
 
 /// Searches the catalogue for what `baseline` (fitted) lacks. `known`: what a search of a part of this catalogue has

@@ -71,7 +71,12 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
-constexpr double most_closed = 0.95;  ///< of the squared excess, by names that stand beside a small repeatable force
+/// Of the squared excess, by names that stand beside a small repeatable force: each has to leave less where they are
+/// several, which follow a curve of another kind as a series does.
+double most_closed(const Choices& names) {
+  return 1 - 0.05 / static_cast<double>(std::max<std::size_t>(1, names.size()));
+}
+
 constexpr double much_open = 0.15;    ///< of the motion
 constexpr double little_open = 0.05;  ///< the same where less is asked for
 
@@ -100,10 +105,11 @@ void decide(const Study& study, Round& round) {
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   if (!round.names()) {
-    round.verdict =
-        round.left.material || leaves_motion_open(study, round.gap(round.train)) ? "unknown-effect" : "nothing-missing";
+    const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
+    round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
-             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) < most_closed) {
+             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) <
+                 most_closed(found.chosen.choices)) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
@@ -205,7 +211,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (patchwork && names > 2 && left.material) return "left a repeatable force beside several: they follow another one";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
-  if (closed >= most_closed) return "";  // names that close most stand beside what is left, which is told
+  if (closed >= most_closed(round.found.chosen.choices))
+    return "";  // names that close most stand beside what is left, which is told
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
@@ -217,7 +224,8 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     const Candidate& step = found.steps[count - 1];
     const std::vector<FreeRun> after = runs(study, step, study.test);
     const Gap last = round.gap(after);
-    const bool closes = std::isfinite(last.value) && closed_share(first.value, last.value, last.floor) > most_closed &&
+    const bool closes = std::isfinite(last.value) &&
+                        closed_share(first.value, last.value, last.floor) > most_closed(step.choices) &&
                         test_p_value(study, before, after) < 0.05;
     if (!closes) continue;
     if (!far_from_the_floor(last, little_open)) return count;
