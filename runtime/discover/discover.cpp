@@ -89,12 +89,14 @@ class Spine {
 
   // ---- motions that forget where they came from ----
   /// Nothing was named, and no set that was fitted comes near the measured motion, or noise alone keeps the run from
-  /// it: of what was chosen, or of what was, before its run over the whole record took it back.
+  /// it: of the baseline, or of the best set, which a fit that knows all rows may follow a good way.
   bool nothing_follows(const Round& round) const {
     if (study_.imposed || round.names() || round.left.gap.value < lost) return false;
-    const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < lost * study_.measured_std(); };
-    return lost_to_noise(round.left.gap) || std::ranges::none_of(round.found.grown.sets, follows) ||
-           (!round.withdrawn.empty() && is_lost(study_, round.found.rivals.front()));
+    const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
+    const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
+    const std::vector<Candidate>& sets = round.found.grown.sets;
+    return lost_to_noise(study_, round.left.gap) || std::ranges::none_of(sets, follows) ||
+           is_lost(study_, sets.front());
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
@@ -120,14 +122,15 @@ class Spine {
     baseline_ = baseline;
   }
 
-  /// Most of the gap, and much of the motion, is what noise makes of it.
-  static bool lost_to_noise(const Gap& gap) {
-    return gap.floor > lost && gap.value < 2 * gap.floor && gap.value < runaway;
+  /// Most of the gap is what noise makes of it, far more than the sensor's own.
+  static bool lost_to_noise(const Study& study, const Gap& gap) {
+    constexpr double part = 0.1, times = 3;
+    return gap.floor > std::max(part, times * study.noise_gap()) && gap.value < 2 * gap.floor && gap.value < runaway;
   }
 
   /// Of a model's runs over whole records. A fit that knows the first states of all rows may follow such a motion.
   static bool is_lost(const Study& study, const Candidate& model) {
-    return lost_to_noise(pool_gap(runs(study, model, study.full), 1));
+    return lost_to_noise(study, pool_gap(runs(study, model, study.full), 1));
   }
 
   /// Searches the first entries of the catalogue. What is found may show how the force is to be read between its

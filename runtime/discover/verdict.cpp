@@ -208,7 +208,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
-  if (patchwork && names > 2 && left.material) return "left a repeatable force beside several: they follow another one";
+  if (names > 2 && last.value > at_the_floor && left.material)
+    return "left a repeatable force beside several: they follow another one";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
   if (closed >= most_closed(round.found.chosen.choices))

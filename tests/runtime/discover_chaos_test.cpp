@@ -11,14 +11,14 @@ using testing::baseline;
 using testing::small_catalogue;
 
 /// A mass between two wells, -x + x^3, under several tones: it changes wells at no period (Holmes 1979).
-Record between_wells(double level, std::uint64_t seed, int rows) {
+Record between_wells(double level, std::uint64_t seed, int rows, double share = 0.01) {
   truth::Physics physics;
   physics.zeta = 0.1;
   physics.k = -1;
   physics.k3 = 1;
   const truth::Motion motion =
       truth::integrate(physics, truth::multisine(0.3, 2.2, 40, seed), level, {1, 0, 0}, rows, testing::spacing, 12);
-  const double noise = 0.01 * moments::standard_deviation(motion.x);
+  const double noise = share * moments::standard_deviation(motion.x);
   const Record record = testing::noisy_record(motion, "y", motion.x, noise, seed);
   return derive_motion(Record("wells", 0, testing::spacing, {record.channel("F"), record.channel("y")}));
 }
@@ -43,6 +43,15 @@ TEST(DiscoveryOfChaos, NamesACubicSpringByShortRuns) {
   EXPECT_NE(to_terminal(d).find("wells: train, "), std::string::npos);
   EXPECT_NE(to_terminal(d).find(" runs of "), std::string::npos);
   EXPECT_EQ(d.where.find("drifting sensor"), std::string::npos) << d.where;
+}
+
+/// A fit that knows all rows follows a good way, and a run no more than noise lets it.
+TEST(DiscoveryOfChaos, IsSeenWhereAFitFollowsAGoodWay) {
+  const Discovery d = found_between(between_wells(0.2, 11, 1200, 0.003), between_wells(0.2, 12, 1000, 0.003));
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 1, 0.01);
+  EXPECT_GT(d.run_length, 0);
 }
 
 TEST(DiscoveryOfChaos, NamesNothingBesideACubicSpringThatIsKnown) {

@@ -183,6 +183,7 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
   EXPECT_EQ(verdict_on(3, 0.036, 0.12, 0.02, true), another);
   EXPECT_NE(verdict_on(2, 0.036, 0.12, 0.02, true), another);
   EXPECT_NE(verdict_on(3, 0.036, 0.12, 0.02, false), another);
+  EXPECT_EQ(verdict_on(3, 0.03, 0.045, 0.02, true), another);  // however much they close
 }
 
 /// A sum of powers follows any smooth curve within the motion that it was fitted to.
@@ -193,6 +194,31 @@ TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
   EXPECT_EQ(verdict_on(2, 0.102, 0.16, 0.1), patchwork);
   EXPECT_EQ(verdict_on(3, 0.102, 0.125, 0.1), patchwork);
   EXPECT_EQ(verdict_on(3, 0.102, 0.108, 0.1), "");
+}
+
+/// At resonance the steady motion goes as 1/c: a relative deviation of c is that of the motion.
+TEST(Gap, OfTheParametersIsTheirDeviationTimesTheSlopes) {
+  constexpr double c = 0.2, part = 0.01;
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  std::vector<double> force, motion;
+  for (int i = 0; i < 1500; ++i) {
+    const double t = 0.25 * i;
+    force.push_back(std::sin(t));
+    motion.push_back(-std::cos(t) / c);
+  }
+  const Record record =
+      derive_motion(Record("tone", 0, 0.25, {testing::channel("F", "N", force), testing::channel("y", "m", motion)}));
+  const DiscoverOptions options;
+  const Study study = prepare(model, {record}, {record}, options);
+  Candidate candidate = compile(study, model, {});
+  candidate.fit.theta = Eigen::Vector2d(1, c);
+  candidate.fit.substeps = 4;
+  EXPECT_EQ(parameter_spread(study, candidate, study.test), 0);  // not known
+  candidate.fit.covariance = Eigen::Vector2d(0, std::pow(part * c, 2)).asDiagonal();
+  const double spread = parameter_spread(study, candidate, study.test);
+  EXPECT_NEAR(spread, part, 0.5 * part);  // of twelve draws
+  candidate.fit.covariance *= 4;
+  EXPECT_NEAR(parameter_spread(study, candidate, study.test), 2 * spread, 0.05 * spread);
 }
 
 /// A set that runs away would be followed by implicit steps for minutes.
