@@ -277,11 +277,27 @@ class Grower {
   void leave_minima(std::vector<Candidate>& sorted) const {
     parallel_for(std::min<int>(led_out, static_cast<int>(sorted.size())), study_.options->threads, [&](int i) {
       Candidate& c = sorted[static_cast<std::size_t>(i)];
-      const auto shape =
-          std::find_if(shapes_.begin(), shapes_.end(), [&](const Shape& s) { return s.choice == c.choices.front(); });
-      if (shape != shapes_.end()) fits_.leave_minimum(c, *shape);
+      if (const Shape* shape = shape_of(c.choices.front())) fits_.leave_minimum(c, *shape);
     });
     sort_by_cost(sorted);
+  }
+
+  /// Null of a fault.
+  const Shape* shape_of(const Choice& choice) const {
+    const auto at = std::ranges::find_if(shapes_, [&](const Shape& s) { return s.choice == choice; });
+    return at != shapes_.end() ? &*at : nullptr;
+  }
+
+  /// Of a set that ended at a limit of what its last entry can show: that one's other guesses beside the parent.
+  void leave_limits(Candidate& c) const {
+    if (c.choices.size() < 2 || !c.degenerate()) return;
+    const Choices before(c.choices.begin(), c.choices.end() - 1);
+    const auto parent = std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, before); });
+    const Shape* shape = shape_of(c.choices.back());
+    if (!shape || parent == out_.sets.end()) return;
+    const double cost = c.fit.cost;
+    fits_.leave_limits(c, *shape, *parent);
+    if (c.fit.cost < cost) fits_.end(c);
   }
 
   using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;
@@ -578,8 +594,11 @@ class Grower {
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
     const std::vector<std::size_t> ahead = to_the_end(level);
-    parallel_for(static_cast<int>(ahead.size()), study_.options->threads,
-                 [&](int i) { fits_.end(level[ahead[static_cast<std::size_t>(i)]]); });
+    parallel_for(static_cast<int>(ahead.size()), study_.options->threads, [&](int i) {
+      Candidate& c = level[ahead[static_cast<std::size_t>(i)]];
+      fits_.end(c);
+      leave_limits(c);
+    });
     std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
     for (const auto& c : known_.sets)
       if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
