@@ -290,14 +290,21 @@ class Grower {
 
   /// Of a set that ended at a limit of what its last entry can show: that one's other guesses beside the parent.
   void leave_limits(Candidate& c) const {
-    if (c.choices.size() < 2 || !c.degenerate()) return;
-    const Choices before(c.choices.begin(), c.choices.end() - 1);
-    const auto parent = std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, before); });
+    if (!c.degenerate()) return;
     const Shape* shape = shape_of(c.choices.back());
-    if (!shape || parent == out_.sets.end()) return;
+    const Candidate* parent = parent_of(c);
+    if (!shape || !parent) return;
     const double cost = c.fit.cost;
     fits_.leave_limits(c, *shape, *parent);
     if (c.fit.cost < cost) fits_.end(c);
+  }
+
+  /// The fitted set without the last entry; null where there is none.
+  const Candidate* parent_of(const Candidate& c) const {
+    if (c.choices.size() == 1) return &baseline_;
+    const Choices before(c.choices.begin(), c.choices.end() - 1);
+    const auto at = std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, before); });
+    return at != out_.sets.end() ? &*at : nullptr;
   }
 
   using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;
