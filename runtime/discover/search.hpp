@@ -21,8 +21,8 @@ struct SearchResult {
   std::vector<std::string> remarks;  ///< for each rival: why not
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
-  /// How the force is to be read between its samples for the baseline to follow nearly all of what it leaves, where a
-  /// set explains no more than that; else empty.
+  /// How the force is to be read between its samples for nearly all to go that the baseline leaves, where nothing is
+  /// named; else empty.
   std::string reading;
 };
 
