@@ -1,5 +1,6 @@
 #include "discover/judge.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -136,9 +137,28 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
 
 namespace {
 
-bool within_two_deviations_of_zero(const FitResult& fit, Eigen::Index k) {
-  const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
+/// `given`: parameters that count as known.
+bool within_two_deviations_of_zero(const FitResult& fit, Eigen::Index k, const std::vector<Eigen::Index>& given = {}) {
+  double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
+  if (variance > 0 && !given.empty()) {
+    const Eigen::VectorXd with = fit.covariance(given, k);
+    variance -= with.dot(Eigen::MatrixXd(fit.covariance(given, given)).ldlt().solve(with));
+  }
   return variance > 0 && !(fit.theta[k] * fit.theta[k] > 4 * variance);
+}
+
+/// Exponents and the like, on which the units of a coefficient hang: k*y^n in micrometres and in metres would be two
+/// cases.
+std::vector<Eigen::Index> numbers_added(const Candidate& larger, const Candidate& smaller) {
+  const auto& table = larger.system->model().parameters;
+  std::vector<Eigen::Index> out;
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    const auto k = static_cast<Eigen::Index>(j);
+    const bool varies = larger.fit.covariance.rows() > k && larger.fit.covariance(k, k) > 0;
+    if (!smaller.system->model().find(table[j].name) && !larger.linear[j] && table[j].unit.empty() && varies)
+      out.push_back(k);
+  }
+  return out;
 }
 
 /// What `larger` adds along the motion has gone, all but a fifth, where this parameter is a twentieth of what it is.
@@ -160,15 +180,15 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
 
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
   const auto& table = larger.system->model().parameters;
+  const std::vector<Eigen::Index> numbers = numbers_added(larger, smaller);
   bool any = false, told = false;
   for (std::size_t j = 0; j < table.size(); ++j) {
     if (smaller.system->model().find(table[j].name)) continue;
     const auto k = static_cast<Eigen::Index>(j);
-    const bool near_zero = within_two_deviations_of_zero(larger.fit, k);
     if (larger.linear[j]) {
       any = true;
-      told = told || !near_zero;
-    } else if (near_zero && is_a_size(study, larger, smaller, k)) {
+      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers);
+    } else if (within_two_deviations_of_zero(larger.fit, k) && is_a_size(study, larger, smaller, k)) {
       return false;
     }
   }

@@ -66,6 +66,25 @@ TEST(ClosedShare, AModelThatIsWorseThanNoneCountsAsNone) {
   EXPECT_DOUBLE_EQ(closed_share(0.5, 0.1, 0.1), 1);
 }
 
+/// The coefficient of a power is another number in other units, and its deviation holds that of the exponent there.
+TEST(Judge, ACoefficientOfAPowerIsToldFromZeroInAllUnits) {
+  const Compared c(noise, 0);
+  constexpr double value = 0.4, power = 1.5, relative = 0.1, of_power = 0.05;
+  for (const double unit : {1.0, 1e3, 1e6}) {
+    const Model model = testing::baseline("k*y", 1);
+    const std::vector<Effect> effects{testing::entry(*model.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
+                                                     {testing::row("drag_c"), testing::row("drag_p")})};
+    Candidate larger = compile(c.study, complete(model), {{&effects.front(), 0}});
+    const double there = value * std::pow(unit, power), slope = there * std::log(unit);
+    larger.fit.theta = Eigen::Vector3d(1, there, power);
+    larger.fit.covariance = Eigen::Matrix3d::Identity();
+    larger.fit.covariance(1, 1) = std::pow(relative * there, 2) + std::pow(slope * of_power, 2);
+    larger.fit.covariance(1, 2) = larger.fit.covariance(2, 1) = slope * of_power * of_power;
+    larger.fit.covariance(2, 2) = of_power * of_power;
+    EXPECT_TRUE(told_from_zero(c.study, larger, c.best)) << unit;
+  }
+}
+
 /// A baseline whose fit ended elsewhere makes the likelihood of any force that started better: the force's own
 /// coefficient knows better.
 TEST(Judge, AForceWhoseCoefficientMayBeZeroIsNone) {
