@@ -88,15 +88,17 @@ class Spine {
   }
 
   // ---- motions that forget where they came from ----
-  /// Nothing was named, and no set that was fitted comes near the measured motion, or noise alone keeps the run from
-  /// it: of the baseline, or of the best set, which a fit that knows all rows may follow a good way.
+  /// Noise alone keeps the run from the measured motion. Of names, the fit too, which knows all rows and may follow
+  /// such a motion. Where nothing was named, also that no set which was fitted comes near, or that the best one is
+  /// lost.
   bool nothing_follows(const Round& round) const {
-    if (study_.imposed || round.names() || round.left.gap.value < lost) return false;
+    if (study_.imposed || round.left.gap.value < lost) return false;
+    const bool lost_so = lost_to_noise(study_, round.left.gap);
+    if (round.names()) return lost_so && rms_error(round.found.chosen.fit) > 2 * study_.sensor_noise();
     const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
     const std::vector<Candidate>& sets = round.found.grown.sets;
-    return lost_to_noise(study_, round.left.gap) || std::ranges::none_of(sets, follows) ||
-           is_lost(study_, sets.front());
+    return lost_so || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
@@ -293,19 +295,20 @@ class Spine {
     const bool fits_as_well =
         rms_error(rare.fit) <= as_well * rms_error(common.fit) || rare.left_out_gap <= as_well * common.left_out_gap;
     if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
-    if (round.names() && rare.parameters() < common.parameters() && !is_rejected(rare, common, further.found))
-      return true;
-    if (round.names() && rare.choices.size() < common.choices.size() && is_rejected(common, rare, further.found))
-      return true;
+    if (round.names()) {
+      const Candidate as_heard = heard_under(further.found, common);
+      if (rare.parameters() < common.parameters() && !fits_worse(study_, rare, as_heard)) return true;
+      if (rare.choices.size() < common.choices.size() && fits_worse(study_, as_heard, rare)) return true;
+    }
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
-  /// Both are heard again, under the force between samples and the colour of the noise that `found` ended with.
-  bool is_rejected(Candidate c, Candidate best, const SearchResult& found) const {
-    for (Candidate* heard : {&c, &best}) judge(study_, *heard, found.whitening);
-    return fits_worse(study_, c, best);
+  /// One is heard again, under the force between samples and the colour of the noise that `found` ended with.
+  Candidate heard_under(const SearchResult& found, Candidate c) const {
+    judge(study_, c, found.whitening);
+    return c;
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.

@@ -537,7 +537,7 @@ class Grower {
 
   // ---- faults of channels: no force to be proposed, but few, and fitted beside all that runs fast ----
   void add_faults(const Candidate& parent, int size, std::vector<Candidate>& level,
-                  std::vector<const Candidate*>& parent_of) {
+                  std::vector<const Candidate*>& grown_from) {
     if (many_states(parent.choices)) return;
     std::vector<Candidate> found;
     std::vector<std::vector<Guess>> guesses;
@@ -566,7 +566,7 @@ class Grower {
       if (!there[k]) continue;
       found[k].force_cost = INFINITY;  // not what a proposal's is
       level.push_back(std::move(found[k]));
-      parent_of.push_back(&parent);
+      grown_from.push_back(&parent);
     }
   }
 
@@ -574,11 +574,11 @@ class Grower {
   std::vector<Candidate> fit_list(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
                                   const std::vector<Candidate>& parents, int size) {
     std::vector<Candidate> level;
-    std::vector<const Candidate*> parent_of;
-    std::vector<const Shape*> shape_of;  // of the proposals, which come first
+    std::vector<const Candidate*> grown_from;
+    std::vector<const Shape*> proposed;  // the proposals come first
     for (const auto i : list) {
       const Offer& o = offers[i];
-      shape_of.push_back(o.standing.shape);
+      proposed.push_back(o.standing.shape);
       Choices set = o.parent->choices;
       set.push_back(o.standing.shape->choice);
       Candidate c = compile(study_, model_, set);
@@ -589,14 +589,14 @@ class Grower {
       c.force_cost = o.standing.cost;
       c.force_misfit = o.misfit;
       level.push_back(std::move(c));
-      parent_of.push_back(o.parent);
+      grown_from.push_back(o.parent);
     }
     for (std::size_t k = 0; k < std::min<std::size_t>(parents.size(), beam); ++k)
-      add_faults(parents[k], size, level, parent_of);
+      add_faults(parents[k], size, level, grown_from);
     parallel_for(static_cast<int>(level.size()), study_.options->threads, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
-      fits_.begin(level[k], *parent_of[k]);
-      if (size == 1 && k < shape_of.size()) fits_.leave_limits(level[k], *shape_of[k], *parent_of[k]);
+      fits_.begin(level[k], *grown_from[k]);
+      if (size == 1 && k < proposed.size()) fits_.leave_limits(level[k], *proposed[k], *grown_from[k]);
     });
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
