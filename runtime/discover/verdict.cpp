@@ -82,6 +82,17 @@ constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 }  // namespace
 
+bool is_series(const Choices& names) {
+  constexpr int most = 2;
+  const auto is_curve = [](const Choice& c) {
+    return c.effect->family == "stiffness" && c.effect->name != "constant_force";
+  };
+  return std::ranges::any_of(names, [&](const Choice& one) {
+    return std::ranges::count_if(
+               names, [&](const Choice& c) { return is_curve(c) && c.effect->place == one.effect->place; }) > most;
+  });
+}
+
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
@@ -104,15 +115,21 @@ void decide(const Study& study, Round& round) {
     round.train = runs(study, found.chosen, study.full);
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
+  const auto take_for_unknown = [&](const std::string& remark) {
+    withdraw(round, remark);
+    round.train = runs(study, found.chosen, study.full);
+    round.verdict = "unknown-effect";
+  };
   if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
+  } else if (is_series(found.chosen.choices)) {
+    take_for_unknown("a curve of another kind, followed as by a series");
+    round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
              closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) <
                  most_closed(found.chosen.choices)) {
-    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
-    round.train = runs(study, found.chosen, study.full);
-    round.verdict = "unknown-effect";
+    take_for_unknown("nearest, but leaves a repeatable force: " + round.left.closure.words());
   } else {
     round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
   }

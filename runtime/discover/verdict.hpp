@@ -43,6 +43,9 @@ bool far_from_the_floor(const Gap& gap, double least);
 /// Less is enough in free decays, where no force is there to be known badly.
 bool leaves_motion_open(const Study& study, const Gap& gap);
 
+/// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
+bool is_series(const Choices& names);
+
 /// `train`: the model's runs over the training records.
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
                         const Whitening& whitening);

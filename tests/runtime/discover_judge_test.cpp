@@ -205,6 +205,24 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
   EXPECT_EQ(verdict_on(3, 0.03, 0.045, 0.02, true), another);  // however much they close
 }
 
+/// An exponential spring was a stop, a quadratic spring, a cubic one and a clearance.
+TEST(Verdict, TakesThreeSpringsAtOnePlaceForASeries) {
+  const auto spring = [](const std::string& name, std::optional<Place> place = {}) {
+    Effect out;
+    out.name = name;
+    out.family = name == "quadratic_drag" ? "damping" : "stiffness";
+    out.place = place;
+    return out;
+  };
+  const Effect cubic = spring("cubic_stiffness"), square = spring("quadratic_stiffness"), gap = spring("clearance"),
+               weight = spring("constant_force"), drag = spring("quadratic_drag"),
+               elsewhere = spring("clearance", Place{1, 0});
+  EXPECT_TRUE(is_series({{&cubic, 0}, {&square, 0}, {&gap, 0}}));
+  EXPECT_FALSE(is_series({{&cubic, 0}, {&square, 0}, {&drag, 0}}));
+  EXPECT_FALSE(is_series({{&cubic, 0}, {&square, 0}, {&weight, 0}}));  // a cubic spring that rests elsewhere
+  EXPECT_FALSE(is_series({{&cubic, 0}, {&square, 0}, {&elsewhere, 0}}));
+}
+
 /// A sum of powers follows any smooth curve within the motion that it was fitted to.
 TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
   const std::string patchwork =
