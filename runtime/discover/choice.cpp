@@ -66,14 +66,26 @@ void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std:
   }
 }
 
+namespace {
+
+/// A channel's lag does in a free decay what relaxation does, with a parameter less: no reason to blame the sensor.
+bool is_physics_of_the_same_run(const Candidate& c, const Candidate& chosen) {
+  return c.choices.size() == chosen.choices.size() && physics_in(c.choices) > physics_in(chosen.choices) &&
+         same_runs(c, chosen);
+}
+
+}  // namespace
+
 Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
                const std::vector<const Candidate*>& among) {
   Ties out;
   for (const Candidate* other : among) {
     const Candidate& c = *other;
-    if (c.parameters() != chosen.parameters() || same(c.choices, chosen.choices) ||
-        related(c.choices, chosen.choices) || c.name() == chosen.name())
+    if (same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || c.name() == chosen.name()) continue;
+    if (c.parameters() != chosen.parameters()) {
+      if (is_physics_of_the_same_run(c, chosen)) out.rivals.push_back(c.choices);
       continue;
+    }
     // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
     if (same_in_other_words(c, chosen))
       out.aliases.push_back(c.name());

@@ -29,7 +29,8 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
 void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike, std::size_t& pick);
 
 struct Ties {
-  std::vector<Choices> rivals;       ///< of equal simplicity, that the record cannot tell from the chosen set
+  /// That the record cannot tell from the chosen set: of equal simplicity, or physics that does just what a fault does.
+  std::vector<Choices> rivals;
   std::vector<std::string> aliases;  ///< whose free runs are those of the chosen set: the same in other words
 };
 

@@ -135,7 +135,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
                   100 * std::clamp(share, 0.0, 1.0));
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
-    if (!found.ties.rivals.empty()) said += " (of equal simplicity: this record cannot tell them apart)";
+    if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
     if (!std::isfinite(out.baseline_test.value))
       return said + ": the baseline cannot be run on the test record, the final model can";
     if (left.material)

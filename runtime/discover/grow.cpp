@@ -7,6 +7,7 @@
 
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
+#include "discover/places.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
@@ -30,12 +31,14 @@ constexpr double explained = 0.999;  // share of the squared error that such an 
 constexpr int long_fits = 5;         // sets that are fitted to the end
 constexpr int promising = 3;         // and those that explain most of the force, with all that are nearly as good
 constexpr int most_promising = 6;
+constexpr int ended_faults = 2;  // and of faults of a channel
 constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
 constexpr double far = 40;       // the same as far as they are refined, and run where no other reaches the noise
 constexpr std::size_t slow_runs = 2;
 constexpr std::size_t runs_by_motion = 3;  // of what the force does not show
 constexpr double near_enough = 0.5;        // of the motion, for that
 constexpr int led_out = 4;                 // single effects above the noise that begin again from other guesses
+constexpr double nearly = 1.15;            // as good, in squared error
 constexpr double reached = 1.05;           // of the sensor's noise: nothing is left
 constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
 
@@ -273,10 +276,20 @@ class Grower {
     return best == sorted.end() || rms(*best) > reached * study_.sensor_noise();
   }
 
-  /// Of the best single effects: noise may have led the force to a minimum that is far from the trajectory's.
+  /// Of the best single effects, and of their special cases: noise may have led the force to a minimum that is far from
+  /// the trajectory's.
   void leave_minima(std::vector<Candidate>& sorted) const {
-    parallel_for(std::min<int>(led_out, static_cast<int>(sorted.size())), study_.options->threads, [&](int i) {
-      Candidate& c = sorted[static_cast<std::size_t>(i)];
+    const std::span<const Candidate> best(sorted.data(), std::min<std::size_t>(led_out, sorted.size()));
+    const auto is_simpler_than_the_best = [&](const Candidate& c) {
+      return std::ranges::any_of(best, [&](const Candidate& b) {
+        return c.choices.front().effect->is_special_case(*b.choices.front().effect);
+      });
+    };
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+      if (i < best.size() || is_simpler_than_the_best(sorted[i])) list.push_back(i);
+    parallel_for(static_cast<int>(list.size()), study_.options->threads, [&](int i) {
+      Candidate& c = sorted[list[static_cast<std::size_t>(i)]];
       if (const Shape* shape = shape_of(c.choices.front())) fits_.leave_minimum(c, *shape);
     });
     sort_by_cost(sorted);
@@ -435,19 +448,19 @@ class Grower {
         for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
       }
       for (const Candidate* best : best_of_several()) {
-        if (std::ranges::any_of(contested, [&](const Choices& c) { return same(c, best->choices); })) continue;
+        if (is_among(contested, best->choices)) continue;
         contested.push_back(best->choices);
         for (const Choice& old : best->choices) fit_as_simple(*best, old, more);
       }
-      if (more.empty()) return;
+      const bool found = !more.empty();
       std::ranges::move(more, std::back_inserter(out_.sets));
       sort_by_cost(out_.sets);
+      if (!found) return;
     }
   }
 
   /// The best set, and the best of fewer effects that fits nearly as well: the simpler one may be named.
   std::vector<const Candidate*> best_of_several() const {
-    constexpr double nearly = 1.15;  // in squared error
     std::vector<const Candidate*> out;
     const Candidate* best = best_below(SIZE_MAX);
     for (; best; best = best_below(best->choices.size()))
@@ -470,18 +483,22 @@ class Grower {
     return set.empty() ? baseline_ : known != out_.sets.end() ? *known : compile(study_, model_, set);
   }
 
-  /// `more`: sets that are fitted already, beside those of out_.
+  /// `more`: sets that are fitted already, beside those of out_, which are fitted once more where they cost more than
+  /// `badly`.
   std::vector<Offer> offers_beside(const Candidate& rest, const Proposer::Parent& space,
-                                   const std::vector<Candidate>& more,
+                                   const std::vector<Candidate>& more, double badly,
                                    const std::function<bool(const Shape&)>& wanted) {
     std::vector<Offer> offers;
     for (const Shape& shape : shapes_) {
       Choices set = rest.choices;
       set.push_back(shape.choice);
       const auto is_set = [&](const Candidate& c) { return same(c.choices, set); };
-      if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape) ||
-          std::ranges::any_of(out_.sets, is_set) || std::ranges::any_of(more, is_set) || is_known(rest, shape.choice))
-        continue;
+      if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape)) continue;
+      const auto fitted = std::ranges::find_if(out_.sets, is_set);
+      const bool again = fitted != out_.sets.end() && fitted->fit.cost > badly && !is_among(heard_again_, set);
+      if (std::ranges::any_of(more, is_set)) continue;
+      if (!again && (fitted != out_.sets.end() || is_known(rest, shape.choice))) continue;
+      if (again) heard_again_.push_back(set);
       add_offer(offers, rest, space, shape);
     }
     parallel_for(static_cast<int>(offers.size()), study_.options->threads, [&](int i) {
@@ -493,13 +510,23 @@ class Grower {
     return offers;
   }
 
+  static bool is_among(const std::vector<Choices>& sets, const Choices& set) {
+    return std::ranges::any_of(sets, [&](const Choices& c) { return same(c, set); });
+  }
+
+  /// A set that is there already is replaced where it now fits better.
   void fit_in_place(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
                     std::vector<Candidate>& more) {
     if (list.empty()) return;
-    for (Candidate& c : fit_list(offers, list, {}, static_cast<int>(offers.front().parent->choices.size()) + 1))
-      if (!c.degenerate() &&
-          std::ranges::none_of(out_.sets, [&](const Candidate& o) { return same(o.choices, c.choices); }))
+    for (Candidate& c : fit_list(offers, list, {}, static_cast<int>(offers.front().parent->choices.size()) + 1)) {
+      if (c.degenerate()) continue;
+      const auto known =
+          std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, c.choices); });
+      if (known == out_.sets.end())
         more.push_back(std::move(c));
+      else if (c.fit.cost < known->fit.cost)
+        *known = std::move(c);
+    }
   }
 
   /// Beside the other effects as they are in the whole set.
@@ -510,10 +537,38 @@ class Grower {
     rest.fit.theta = values_of(rest, {&whole});
     rest.fit.cost = INFINITY;  // of no run
     const Proposer::Parent space = proposer_.parent(rest, rest.fit.theta);
-    const std::vector<Offer> offers = offers_beside(rest, space, more, is_special);
+    const double badly = nearly * whole.fit.cost;
+    const std::vector<Offer> offers = offers_beside(rest, space, more, badly, is_special);
     std::vector<std::size_t> all(offers.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     fit_in_place(offers, all, more);
+    for (const Shape& shape : shapes_)
+      if (is_special(shape) && !holds(rest.choices, shape.choice.effect))
+        fit_as_named(shape, rest.choices, whole, old, badly);
+  }
+
+  /// Where an entry that was fitted badly has the names of its more general form (Fc of friction, k of a spring): from
+  /// that one's values.
+  void fit_as_named(const Shape& shape, const Choices& rest, const Candidate& whole, const Choice& general,
+                    double badly) {
+    Choices set = rest;
+    set.push_back(shape.choice);
+    const auto known = std::ranges::find_if(out_.sets, [&](const Candidate& c) { return same(c.choices, set); });
+    if (known == out_.sets.end() || !(known->fit.cost > badly)) return;
+    Candidate c = compile(study_, model_, set);
+    Eigen::VectorXd start = values_of(c, {&*known, &whole});
+    const auto& all = c.system->model().parameters;
+    const auto& values = whole.system->model().parameters;
+    for (const Parameter& own : shape.choice.effect->parameters)
+      for (const Parameter& other : general.effect->parameters) {
+        if (own_name(*shape.choice.effect, own.name) != own_name(*general.effect, other.name)) continue;
+        const auto to = std::ranges::find(all, own.name, &Parameter::name) - all.begin();
+        const auto from = std::ranges::find(values, other.name, &Parameter::name) - values.begin();
+        start[to] = whole.fit.theta[from];
+      }
+    c.starts = {start};
+    c.fit = fit_near(study_, c, start, 20, whole.fit.substeps);
+    if (c.ran() && !c.degenerate() && c.fit.cost < known->fit.cost) *known = std::move(c);
   }
 
   /// Where the entry that is left out was the spring, the baseline's own has to take over.
@@ -531,7 +586,7 @@ class Grower {
     if (rest.fit.theta.size() == 0) fit_part(rest, whole);
     if (!rest.ran()) return;
     const Proposer::Parent space = proposer_.parent(rest, rest.fit.theta);
-    const std::vector<Offer> offers = offers_beside(rest, space, more, is_as_simple);
+    const std::vector<Offer> offers = offers_beside(rest, space, more, INFINITY, is_as_simple);
     fit_in_place(offers, best_on_motion(offers, {}, rest), more);
   }
 
@@ -623,7 +678,8 @@ class Grower {
   }
 
   /// The best after the first iterations, and those that explain most of the force: their free runs may have lost the
-  /// measured motion at once (several attractors, chaos), and find it again from short runs on.
+  /// measured motion at once (several attractors, chaos), and find it again from short runs on. Of single faults the
+  /// best in any case: they begin at a guess, which no force along the motion has bettered.
   std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) const {
     std::vector<std::size_t> list;
     for (std::size_t i = 0; i < sorted.size() && std::ssize(list) < long_fits * per_size_ / per_size; ++i)
@@ -637,6 +693,12 @@ class Grower {
       const bool near = sorted[i].force_cost <= as_good * sorted[by_force.front()].force_cost;
       if (!std::isfinite(sorted[i].force_cost) || taken >= (near ? most_promising : promising)) break;
       ++taken;
+      if (std::find(list.begin(), list.end(), i) == list.end()) list.push_back(i);
+    }
+    int faults = 0;
+    for (std::size_t i = 0; i < sorted.size() && faults < ended_faults; ++i) {
+      if (sorted[i].choices.size() > 1 || physics_in(sorted[i].choices) > 0) continue;
+      ++faults;
       if (std::find(list.begin(), list.end(), i) == list.end()) list.push_back(i);
     }
     return list;
@@ -693,6 +755,7 @@ class Grower {
   PlacedScales scales_{study_, baseline_};
   std::vector<Shape> shapes_;
   std::vector<ChannelFault> faults_;
+  std::vector<Choices> heard_again_;  ///< special cases that were fitted badly beside a more general form
   Grown out_;
 };
 

@@ -22,6 +22,18 @@ FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::
   return fit_trajectory(*candidate.system, start, study.train, options);
 }
 
+namespace {
+
+Eigen::VectorXd within_bounds(const std::vector<Parameter>& table, Eigen::VectorXd theta) {
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    double& value = theta[static_cast<Eigen::Index>(i)];
+    value = std::clamp(value, table[i].min, table[i].max);
+  }
+  return theta;
+}
+
+}  // namespace
+
 bool all_linear(const Shape& shape) {
   return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
 }
@@ -67,8 +79,25 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
   try_guesses(c, shape, from);
 }
 
+void ProposalFits::try_along_valleys(Candidate& c) const {
+  constexpr int iterations = 8;
+  if (many_states(c.system->model().states.size())) return;
+  const FitResult from = c.fit;
+  const auto own = static_cast<Eigen::Index>(c.added());
+  for (Eigen::Index j = from.theta.size() - own; j < from.theta.size(); ++j) {
+    if (!c.linear[static_cast<std::size_t>(j)] || !(from.covariance.rows() > j && from.covariance(j, j) > 0)) continue;
+    const Eigen::VectorXd valley = from.covariance.col(j) / std::sqrt(from.covariance(j, j));
+    for (const double deviations : {-6.0, -3.0, 3.0, 6.0}) {
+      const Eigen::VectorXd start = within_bounds(c.system->model().parameters, from.theta + deviations * valley);
+      FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
+      if (other.cost < c.fit.cost) c.fit = std::move(other);
+    }
+  }
+}
+
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran()) return;
+  try_along_valleys(c);
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
   try_short_runs(c, c.fit.theta);
 }

@@ -43,6 +43,9 @@ class ProposalFits {
   int coarse_substeps(const Candidate& c) const;
   /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed.
   void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
+  /// The better of the fit and those that begin three and six of its deviations of an effect's coefficient away, the
+  /// other parameters along: friction that stops a decay and the damping beside it trade places over such ridges.
+  void try_along_valleys(Candidate& c) const;
   /// The better of the fit and one that begins at `from` on short free runs.
   void try_short_runs(Candidate& c, const Eigen::VectorXd& from) const;
 

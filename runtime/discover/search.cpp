@@ -135,22 +135,25 @@ class Search {
       for (const Candidate& fault : result_.grown.sets)
         if (fault.choices.size() == 1 && physics_in(fault.choices) == 0 &&
             std::abs(fault.fit.cost / physics.fit.cost - 1) < alike)
-          hear_in_place(old, fault, whole, field);
+          hear_in_place(old, fault.choices.front(), fault, whole, field);
     }
   }
 
   /// A set that was part of a larger one may do with a simpler form of an entry, which the larger one did not.
   void hear_special_cases(const Candidate& whole, std::vector<Candidate>& field) const {
+    const auto& sets = result_.grown.sets;
     for (const Choice& old : whole.choices)
-      for (const Candidate& alone : result_.grown.sets)
-        if (alone.choices.size() == 1 && alone.choices.front().effect->is_special_case(*old.effect))
-          hear_in_place(old, alone, whole, field);
+      for (const Candidate& alone : sets) {
+        const Choice& simple = alone.choices.front();
+        if (alone.choices.size() > 1 || !simple.effect->is_special_case(*old.effect)) continue;
+        const auto has_it = [&](const Candidate& c) { return within(alone.choices, c.choices); };
+        hear_in_place(old, simple, *std::ranges::find_if(sets, has_it), whole, field);
+      }
   }
 
-  /// `alone`: the fitted effect that takes the place of `old`.
-  void hear_in_place(const Choice& old, const Candidate& alone, const Candidate& whole,
+  /// `as_in`: the fitted set from which `other` has its values.
+  void hear_in_place(const Choice& old, const Choice& other, const Candidate& as_in, const Candidate& whole,
                      std::vector<Candidate>& field) const {
-    const Choice& other = alone.choices.front();
     if (holds(whole.choices, other.effect)) return;
     Choices set = whole.choices;
     std::erase(set, old);
@@ -158,7 +161,7 @@ class Search {
     set.push_back(other);
     if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) return;
     Candidate c = compile(study_, model_, set);
-    c.starts = {values_of(c, {&alone, &whole})};
+    c.starts = {values_of(c, {&as_in, &whole})};
     c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
     if (c.ran() && !c.degenerate()) field.push_back(std::move(c));
   }

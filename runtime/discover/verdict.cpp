@@ -71,9 +71,23 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
+/// The most at one place.
+std::ptrdiff_t springs_among(const Choices& names) {
+  const auto is_spring = [](const Choice& c) {
+    return c.effect->family == "stiffness" && c.effect->name != "constant_force";
+  };
+  std::ptrdiff_t most = 0;
+  for (const Choice& one : names)
+    most = std::max(most, std::ranges::count_if(names, [&](const Choice& c) {
+                      return is_spring(c) && c.effect->place == one.effect->place;
+                    }));
+  return most;
+}
+
 /// Of the squared excess, by names that stand beside a small repeatable force: each has to leave less where they are
-/// several, which follow a curve of another kind as a series does.
+/// several, and two springs nothing to speak of, which follow a curve of another kind as a series does.
 double most_closed(const Choices& names) {
+  if (springs_among(names) > 1) return 0.998;
   return 1 - 0.05 / static_cast<double>(std::max<std::size_t>(1, names.size()));
 }
 
@@ -82,16 +96,7 @@ constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 }  // namespace
 
-bool is_series(const Choices& names) {
-  constexpr int most = 2;
-  const auto is_curve = [](const Choice& c) {
-    return c.effect->family == "stiffness" && c.effect->name != "constant_force";
-  };
-  return std::ranges::any_of(names, [&](const Choice& one) {
-    return std::ranges::count_if(
-               names, [&](const Choice& c) { return is_curve(c) && c.effect->place == one.effect->place; }) > most;
-  });
-}
+bool is_series(const Choices& names) { return springs_among(names) > 2; }
 
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
