@@ -223,6 +223,7 @@ class Grower {
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
     if (size == 1 && is_open(level)) leave_minima(level);
+    if (size > 1 && is_open(level)) leave_ridges(level);
     if (is_open(level)) fit_too(offers, best_on_motion(offers, list, parents.front()), size, level);
     if (is_open(level)) fit_too(offers, slow, size, level);
     return level;
@@ -292,6 +293,13 @@ class Grower {
       Candidate& c = sorted[list[static_cast<std::size_t>(i)]];
       if (const Shape* shape = shape_of(c.choices.front())) fits_.leave_minimum(c, *shape);
     });
+    sort_by_cost(sorted);
+  }
+
+  /// Of the best sets of several.
+  void leave_ridges(std::vector<Candidate>& sorted) const {
+    parallel_for(std::min<int>(led_out, static_cast<int>(sorted.size())), study_.options->threads,
+                 [&](int i) { fits_.leave_ridge(sorted[static_cast<std::size_t>(i)]); });
     sort_by_cost(sorted);
   }
 

@@ -79,9 +79,9 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
   try_guesses(c, shape, from);
 }
 
-void ProposalFits::try_along_valleys(Candidate& c) const {
+void ProposalFits::leave_ridge(Candidate& c) const {
   constexpr int iterations = 8;
-  if (many_states(c.system->model().states.size())) return;
+  if (!decays_ || !c.ran() || many_states(c.system->model().states.size())) return;
   const FitResult from = c.fit;
   const auto own = static_cast<Eigen::Index>(c.added());
   for (Eigen::Index j = from.theta.size() - own; j < from.theta.size(); ++j) {
@@ -97,7 +97,7 @@ void ProposalFits::try_along_valleys(Candidate& c) const {
 
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran()) return;
-  try_along_valleys(c);
+  leave_ridge(c);
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
   try_short_runs(c, c.fit.theta);
 }

@@ -1,7 +1,9 @@
 #pragma once
 // Fits of sets on the trajectory while they grow: short ones of all that were proposed, long ones of the best.
+#include <algorithm>
 #include <cmath>
 
+#include "discover/accept.hpp"
 #include "discover/propose.hpp"
 
 namespace lunid {
@@ -26,7 +28,11 @@ class ProposalFits {
  public:
   /// `force_rows`: over how many rows a candidate's force_cost is a sum.
   ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows)
-      : study_(study), baseline_(baseline), force_rows_(force_rows) {}
+      : study_(study),
+        baseline_(baseline),
+        force_rows_(force_rows),
+        decays_(!study.imposed && std::ranges::all_of(study.full, [&](const Record& r) { return is_free(study, r); })) {
+  }
 
   /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
   void begin(Candidate& c, const Candidate& parent) const;
@@ -36,6 +42,10 @@ class ProposalFits {
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
   /// The same for one that has come to its end above the noise, from where it is; and from short free runs on.
   void leave_minimum(Candidate& c, const Shape& shape) const;
+  /// In free decays friction that stops the motion and the damping beside it trade places along a ridge of minima: the
+  /// better of the fit and those that begin three and six of its deviations of an effect's coefficient away, the other
+  /// parameters along.
+  void leave_ridge(Candidate& c) const;
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end(Candidate& c) const;
 
@@ -43,15 +53,13 @@ class ProposalFits {
   int coarse_substeps(const Candidate& c) const;
   /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed.
   void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
-  /// The better of the fit and those that begin three and six of its deviations of an effect's coefficient away, the
-  /// other parameters along: friction that stops a decay and the damping beside it trade places over such ridges.
-  void try_along_valleys(Candidate& c) const;
   /// The better of the fit and one that begins at `from` on short free runs.
   void try_short_runs(Candidate& c, const Eigen::VectorXd& from) const;
 
   const Study& study_;
   const Candidate& baseline_;
   Eigen::Index force_rows_;
+  bool decays_;  ///< no force acts in any training record
 };
 
 }  // namespace lunid

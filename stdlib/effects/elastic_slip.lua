@@ -25,7 +25,7 @@ return function(effect)
     sentence = "a spring in series with dry friction: it is drawn along elastically and slips at Fs",
     confusers = { "coulomb_friction", "bouc_wen", "dahl_friction", "smith_shaft", "masing_soil", "saturating_stiffness" },
     special_case_of = { "iwan", "smith_shaft", "rate_power_law", "friction_lift_off", "backlash_play",
-      "depth_resistance", "degrading_resistance" },
+      "depth_resistance", "degrading_resistance", "setup_recovery", "shaft_softening", "vibro_liquefaction" },
     source = "Jenkins 1962, British Journal of Applied Physics 13, 30-32; "
       .. "Iwan 1966, Journal of Applied Mechanics 33, 893-900",
   }

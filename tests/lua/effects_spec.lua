@@ -61,6 +61,11 @@ local same = {
   { "elastic_slip", { k = 300, Fs = 3 }, "friction_lift_off", { k = 300, fN = 3, kf = 0 } },
   { "elastic_slip", { k = 300, Fs = 3 }, "backlash_play", { k = 300, g = 0.01 } },
   { "backlash_play", { k = 300, g = 0.01 }, "elastic_slip", { k = 300, Fs = 3 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "depth_resistance", { k = 300, Ru0 = 3, b = 0, tau = 1 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "degrading_resistance", { Ru = 3, q = 0.01, rinf = 1, Nc = 1 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "setup_recovery", { k = 300, R0 = 3, Ri = 3, tau = 1 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "shaft_softening", { Ru = 3, Rr = 3, q = 0.01, sr = 1 } },
+  { "elastic_slip", { k = 300, Fs = 3 }, "vibro_liquefaction", { k = 300, Rs = 3, Rl = 3, tau = 1 } },
   { "coulomb_friction", { Fc = 1.5 }, "stribeck_friction", { Fc = 1.5, Fs = 1.5, vs = 0.1 } },
   { "coulomb_friction", { Fc = 1.5 }, "power_law_damping", { c = 1.5, p = 1e-4 }, 1e-3 },  -- p -> 0
   { "coulomb_friction", { Fc = 1.5 }, "position_dependent_friction", { Fc = 1.5, alpha = 0 } },

@@ -1,0 +1,89 @@
+-- What lunid.discover names in free decays, in records of a hand-written integrator: pulled, released, mass 1 and k 1.
+local lunid = require "lunid"
+local spec = require "spec"
+
+local y, v = lunid.displacement, lunid.velocity
+local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+
+--- The motion of x'' + rest(x, v, z) + dry(v)*sign(v) = 0, z' = rate(x, v, z), by steps of Euler and Cromer, in each of
+--- which dry friction takes no more than the velocity that is there.
+local function decay(of)
+  local fine = math.ceil(of.dt / 2e-4)
+  local h, x, w, z, ys = of.dt / fine, of.from[1], of.from[2], 0, {}
+  for i = 1, of.rows do
+    ys[i] = x + (of.zero or 0)
+    for _ = 1, fine do
+      local free, held = w - h * of.rest(x, w, z), h * (of.dry and of.dry(w) or 0)
+      if of.rate then z = z + h * of.rate(x, w, z) end
+      w = free > held and free - held or free < -held and free + held or 0
+      x = x + h * w
+    end
+  end
+  return ys
+end
+
+local function record_of(of, noise, seed)
+  local nothing = {}
+  local ys = decay(of)
+  for i = 1, #ys do nothing[i] = 0 end
+  return lunid.record({ channels = { { "F", nothing }, { "y", ys } }, dt = of.dt })
+    :with_noise { y = lunid.noise.gaussian { relative = noise }, seed = seed }
+end
+
+--- The train record begins at `from`, the test record at `again`.
+local function found_in(of, restoring, noise)
+  local other = setmetatable({ from = of.again }, { __index = of })
+  return lunid.discover { model = lunid.model { mass = 1, restoring = restoring },
+    train = record_of(of, noise, 1), test = record_of(other, noise, 2) }
+end
+
+local function names_of(found)
+  local names = {}
+  for i, effect in ipairs(found.effects) do names[i] = effect.name end
+  table.sort(names)
+  return table.concat(names, " ")
+end
+
+spec.case("friction stops a decay", function()
+  local found = found_in({ dt = 0.3355, rows = 308, from = { 2.5, 1.45 }, again = { -2.4, 1 },
+    rest = function(x, w) return x + 0.063*w end, dry = function() return 0.179 end }, k*y + c*v, 0.013)
+  spec.equal(names_of(found), "coulomb_friction")
+  spec.near(found.effects[1].parameters.Fc.value, 0.179, 0.004)
+end)
+
+spec.case("friction and drag leave the ridge where damping stands in for friction", function()
+  local found = found_in({ dt = 0.537, rows = 380, from = { -2.5, 1.9 }, again = { 2.1, 1.2 },
+    rest = function(x, w) return x + 0.063*w + 0.12*math.abs(w)*w end, dry = function() return 0.12 end }, k*y + c*v, 0.003)
+  spec.equal(names_of(found), "coulomb_friction quadratic_drag")
+end)
+
+spec.case("slip is named by its simplest entry", function()
+  local Fs, stiffness = 0.35, 0.6
+  local found = found_in({ dt = 0.094, rows = 1200, from = { 2.5, -1 }, again = { -2.1, 0.5 },
+    rest = function(x, w, z) return x + 0.05*w + stiffness*z end,
+    rate = function(_, w, z) return (stiffness*z >= Fs and w > 0 or stiffness*z <= -Fs and w < 0) and 0 or w end }, k*y + c*v, 0.07)
+  spec.equal(names_of(found), "elastic_slip")
+end)
+
+spec.case("an offset of the sensor beside a cubic spring is no weight and quadratic spring", function()
+  local k3 = lunid.parameter { "k3" }
+  local found = found_in({ dt = 0.52, rows = 300, from = { 2.5, 0.5 }, again = { -1.8, 1 }, zero = 0.4,
+    rest = function(x, w) return x + 0.066*w + 0.25*x^3 end }, k*y + c*v + k3*y^3, 0.007)
+  spec.equal(names_of(found), "displacement_offset")
+end)
+
+spec.case("a lag of the sensor and relaxation do the same", function()
+  local found = found_in({ dt = 0.19, rows = 640, from = { 2.5, 1 }, again = { -2, 0 },
+    rest = function(x, w, z) return x + 0.05*w + z end,
+    rate = function(_, w, z) return 0.5*w - z/1.2 end }, k*y + c*v, 0.006)
+  spec.equal(found.verdict, "ambiguous")
+  spec.contains(tostring(found), "maxwell_relaxation")
+end)
+
+spec.case("a force that no entry has is not two springs", function()
+  local found = found_in({ dt = 0.28, rows = 510, from = { 2.5, -1 }, again = { -2.2, 1.5 },
+    rest = function(x, w) return x + 0.087*w + 0.15*x*math.abs(w) end }, k*y + c*v, 0.003)
+  spec.equal(found.verdict, "unknown-effect")
+end)
+
+spec.finish()
