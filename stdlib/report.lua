@@ -183,8 +183,9 @@ local function rivals_section(data)
     rows[#rows + 1] = { "<code>" .. escape(rival.name) .. "</code>", number(rival.gap, rival.cause),
       p_value(rival.p_value), escape(rival.remark) }
   end
-  return "<h2>Why not another effect</h2><p>Each was fitted on the trajectory. The gap is that of its free run over the "
-    .. "training record; p is the chance of as large a gain over the baseline where nothing is missing.</p>"
+  return "<h2>Why not another effect</h2><p>Each was fitted on the trajectory. The gap is that of its fit, which knows all "
+    .. "rows of the training record (the final model's is " .. number(data.final.gap_fit, data.final.cause) .. "); p is the "
+    .. "chance of as large a gain over the baseline where nothing is missing.</p>"
     .. html_table({ "effect", "gap", "p", "why it was not named" }, rows)
 end
 

@@ -497,6 +497,7 @@ class Spine {
     out_.verdict = round.verdict;
     out_.gap_left_out_before = found.baseline.left_out_gap;
     out_.gap_left_out_after = found.chosen.left_out_gap;
+    out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
     const std::optional<Place> place = main_place(round);

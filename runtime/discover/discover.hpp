@@ -125,6 +125,7 @@ struct Discovery {
   std::vector<Parameter> baseline_before;
   Gap baseline_train, baseline_test, final_train, final_test;
   double gap_left_out_before = 0, gap_left_out_after = 0;
+  double gap_fit = 0;       ///< of the final model's fit, which knows all rows, as the rivals' gaps are
   double test_p_value = 1;  ///< of "the final model's test gap is not below the baseline's"
   std::vector<NamedEffect> effects;
   std::vector<Rival> rivals;  ///< of the last round, where nothing (more) was named

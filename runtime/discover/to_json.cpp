@@ -152,6 +152,7 @@ json to_json(const Discovery& d) {
   out["rivals"] = json::array();
   for (const auto& r : d.rivals) out["rivals"].push_back(rival(r));
   out["final"] = model(d.final, d.final_train, d.final_test);
+  out["final"]["gap_fit"] = number(d.gap_fit);
   out["noise_floor"] = {{"gap_train", number(d.final_train.floor)},
                         {"gap_test", number(d.final_test.floor)},
                         {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))}};

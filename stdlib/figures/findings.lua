@@ -162,7 +162,7 @@ end)
 
 figures.define({
   name = "rivals",
-  help = "The gap of each rival over left-out blocks, beside the baseline and what was named.",
+  help = "The gap of each rival's fit over the training record, beside that of what was named and the baseline's free run.",
   positional = { "discovery" },
   fields = { found_field, { "most", types.integer { min = 1 }, default = 12, help = "rivals that are shown" } },
   example = [[lunid.figure.rivals(found):save "rivals.png"]],
@@ -172,21 +172,23 @@ figures.define({
   local function add(name, value)
     names[#names + 1], values[#values + 1] = name, gap_of(value)
   end
-  for _, effect in ipairs(data.effects) do add("* " .. (effect.label or effect.name), effect.gap_train) end
+  local named = {}
+  for i, effect in ipairs(data.effects) do named[i] = effect.label or effect.name end
+  if #named > 0 then add("* " .. table.concat(named, " + "), data.final.gap_fit) end
   for i, rival in ipairs(data.rivals) do
     if i <= given.most then add(rival.name, rival.gap) end
   end
   if #names == 0 then figures.fail("rivals", "the discovery has no rivals: no effect was worth a fit") end
   local lines = {}
   if data.baseline.gap_train then
-    lines[1] = { value = data.baseline.gap_train, vertical = true, role = "baseline", label = "baseline" }
+    lines[1] = { value = data.baseline.gap_train, vertical = true, role = "baseline", label = "baseline, free run" }
   end
   if data.noise_floor.gap_train then
     lines[#lines + 1] = { value = data.noise_floor.gap_train, vertical = true, role = "measured", style = "dotted",
       label = "noise alone" }
   end
-  return { panels = { { x = { name = #data.effects > 0 and "gap on the training record (* named)"
-    or "gap on the training record", unit = "", min = 0 }, lines = lines, bars = { names = names,
+  return { panels = { { x = { name = #data.effects > 0 and "gap of the fit, training record (* named)"
+    or "gap of the fit, training record", unit = "", min = 0 }, lines = lines, bars = { names = names,
     sets = { { label = "", value = core.column(values), role = "first" } } } } } }
 end)
 

@@ -2107,7 +2107,7 @@ function lunid.figure.residual_map(fields) end
 ---@return lunid.figure
 function lunid.figure.gaps(fields) end
 
----The gap of each rival over left-out blocks, beside the baseline and what was named.
+---The gap of each rival's fit over the training record, beside that of what was named and the baseline's free run.
 ---@class lunid.figure.rivals.fields
 ---@field discovery lunid.discovery # what was found
 ---@field most? integer # rivals that are shown

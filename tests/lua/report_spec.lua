@@ -106,6 +106,17 @@ spec.case("the steps and the rivals are drawn with the numbers of discovery.json
   assert(not io.open(spec.folder .. "/nothing/figures/gaps.png"), "no step was made, and a figure shows some")
 end)
 
+spec.case("what was named and its rivals are compared by their fits", function()
+  local data, values = discover(k*y + c*v, { "cubic_stiffness", "clearance" }, "contested").data, {}
+  for _, row in ipairs(numbers("contested", "rivals")) do
+    if row[2] == "bar" then values[row[4]] = tonumber(row[5]) end
+  end
+  spec.equal(values["* cubic_stiffness"], data.final.gap_fit)
+  spec.equal(values["clearance"], data.rivals[1].gap)
+  assert(data.final.gap_fit < 1.05 * data.noise_floor.gap_train and data.final.gap_fit < data.rivals[1].gap)
+  spec.contains(read "contested/report.html", ("the final model's is %.3g"):format(data.final.gap_fit))
+end)
+
 spec.case("the page draws its figures itself, from numbers that lie inside, and asks for nothing", function()
   local page = read "named/report.html"
   local _, charts = page:gsub('<div class="lunid%-figure">', "")
