@@ -254,7 +254,8 @@ local function add_steps(list, found)
   end
   if #found.data.rivals > 0 then
     list[#list + 1] = { name = "rivals", figure = kinds.rivals(found),
-      caption = "The gap of each set that was fitted on the trajectory, over all rows of the training record, and that of the baseline's free run." }
+      caption = "The gap of each set that was fitted on the trajectory, over all rows of the training record, and that of "
+        .. "the baseline's free run." }
   end
 end
 

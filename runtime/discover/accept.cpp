@@ -170,6 +170,10 @@ bool is_free(const Study& study, const Record& record) {
   });
 }
 
+bool are_free(const Study& study, const std::vector<Record>& records) {
+  return std::ranges::all_of(records, [&](const Record& record) { return is_free(study, record); });
+}
+
 void check_record(const Study& study, const Record& record) {
   const SourceSpan where{record.name(), 0, 0};
   if (record.rows() < 30)

@@ -15,6 +15,7 @@ Record with_known_forces(const Study& study, const Record& record, std::vector<s
 
 /// No force acts: each that drives the study's model is in the record, and zero throughout.
 bool is_free(const Study& study, const Record& record);
+bool are_free(const Study& study, const std::vector<Record>& records);
 
 /// Throws InputError for a record that cannot be a discovery's: rows, forces, a motion that is there and moves.
 void check_record(const Study& study, const Record& record);

@@ -55,26 +55,24 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
   return pick;
 }
 
+namespace {
+
+/// A fault of the sensor does in this record what as many effects with more physics do: a channel's lag in a free decay
+/// what relaxation does, with a parameter less.
+bool is_fault_of_the_same_run(const Candidate& c, const Candidate& physics) {
+  return c.choices.size() == physics.choices.size() && physics_in(c.choices) < physics_in(physics.choices) &&
+         same_runs(c, physics);
+}
+
+}  // namespace
+
 void prefer_the_same_fault(const std::vector<Candidate>& field, std::vector<std::size_t>& alike, std::size_t& pick) {
   for (std::size_t i = 0; i < field.size(); ++i) {
-    const Candidate &c = field[i], &chosen = field[pick];
-    if (c.choices.size() != chosen.choices.size() || c.parameters() != chosen.parameters() ||
-        physics_in(c.choices) >= physics_in(chosen.choices) || !same_runs(c, chosen))
-      continue;
+    if (field[i].parameters() != field[pick].parameters() || !is_fault_of_the_same_run(field[i], field[pick])) continue;
     if (std::ranges::find(alike, i) == alike.end()) alike.push_back(i);
     pick = i;
   }
 }
-
-namespace {
-
-/// A channel's lag does in a free decay what relaxation does, with a parameter less: no reason to blame the sensor.
-bool is_physics_of_the_same_run(const Candidate& c, const Candidate& chosen) {
-  return c.choices.size() == chosen.choices.size() && physics_in(c.choices) > physics_in(chosen.choices) &&
-         same_runs(c, chosen);
-}
-
-}  // namespace
 
 Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
                const std::vector<const Candidate*>& among) {
@@ -83,7 +81,7 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
     const Candidate& c = *other;
     if (same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || c.name() == chosen.name()) continue;
     if (c.parameters() != chosen.parameters()) {
-      if (is_physics_of_the_same_run(c, chosen)) out.rivals.push_back(c.choices);
+      if (is_fault_of_the_same_run(chosen, c)) out.rivals.push_back(c.choices);
       continue;
     }
     // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.

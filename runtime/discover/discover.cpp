@@ -295,20 +295,16 @@ class Spine {
     const bool fits_as_well =
         rms_error(rare.fit) <= as_well * rms_error(common.fit) || rare.left_out_gap <= as_well * common.left_out_gap;
     if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
-    if (round.names()) {
-      const Candidate as_heard = heard_under(further.found, common);
-      if (rare.parameters() < common.parameters() && !fits_worse(study_, rare, as_heard)) return true;
-      if (rare.choices.size() < common.choices.size() && fits_worse(study_, as_heard, rare)) return true;
+    const bool simpler = rare.parameters() < common.parameters(), fewer = rare.choices.size() < common.choices.size();
+    if (round.names() && (simpler || fewer)) {
+      Candidate as_heard = common;  // under the force between samples and the colour of the noise of the other search
+      judge(study_, as_heard, further.found.whitening);
+      if (simpler && !fits_worse(study_, rare, as_heard)) return true;
+      if (fewer && fits_worse(study_, as_heard, rare)) return true;
     }
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
-  }
-
-  /// One is heard again, under the force between samples and the colour of the noise that `found` ended with.
-  Candidate heard_under(const SearchResult& found, Candidate c) const {
-    judge(study_, c, found.whitening);
-    return c;
   }
 
   /// Opens the test record once. It can only take a name back, never choose one.

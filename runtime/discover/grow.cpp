@@ -222,8 +222,7 @@ class Grower {
     std::vector<std::size_t> list = shortlist(offers, order, size, slow);
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
-    if (size == 1 && is_open(level)) leave_minima(level);
-    if (size > 1 && is_open(level)) leave_ridges(level);
+    if (is_open(level)) size == 1 ? leave_minima(level) : leave_ridges(level);
     if (is_open(level)) fit_too(offers, best_on_motion(offers, list, parents.front()), size, level);
     if (is_open(level)) fit_too(offers, slow, size, level);
     return level;
@@ -323,9 +322,13 @@ class Grower {
   /// The fitted set without the last entry; null where there is none.
   const Candidate* parent_of(const Candidate& c) const {
     if (c.choices.size() == 1) return &baseline_;
-    const Choices before(c.choices.begin(), c.choices.end() - 1);
-    const auto at = std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, before); });
-    return at != out_.sets.end() ? &*at : nullptr;
+    return find_in(out_.sets, {c.choices.begin(), c.choices.end() - 1});
+  }
+
+  /// Null where the set is not among them.
+  static auto find_in(auto& sets, const Choices& set) -> decltype(sets.data()) {
+    const auto at = std::ranges::find_if(sets, [&](const Candidate& c) { return same(c.choices, set); });
+    return at != sets.end() ? &*at : nullptr;
   }
 
   using Each = std::function<void(const std::vector<std::size_t>&, const std::function<void(Offer&)>&)>;
@@ -487,8 +490,8 @@ class Grower {
   Candidate without(const Candidate& whole, const Choice& old) const {
     Choices set = whole.choices;
     std::erase(set, old);
-    const auto known = std::ranges::find_if(out_.sets, [&](const Candidate& c) { return same(c.choices, set); });
-    return set.empty() ? baseline_ : known != out_.sets.end() ? *known : compile(study_, model_, set);
+    const Candidate* known = find_in(out_.sets, set);
+    return set.empty() ? baseline_ : known ? *known : compile(study_, model_, set);
   }
 
   /// `more`: sets that are fitted already, beside those of out_, which are fitted once more where they cost more than
@@ -500,12 +503,11 @@ class Grower {
     for (const Shape& shape : shapes_) {
       Choices set = rest.choices;
       set.push_back(shape.choice);
-      const auto is_set = [&](const Candidate& c) { return same(c.choices, set); };
       if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape)) continue;
-      const auto fitted = std::ranges::find_if(out_.sets, is_set);
-      const bool again = fitted != out_.sets.end() && fitted->fit.cost > badly && !is_among(heard_again_, set);
-      if (std::ranges::any_of(more, is_set)) continue;
-      if (!again && (fitted != out_.sets.end() || is_known(rest, shape.choice))) continue;
+      if (find_in(more, set)) continue;
+      const Candidate* fitted = find_in(out_.sets, set);
+      const bool again = fitted && fitted->fit.cost > badly && !is_among(heard_again_, set);
+      if (!again && (fitted || is_known(rest, shape.choice))) continue;
       if (again) heard_again_.push_back(set);
       add_offer(offers, rest, space, shape);
     }
@@ -528,9 +530,8 @@ class Grower {
     if (list.empty()) return;
     for (Candidate& c : fit_list(offers, list, {}, static_cast<int>(offers.front().parent->choices.size()) + 1)) {
       if (c.degenerate()) continue;
-      const auto known =
-          std::ranges::find_if(out_.sets, [&](const Candidate& o) { return same(o.choices, c.choices); });
-      if (known == out_.sets.end())
+      Candidate* known = find_in(out_.sets, c.choices);
+      if (!known)
         more.push_back(std::move(c));
       else if (c.fit.cost < known->fit.cost)
         *known = std::move(c);
@@ -561,10 +562,10 @@ class Grower {
                     double badly) {
     Choices set = rest;
     set.push_back(shape.choice);
-    const auto known = std::ranges::find_if(out_.sets, [&](const Candidate& c) { return same(c.choices, set); });
-    if (known == out_.sets.end() || !(known->fit.cost > badly)) return;
+    Candidate* known = find_in(out_.sets, set);
+    if (!known || !(known->fit.cost > badly)) return;
     Candidate c = compile(study_, model_, set);
-    Eigen::VectorXd start = values_of(c, {&*known, &whole});
+    Eigen::VectorXd start = values_of(c, {known, &whole});
     const auto& all = c.system->model().parameters;
     const auto& values = whole.system->model().parameters;
     for (const Parameter& own : shape.choice.effect->parameters)
@@ -690,6 +691,9 @@ class Grower {
   /// best in any case: they begin at a guess, which no force along the motion has bettered.
   std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) const {
     std::vector<std::size_t> list;
+    const auto take = [&](std::size_t i) {
+      if (std::ranges::find(list, i) == list.end()) list.push_back(i);
+    };
     for (std::size_t i = 0; i < sorted.size() && std::ssize(list) < long_fits * per_size_ / per_size; ++i)
       if (sorted[i].fit.cost <= hopeless * sorted.front().fit.cost || !sorted[i].ran()) list.push_back(i);
     std::vector<std::size_t> by_force(sorted.size());
@@ -701,13 +705,13 @@ class Grower {
       const bool near = sorted[i].force_cost <= as_good * sorted[by_force.front()].force_cost;
       if (!std::isfinite(sorted[i].force_cost) || taken >= (near ? most_promising : promising)) break;
       ++taken;
-      if (std::find(list.begin(), list.end(), i) == list.end()) list.push_back(i);
+      take(i);
     }
     int faults = 0;
     for (std::size_t i = 0; i < sorted.size() && faults < ended_faults; ++i) {
       if (sorted[i].choices.size() > 1 || physics_in(sorted[i].choices) > 0) continue;
       ++faults;
-      if (std::find(list.begin(), list.end(), i) == list.end()) list.push_back(i);
+      take(i);
     }
     return list;
   }
@@ -715,8 +719,7 @@ class Grower {
   bool is_known(const Candidate& parent, const Choice& added) const {
     Choices set = parent.choices;
     set.push_back(added);
-    return std::any_of(known_.sets.begin(), known_.sets.end(),
-                       [&](const Candidate& c) { return same(c.choices, set); });
+    return find_in(known_.sets, set);
   }
 
   /// The best on the trajectory, and those of few and of many parameters that explain most of the force. They differ

@@ -82,13 +82,13 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
 void ProposalFits::leave_ridge(Candidate& c) const {
   constexpr int iterations = 8;
   if (!decays_ || !c.ran() || many_states(c.system->model().states.size())) return;
-  const FitResult from = c.fit;
-  const auto own = static_cast<Eigen::Index>(c.added());
-  for (Eigen::Index j = from.theta.size() - own; j < from.theta.size(); ++j) {
-    if (!c.linear[static_cast<std::size_t>(j)] || !(from.covariance.rows() > j && from.covariance(j, j) > 0)) continue;
-    const Eigen::VectorXd valley = from.covariance.col(j) / std::sqrt(from.covariance(j, j));
+  const Eigen::VectorXd theta = c.fit.theta;
+  const Eigen::MatrixXd covariance = c.fit.covariance;
+  for (Eigen::Index j = theta.size() - static_cast<Eigen::Index>(c.added()); j < theta.size(); ++j) {
+    if (!c.linear[static_cast<std::size_t>(j)] || !(covariance.rows() > j && covariance(j, j) > 0)) continue;
+    const Eigen::VectorXd ridge = covariance.col(j) / std::sqrt(covariance(j, j));
     for (const double deviations : {-6.0, -3.0, 3.0, 6.0}) {
-      const Eigen::VectorXd start = within_bounds(c.system->model().parameters, from.theta + deviations * valley);
+      const Eigen::VectorXd start = within_bounds(c.system->model().parameters, theta + deviations * ridge);
       FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
       if (other.cost < c.fit.cost) c.fit = std::move(other);
     }

@@ -1,6 +1,5 @@
 #pragma once
 // Fits of sets on the trajectory while they grow: short ones of all that were proposed, long ones of the best.
-#include <algorithm>
 #include <cmath>
 
 #include "discover/accept.hpp"
@@ -31,8 +30,7 @@ class ProposalFits {
       : study_(study),
         baseline_(baseline),
         force_rows_(force_rows),
-        decays_(!study.imposed && std::ranges::all_of(study.full, [&](const Record& r) { return is_free(study, r); })) {
-  }
+        decays_(!study.imposed && are_free(study, study.full)) {}
 
   /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
   void begin(Candidate& c, const Candidate& parent) const;

@@ -100,8 +100,7 @@ int physics_in(const Choices& choices) {
 
 std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
   std::vector<Effect> out;
-  const bool driven = study.imposed || !std::all_of(study.full.begin(), study.full.end(),
-                                                    [&](const Record& r) { return is_free(study, r); });
+  const bool driven = study.imposed || !are_free(study, study.full);
   for (const Effect& given : catalogue) {
     const bool other_channel = given.any_motion && !study.imposed && study.measured != "y";
     const Effect effect = other_channel ? of_channel(study.model, given, study.measured[0]) : given;

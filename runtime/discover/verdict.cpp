@@ -101,9 +101,7 @@ bool is_series(const Choices& names) { return springs_among(names) > 2; }
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
-  const auto is_decay = [&](const Record& record) { return is_free(study, record); };
-  const bool decays =
-      !study.imposed && std::ranges::all_of(study.full, is_decay) && std::ranges::all_of(study.test, is_decay);
+  const bool decays = !study.imposed && are_free(study, study.full) && are_free(study, study.test);
   return far_from_the_floor(gap, decays ? little_open : much_open);
 }
 
@@ -119,22 +117,23 @@ void decide(const Study& study, Round& round) {
     withdraw(round, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
-  round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
-  const auto take_for_unknown = [&](const std::string& remark) {
-    withdraw(round, remark);
+  const bool series = is_series(found.chosen.choices);
+  if (series) {
+    withdraw(round, "a curve of another kind, followed as by a series");
     round.train = runs(study, found.chosen, study.full);
+  }
+  round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
+  if (series) {
     round.verdict = "unknown-effect";
-  };
-  if (!round.names()) {
+  } else if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
-  } else if (is_series(found.chosen.choices)) {
-    take_for_unknown("a curve of another kind, followed as by a series");
-    round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
              closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) <
                  most_closed(found.chosen.choices)) {
-    take_for_unknown("nearest, but leaves a repeatable force: " + round.left.closure.words());
+    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
+    round.train = runs(study, found.chosen, study.full);
+    round.verdict = "unknown-effect";
   } else {
     round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
   }

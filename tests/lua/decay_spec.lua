@@ -37,39 +37,33 @@ local function found_in(of, restoring, noise)
     train = record_of(of, noise, 1), test = record_of(other, noise, 2) }
 end
 
-local function names_of(found)
-  local names = {}
-  for i, effect in ipairs(found.effects) do names[i] = effect.name end
-  table.sort(names)
-  return table.concat(names, " ")
-end
-
 spec.case("friction stops a decay", function()
   local found = found_in({ dt = 0.3355, rows = 308, from = { 2.5, 1.45 }, again = { -2.4, 1 },
     rest = function(x, w) return x + 0.063*w end, dry = function() return 0.179 end }, k*y + c*v, 0.013)
-  spec.equal(names_of(found), "coulomb_friction")
+  spec.equal(spec.names_of(found), "coulomb_friction")
   spec.near(found.effects[1].parameters.Fc.value, 0.179, 0.004)
 end)
 
 spec.case("friction and drag leave the ridge where damping stands in for friction", function()
   local found = found_in({ dt = 0.537, rows = 380, from = { -2.5, 1.9 }, again = { 2.1, 1.2 },
     rest = function(x, w) return x + 0.063*w + 0.12*math.abs(w)*w end, dry = function() return 0.12 end }, k*y + c*v, 0.003)
-  spec.equal(names_of(found), "coulomb_friction quadratic_drag")
+  spec.equal(spec.names_of(found), "coulomb_friction quadratic_drag")
 end)
 
 spec.case("slip is named by its simplest entry", function()
   local Fs, stiffness = 0.35, 0.6
   local found = found_in({ dt = 0.094, rows = 1200, from = { 2.5, -1 }, again = { -2.1, 0.5 },
     rest = function(x, w, z) return x + 0.05*w + stiffness*z end,
-    rate = function(_, w, z) return (stiffness*z >= Fs and w > 0 or stiffness*z <= -Fs and w < 0) and 0 or w end }, k*y + c*v, 0.07)
-  spec.equal(names_of(found), "elastic_slip")
+    rate = function(_, w, z) return (stiffness*z >= Fs and w > 0 or stiffness*z <= -Fs and w < 0) and 0 or w end },
+    k*y + c*v, 0.07)
+  spec.equal(spec.names_of(found), "elastic_slip")
 end)
 
 spec.case("an offset of the sensor beside a cubic spring is no weight and quadratic spring", function()
   local k3 = lunid.parameter { "k3" }
   local found = found_in({ dt = 0.52, rows = 300, from = { 2.5, 0.5 }, again = { -1.8, 1 }, zero = 0.4,
     rest = function(x, w) return x + 0.066*w + 0.25*x^3 end }, k*y + c*v + k3*y^3, 0.007)
-  spec.equal(names_of(found), "displacement_offset")
+  spec.equal(spec.names_of(found), "displacement_offset")
 end)
 
 spec.case("a lag of the sensor and relaxation do the same", function()

@@ -53,18 +53,11 @@ local function record_of(of, force, rows, dt, noise, seed)
     :with_noise { y = lunid.noise.gaussian { relative = noise }, seed = seed }
 end
 
-local function names_of(found)
-  local names = {}
-  for i, effect in ipairs(found.effects) do names[i] = effect.name end
-  table.sort(names)
-  return table.concat(names, " ")
-end
-
 --- What the whole catalogue names; train and test are { force, rows, dt, seed }.
 local function named(of, noise, train, test)
   local function record(made) return record_of(of, made[1], made[2], made[3], noise, made[4]) end
   local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
-  return names_of(lunid.discover {
+  return spec.names_of(lunid.discover {
     model = lunid.model { mass = 1, restoring = k*y + c*v }, train = record(train), test = record(test), out = of.name,
     catalogue = of.catalogue,
   })
@@ -124,7 +117,7 @@ spec.case("a late force beside a baseline that cannot be run", function()
       model = lunid.model { mass = 1, restoring = k*y + c*v }, catalogue = catalogue, out = of.name .. #catalogue,
       train = record(two, 240, 7), test = record(chirp(1, 0.4, 2.2, 240), 240, 8),
     }
-    spec.equal(names_of(found), "force_delay")
+    spec.equal(spec.names_of(found), "force_delay")
     spec.near(found.data.effects[1].parameters.tau.value, late, 0.01)
     assert(found.data.final.gap_test < 0.02, found.data.final.gap_test)
   end

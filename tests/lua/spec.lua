@@ -47,6 +47,14 @@ function spec.message_of(body)
   return (tostring(message):gsub("^[^\n]-%.lua:%d+: ", ""))
 end
 
+--- What a discovery has named, in alphabetical order: "coulomb_friction cubic_stiffness".
+function spec.names_of(found)
+  local names = {}
+  for i, effect in ipairs(found.effects) do names[i] = effect.name end
+  table.sort(names)
+  return table.concat(names, " ")
+end
+
 -- ---- the executable ----
 
 local function output_of(command)
