@@ -319,7 +319,11 @@ class Spine {
             &after = shorter ? shorter->after : after_test_;
       out_.test_p_value = test_p_value(study, before, after);
       const std::string fault = refuted(study, round, out_.test_p_value, before, after);
-      if (!fault.empty())
+      const std::optional<Gap> of_all =
+          fault.empty() ? std::nullopt : gap_of_one_fit_to_all(study, round, out_.test_p_value, before, after);
+      if (of_all)
+        out_.warnings.push_back(left_open_by_training(found.chosen, fault, *of_all));
+      else if (!fault.empty())
         take_back(round, fault, steps_that_stand(study, round, before));
       else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size())
         take_back(round, "did no better on the test record than " + found.steps[stand - 1].name(), stand);
@@ -362,6 +366,14 @@ class Spine {
         "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +
         seconds(out.study.run_length) + " there");
     return out;
+  }
+
+  static std::string left_open_by_training(const Candidate& named, const std::string& fault, const Gap& of_all) {
+    char gaps[64];
+    std::snprintf(gaps, sizeof gaps, "%.2g there, %.2g from noise alone", of_all.value, of_all.floor);
+    return "the named " + named.name() + " " + fault +
+           " with the parameters of the training records, which leave them " +
+           "open: one fit to all records follows these down to their noise (" + gaps + "). Train on both";
   }
 
   /// All names but those of the first steps that stand.

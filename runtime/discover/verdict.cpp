@@ -6,6 +6,7 @@
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "statistics/distributions.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -200,6 +201,11 @@ double beyond_parameters(const Study& study, const Candidate& model, double gap)
   return std::sqrt(std::max(0.0, gap * gap - 9 * spread * spread));
 }
 
+bool surely_lowers(const Study& study, double p_value, const std::vector<FreeRun>& before,
+                   const std::vector<FreeRun>& after) {
+  return lowers_the_gap(study, before, after) && p_value < 0.2;
+}
+
 }  // namespace
 
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
@@ -207,7 +213,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const Left& left = round.left;
   const Gap first = round.gap(before), last = round.gap(after);
   if (!std::isfinite(last.value)) return "cannot be run on the test record";
-  if (!(lowers_the_gap(study, before, after) && p_value < 0.2)) return "did not lower the gap on the test record";
+  if (!surely_lowers(study, p_value, before, after)) return "did not lower the gap on the test record";
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
   const double part = 0.2 / static_cast<double>(round.found.chosen.choices.size());
@@ -237,6 +243,23 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
     return "";  // names that close most stand beside what is left, which is told
   const Gap generic = round.gap(runs(study, *left.closure.system, left.closure.fit, study.test, false));
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
+}
+
+std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round, double p_value,
+                                         const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+  Candidate model = round.found.chosen;
+  if (springs_among(model.choices) > 1 || !surely_lowers(study, p_value, before, after)) return {};
+  std::vector<FitData> all = study.train;
+  for (const Record& record : study.test) all.push_back(fit_data(study, record));
+  const double freedom = model.fit.freedom;
+  model.fit = fit_trajectory(*model.system, model.fit.theta, all, full_fit(study, 40));
+  if (!std::isfinite(model.fit.cost)) return {};
+  const Gap test = round.gap(runs(study, model, study.test));
+  if (!(test.value < std::max(1.1 * test.floor, test.floor + 3 * test.floor_std))) return {};
+  const double ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
+  const double rise = freedom * (ratio * ratio - 1);  // chi-square of the parameters where they are the same
+  if (!(chi_square_tail(std::max(0.0, rise), model.parameters()) > study.options->alpha / 10)) return {};
+  return test;
 }
 
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {

@@ -64,6 +64,21 @@ TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
   EXPECT_EQ(d.effects.size(), 2u) << d.sentence;
 }
 
+/// Single tones below and above the resonance hardly show its damping, which the sweep of the test hangs on: what one
+/// fit to all records takes to their noise is no patchwork.
+TEST(Patchwork, IsNotWhatTheTrainingRecordsLeaveOpen) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = testing::records_of("cubic+coulomb", scale, 30, 24002, truth::Excited::tones);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  const Discovery d =
+      discover(model, small_catalogue(*model.pool),
+               {testing::record_of(records.train, "one"), testing::record_of(records.more.front(), "two")},
+               {testing::record_of(records.test, "test")});
+  EXPECT_EQ(d.effects.size(), 2u) << d.sentence;
+  EXPECT_GT(d.final_test.value, 3 * d.final_test.floor);
+  EXPECT_TRUE(testing::warns(d, "one fit to all records follows these down to their noise"));
+}
+
 /// Under a slow sweep v^2*y is nearly a cubic spring, which closes 99 % of the squared gap; what it leaves is ten times
 /// the noise, and generic forces explain it.
 TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
