@@ -380,8 +380,11 @@ class Spine {
   void take_back(Round& round, const std::string& fault, std::size_t stand) {
     SearchResult& found = round.found;
     const std::vector<Candidate> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
-    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " +
-                            (stand == 0 ? "the name is withdrawn" : "only " + steps.back().name() + " stands"));
+    const std::string what_stands =
+        stand > 0 ? "only " + steps.back().name() + " stands"
+                  : "the name is withdrawn. The training records may not show what the test record does: train on one "
+                    "like it as well";
+    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
     withdraw(round, "not confirmed by the test record");
     found.order.resize(stand);

@@ -7,7 +7,8 @@
 // By default every case once: scales, excitations and levels of noise in turn. --full: at every scale, under every
 // excitation, at 60, 40, 30 and 20 dB. --draw: N of the settings of --full, drawn at random. --short: one run each of
 // a few cases. --nulls: N records in which nothing is missing, of each kind in turn. --rows: of a record (6400).
-// --seed: of all that is random. --only: cases whose name holds WORD. --check: exit 1 unless all is as it should be.
+// --seed: of all that is random. --only: settings whose name (CASE-SCALE-EXCITATION-DB, the folder of its records)
+// holds WORD: `--full --only -40` is all at 40 dB. --check: exit 1 unless all is as it should be.
 //
 // A name other than the truth's counts as its equivalent where its own best fit to the noise-free record differs from
 // that record by less than the noise. That is asked here of fits to other data than the answer was given on, for the
@@ -292,6 +293,11 @@ std::vector<Setting> short_settings(const Plan& plan) {
   return list;
 }
 
+std::string name_of(const Setting& setting) {
+  return setting.which->name + "-" + setting.scale->name + "-" + to_string(setting.options.excited) + "-" +
+         std::to_string(static_cast<int>(setting.noise_db));
+}
+
 std::vector<Setting> settings(const Plan& plan) {
   if (plan.nulls > 0) return null_settings(plan);
   if (plan.brief) return short_settings(plan);
@@ -300,13 +306,13 @@ std::vector<Setting> settings(const Plan& plan) {
   int index = 0;
   for (const truth::Case& each : truth::cases()) {
     ++index;
-    if (each.name.find(plan.only) == std::string::npos) continue;
     for (int scale = 0; scale < 3; ++scale)
       for (int level = 0; level < 4; ++level)
         for (int kind = 0; kind < 5; ++kind) {
           const bool one = scale == index % 3 && level == index / 3 % 3 && kind == index % 3;
-          if (plan.full || plan.draw > 0 || one)
-            list.push_back(setting_of(each, scale, levels[level], excitations[kind], plan));
+          if (!plan.full && plan.draw == 0 && !one) continue;
+          Setting setting = setting_of(each, scale, levels[level], excitations[kind], plan);
+          if (name_of(setting).find(plan.only) != std::string::npos) list.push_back(setting);
         }
   }
   if (plan.draw > 0 && static_cast<std::size_t>(plan.draw) < list.size()) {
@@ -431,8 +437,7 @@ int main(int argc, char** argv) {
   print_head();
   int index = 0;
   for (const Setting& setting : settings(plan)) {
-    std::string dir = std::string(argv[2]) + "/" + setting.which->name + "-" + setting.scale->name + "-" +
-                      to_string(setting.options.excited) + "-" + std::to_string(static_cast<int>(setting.noise_db));
+    std::string dir = std::string(argv[2]) + "/" + name_of(setting);
     if (plan.nulls > 0) dir += "-" + std::to_string(index);
     ++index;
     Outcome outcome;

@@ -285,6 +285,7 @@ TEST(Discovery, TakesBackANameThatLeavesARepeatableForceOnTheTest) {
   EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
   EXPECT_TRUE(d.effects.empty());
   EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn"));
+  EXPECT_TRUE(testing::warns(d, "train on one like it as well"));
 }
 
 }  // namespace
