@@ -105,28 +105,37 @@ Record with_force_of_decay(const Study& study, const Record& record, std::vector
   return out;
 }
 
-/// A free decay without what follows when all has come to rest, but for a quarter more: rows that hold nothing but the
-/// sensor's noise would choose how the motion is smoothed, and a fit of the place of rest.
+/// The largest difference within half a period of a motion from a row on: three rows of it.
+double swing(std::span<const double> x, Eigen::Index first, Eigen::Index half) {
+  const auto at = [&](Eigen::Index row) { return x[static_cast<std::size_t>(std::min(row, std::ssize(x) - 1))]; };
+  const double a = at(first), b = at(first + half / 2), c = at(first + half);
+  return std::max({std::abs(a - b), std::abs(b - c), std::abs(a - c)});
+}
+
+/// A free decay without what follows when it swings no more, but for a period: rows that hold nothing but the sensor's
+/// noise would choose how the motion is smoothed, and a fit of the place of rest; and what creeps on there (friction
+/// that is no more than steep at rest) is told of by no entry.
 Record until_rest(const Study& study, const Record& record, std::vector<std::string>& warnings) {
-  constexpr double deviations = 5, small = 1e-3, more = 1.25, worth_it = 0.8;
+  constexpr double deviations = 7, small = 0.01, worth_it = 0.8;
   constexpr Eigen::Index least = 60;
   if (!is_free(study, record)) return record;
-  Eigen::Index moves = least;
+  Eigen::Index moves = least, half = 1;
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string channel = measured_channel(record, suffix_of(study, i));
     if (!record.has(channel)) return record;
     const auto x = record[channel];
-    const auto tail = x.last(x.size() / 10);
-    if (tail.empty()) return record;
-    const double rest = middle_value({tail.begin(), tail.end()});
+    const double omega = dominant_frequency(x, record.dt());
+    if (!(omega > 0)) return record;
+    const auto own = std::max<Eigen::Index>(1, std::lround(M_PI / omega / record.dt()));
     double most = 0;
-    for (const double value : x) most = std::max(most, std::abs(value - rest));
+    for (Eigen::Index row = 0; row < std::ssize(x); ++row) most = std::max(most, swing(x, row, own));
     const double level = std::max(deviations * record.channel(channel).noise, small * most);
-    auto last = static_cast<Eigen::Index>(x.size());
-    while (last > moves && !(std::abs(x[static_cast<std::size_t>(last - 1)] - rest) > level)) --last;
+    Eigen::Index last = std::ssize(x);
+    while (last > moves && !(swing(x, last - 1, own) > level)) --last;
     moves = std::max(moves, last);
+    half = std::max(half, own);
   }
-  const auto kept = static_cast<Eigen::Index>(more * static_cast<double>(moves));
+  const Eigen::Index kept = moves + 2 * half;
   if (!(static_cast<double>(kept) < worth_it * static_cast<double>(record.rows()))) return record;
   char text[120];
   std::snprintf(text, sizeof text, ": a free decay at rest from t = %.4g s on: rows after %.4g s are left out",

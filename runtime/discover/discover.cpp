@@ -41,7 +41,7 @@ class Spine {
  public:
   Spine(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
         const std::vector<Record>& test, const DiscoverOptions& options)
-      : options_(options), model_(complete(baseline)) {
+      : options_(options), given_(catalogue), model_(complete(baseline)) {
     progress("check the data", 0.0);
     whole_ = prepare(model_, train, test, options_);
     study_ = shortened(whole_);
@@ -49,22 +49,12 @@ class Spine {
     for (const auto& data : whole_.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
     out_.baseline_before = model_.parameters;
-    std::vector<std::string> left;
-    const auto many =
-        options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(catalogue)) : std::ssize(catalogue);
-    catalogue_ = testable(study_, {catalogue.begin(), catalogue.begin() + many}, left);
-    first_ = catalogue_.size();
-    std::vector<Effect> others = testable(study_, {catalogue.begin() + many, catalogue.end()}, left);
-    const auto physics =
-        std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
-    with_faults_ = first_ + static_cast<std::size_t>(physics - others.begin());
-    std::move(others.begin(), others.end(), std::back_inserter(catalogue_));
-    for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
   Discovery run() {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings);
+    choose_catalogue();
     if (lower_noise(whole_, baseline_)) take_noise();
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
@@ -77,6 +67,21 @@ class Spine {
   }
 
  private:
+  /// The entries that these records can show, the common ones first.
+  void choose_catalogue() {
+    std::vector<std::string> left;
+    const auto many =
+        options_.first > 0 ? std::min<std::ptrdiff_t>(options_.first, std::ssize(given_)) : std::ssize(given_);
+    catalogue_ = testable(study_, baseline_, {given_.begin(), given_.begin() + many}, left);
+    first_ = catalogue_.size();
+    std::vector<Effect> others = testable(study_, baseline_, {given_.begin() + many, given_.end()}, left);
+    const auto physics =
+        std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
+    with_faults_ = first_ + static_cast<std::size_t>(physics - others.begin());
+    std::move(others.begin(), others.end(), std::back_inserter(catalogue_));
+    for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
+  }
+
   /// The common entries, and the others where those leave something open.
   Round look_at_all() {
     Round round = look(first_, {});
@@ -583,9 +588,10 @@ class Spine {
   }
 
   const DiscoverOptions& options_;
-  std::vector<Effect> catalogue_;
-  std::size_t first_ = 0;        ///< so many of them are tried first
-  std::size_t with_faults_ = 0;  ///< the same, and the faults of sensors and of the input that come behind them
+  const std::vector<Effect>& given_;
+  std::vector<Effect> catalogue_;  ///< of the given, what these records can show
+  std::size_t first_ = 0;          ///< so many of them are tried first
+  std::size_t with_faults_ = 0;    ///< the same, and the faults of sensors and of the input that come behind them
   std::string untested_;
   Model model_;
   Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search

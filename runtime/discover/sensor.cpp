@@ -98,7 +98,8 @@ int physics_in(const Choices& choices) {
       std::count_if(choices.begin(), choices.end(), [](const Choice& c) { return is_physics(*c.effect); }));
 }
 
-std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left) {
+std::vector<Effect> testable(const Study& study, const Candidate& baseline, const std::vector<Effect>& catalogue,
+                             std::vector<std::string>& left) {
   std::vector<Effect> out;
   const bool driven = study.imposed || !are_free(study, study.full);
   for (const Effect& given : catalogue) {
@@ -123,7 +124,8 @@ std::vector<Effect> testable(const Study& study, const std::vector<Effect>& cata
       out.push_back(effect);
   }
   std::vector<Effect> placed = at_places(study.model, out);
-  for (Effect& effect : placed) effect = without_twins(study.model, effect);
+  const Model known = baseline.ran() ? fitted(baseline) : study.model;
+  for (Effect& effect : placed) effect = without_twins(known, effect);
   return placed;
 }
 

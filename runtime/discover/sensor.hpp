@@ -14,8 +14,10 @@ bool is_physics(const Effect& effect);
 int physics_in(const Choices& choices);
 
 /// The entries whose channels all records hold, and that motion of this kind can show, at each place of the model
-/// (places.hpp). `left` gets the rest, with the reason.
-std::vector<Effect> testable(const Study& study, const std::vector<Effect>& catalogue, std::vector<std::string>& left);
+/// (places.hpp), without parameters that are one number with the (fitted) baseline's (twins.hpp). `left` gets the rest,
+/// with the reason.
+std::vector<Effect> testable(const Study& study, const Candidate& baseline, const std::vector<Effect>& catalogue,
+                             std::vector<std::string>& left);
 
 /// Adds a variant of an entry to a model: its force, or what it makes of a channel after what the model makes of it
 /// already, with the states that it leads to. Parameters are left to the caller. Changes the pool.

@@ -170,7 +170,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
                  const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   std::vector<std::string> untested;
-  const std::vector<Effect> catalogue = testable(stage.study, given, untested);
+  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, given, untested);
   if (!stage.baseline.ran())
     throw InputError("propose: the baseline cannot be simulated over the records (" + stage.baseline.fit.stopped + ")",
                      {}, Fault::data);
@@ -222,7 +222,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
                               const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   std::vector<std::string> untestable;
-  const std::vector<Effect> catalogue = testable(stage.study, given, untestable);
+  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, given, untestable);
   PlacedScales scales(stage.study, stage.baseline);
   std::vector<Candidate> all{stage.baseline};
   std::vector<std::vector<std::vector<Guess>>> guesses{{}};

@@ -37,7 +37,11 @@ bool same_but_for_sign(const std::vector<Expr>& a, const std::vector<Expr>& b) {
   return a == b || a == negative;
 }
 
-bool is_free(const Parameter& p) { return !p.fixed && std::isinf(p.min) && std::isinf(p.max); }
+/// It has no bounds, or three of its deviations to the next of them.
+bool is_free(const Parameter& p) {
+  if (p.fixed) return false;
+  return (std::isinf(p.min) && std::isinf(p.max)) || std::min(p.value - p.min, p.max - p.value) > 3 * p.std;
+}
 
 bool has_twin(const Model& baseline, const Model& extended, const std::string& parameter) {
   const std::vector<Expr> own = slopes_of(extended, parameter);

@@ -99,6 +99,19 @@ constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 bool is_series(const Choices& names) { return springs_among(names) > 2; }
 
+namespace {
+
+/// Two springs at one place that leave what noise does not.
+bool is_loose_series(const Study& study, const Round& round) {
+  const SearchResult& found = round.found;
+  if (springs_among(found.chosen.choices) < 2 || !std::isfinite(found.baseline.left_out_gap)) return false;
+  const Gap gap = round.gap(round.train);
+  return gap.value > 1.5 * gap.floor && closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap,
+                                                     study.noise_gap()) < most_closed(found.chosen.choices);
+}
+
+}  // namespace
+
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
@@ -118,7 +131,7 @@ void decide(const Study& study, Round& round) {
     withdraw(round, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
-  const bool series = is_series(found.chosen.choices);
+  const bool series = is_series(found.chosen.choices) || is_loose_series(study, round);
   if (series) {
     withdraw(round, "a curve of another kind, followed as by a series");
     round.train = runs(study, found.chosen, study.full);
@@ -235,6 +248,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
+  if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";

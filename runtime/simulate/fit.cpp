@@ -75,10 +75,28 @@ FitResult refit_robustly(const System& system, const std::vector<FitData>& data,
   return result;
 }
 
-/// Part of the middle of a record: what the choice of a step is made on.
-Eigen::Index middle(const FitData& data, Eigen::Index& rows) {
-  rows = std::min<Eigen::Index>(data.record.rows(), 400);
-  return (data.record.rows() - rows) / 2;
+/// What a fit is held against first.
+std::string first_channel(const System& system, const FitData& data, const FitOptions& options) {
+  return outputs_of(system.model(), data.record, options.channels)[0].channel;
+}
+
+/// First row and rows of the part of a motion that moves most (the beginning of a decay, a sweep's passage through
+/// resonance): what the choice of a step is made on.
+std::pair<Eigen::Index, Eigen::Index> liveliest(std::span<const double> motion) {
+  const auto all = std::ssize(motion), rows = std::min<Eigen::Index>(all, 400);
+  const auto step = [&](Eigen::Index i) {
+    return std::pow(motion[static_cast<std::size_t>(i)] - motion[static_cast<std::size_t>(i - 1)], 2);
+  };
+  double moves = 0, most = -1;
+  Eigen::Index first = 0;
+  for (Eigen::Index i = 1; i < all; ++i) {
+    moves += step(i);
+    if (i >= rows) moves -= step(i - rows + 1);
+    if (i + 1 < rows || !(moves > most)) continue;
+    most = moves;
+    first = i + 1 - rows;
+  }
+  return {first, rows};
 }
 
 int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
@@ -86,9 +104,8 @@ int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::
   if (system.model().imposed_motion) return 4;
   int most = 1;
   for (const auto& d : data) {
-    Eigen::Index rows = 0;
-    const Eigen::Index first = middle(d, rows);
-    const std::string channel = outputs_of(system.model(), d.record, options.channels)[0].channel;
+    const std::string channel = first_channel(system, d, options);
+    const auto [first, rows] = liveliest(d.record[channel]);
     // A tenth of what the sensor's noise hides.
     const double tolerance =
         std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
@@ -117,8 +134,7 @@ FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std
   if (options.solver == Solver::automatic && !system.model().imposed_motion) {
     options.solver = Solver::fixed;
     for (std::size_t r = 0; r < data.size() && stiff; ++r) {
-      Eigen::Index rows = 0;
-      const Eigen::Index first = middle(data[r], rows);
+      const auto [first, rows] = liveliest(data[r].record[first_channel(system, data[r], options)]);
       const std::span<const double> values = own_values(system, theta);
       const Run run = simulate(system, values, data[r].excitation.part(first, rows),
                                measured_state(system, values, data[r].record, first));
@@ -308,6 +324,28 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   return profile;
 }
 
+namespace {
+
+/// Of a motion's dominant frequency [rows], over the whole of it or over pieces that move as much: a spring that
+/// hardens is faster while the motion is large, a sweep at its end.
+double shortest_period(std::span<const double> motion) {
+  const auto rows = static_cast<double>(motion.size());
+  const auto period = [](std::span<const double> x) {
+    const double omega = dominant_frequency(x, 1);
+    return omega > 0 ? 2 * M_PI / omega : INFINITY;
+  };
+  const double whole = period(motion), spread = spread_of(motion);
+  double shortest = std::min(whole, rows);
+  const auto piece = static_cast<std::size_t>(std::max(16.0, 2 * shortest));
+  for (std::size_t first = 0; first + piece <= motion.size(); first += piece) {
+    const auto part = motion.subspan(first, piece);
+    if (spread_of(part) > 0.5 * spread) shortest = std::min(shortest, period(part));
+  }
+  return shortest;
+}
+
+}  // namespace
+
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options) {
   validate(options);
@@ -316,10 +354,8 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   Eigen::Index longest = 0, length = 0;
   for (const auto& d : data) {
     longest = std::max(longest, d.record.rows());
-    const std::string channel = outputs_of(system.model(), d.record, options.channels)[0].channel;
-    const double omega = dominant_frequency(d.record[channel], d.record.dt());
-    const double period = omega > 0 ? 2 * M_PI / omega / d.record.dt() : static_cast<double>(d.record.rows());
-    length = std::max(length, static_cast<Eigen::Index>(2 * period));
+    const std::string channel = first_channel(system, d, options);
+    length = std::max(length, static_cast<Eigen::Index>(2 * shortest_period(d.record[channel])));
   }
   length = std::clamp<Eigen::Index>(length, 20, longest);
   const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);

@@ -5,6 +5,10 @@ local spec = require "spec"
 local y, v = lunid.displacement, lunid.velocity
 local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
 
+local function tanh(x)
+  return 1 - 2/(math.exp(math.min(2*x, 700)) + 1)
+end
+
 --- The motion of x'' + rest(x, v, z) + dry(v)*sign(v) = 0, z' = rate(x, v, z), by steps of Euler and Cromer, in each of
 --- which dry friction takes no more than the velocity that is there.
 local function decay(of)
@@ -78,6 +82,20 @@ spec.case("a force that no entry has is not two springs", function()
   local found = found_in({ dt = 0.28, rows = 510, from = { 2.5, -1 }, again = { -2.2, 1.5 },
     rest = function(x, w) return x + 0.087*w + 0.15*x*math.abs(w) end }, k*y + c*v, 0.003)
   spec.equal(found.verdict, "unknown-effect")
+end)
+
+spec.case("friction that creeps on where it should hold", function()
+  local found = found_in({ dt = 0.14, rows = 1147, from = { 3, 0.4 }, again = { -2.4, 0.2 },
+    rest = function(x, w) return x + 0.023*w + 0.26*tanh(w/1e-3) end }, k*y + c*v, 0.03)
+  spec.equal(spec.names_of(found), "coulomb_friction")
+  spec.near(found.effects[1].parameters.Fc.value, 0.26, 0.01)
+end)
+
+spec.case("a spring that is fast while the motion is large", function()
+  local found = found_in({ dt = 0.2, rows = 783, from = { 3, 0.5 }, again = { -3.4, 0.2 },
+    rest = function(x, w) return x + 0.062*w + 0.051*x^5 end }, k*y + c*v, 0.018)
+  spec.equal(spec.names_of(found), "quintic_stiffness")
+  spec.near(found.effects[1].parameters.k5.value, 0.051, 0.001)
 end)
 
 spec.finish()

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "simulate/fit.hpp"
+#include "simulate/fit_check.hpp"
 #include "simulate_models.hpp"
 
 namespace lunid {
@@ -296,6 +297,22 @@ TEST(FitTrajectory, FaultsNameTheChannel) {
               fit_trajectory(system, vector({2e4, 10}), data, options);
             }),
             "fit_trajectory: separate: expected parameters from 0 to 1, got 2");
+}
+
+/// A spring of the fifth power that is pulled far and released: fast where the record begins, five times slower in its
+/// middle. Steps that were right there would miss the beginning by a tenth of the motion.
+TEST(FitTrajectory, TakesItsStepsFromWhereTheMotionIsFastest) {
+  const auto x = truth<2>({3, 0}, [](double t, const std::array<double, 2>& s) {
+    return std::array<double, 2>{s[1], push(t) - 11000 * s[0] - 6.5 * s[1] - 560 * std::pow(s[0], 5)};
+  });
+  const System system(model_of("1", "k*y + c*v + k5*y^5"));
+  const Record record = record_of(x, {"y"}, {0.01}, 3);
+  const FitOptions options;
+  const std::vector<FitData> data{data_of(system, record)};
+  const FitResult result = fit_trajectory(system, vector({11000, 6.5, 560}), data, options);
+  ASSERT_TRUE(result.converged) << result.stopped;
+  EXPECT_LT(check_by_sundials(system, result, data, options), 1e-3);
+  EXPECT_NEAR(result.theta[2], 560, 3 * std::sqrt(result.covariance(2, 2)));
 }
 
 }  // namespace
