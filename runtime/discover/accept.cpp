@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "record/middle_value.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
 

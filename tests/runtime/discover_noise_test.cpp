@@ -86,6 +86,17 @@ TEST(Twins, AreOneNumberWithTheBaselinesOwn) {
   EXPECT_EQ(left.formula, "beta*y^2*v");
 }
 
+TEST(Twins, OfACoefficientThatWasFittedWellWithinItsBoundsAreOneNumberToo) {
+  Model model = complete(baseline("k*y + c*v", 1));
+  Parameter& c = *model.find("c");
+  c.min = 0;
+  c.value = 1;
+  c.std = 0.3;
+  EXPECT_EQ(without_twins(model, swing(*model.pool)).parameters.size(), 1u);
+  c.std = 0.4;  // its bound may be near: mu may be needed
+  EXPECT_EQ(without_twins(model, swing(*model.pool)).parameters.size(), 2u);
+}
+
 TEST(Twins, StayWhereTheBaselineHasNone) {
   const Model model = complete(baseline("k*y", 1));
   EXPECT_EQ(without_twins(model, swing(*model.pool)).parameters.size(), 2u);

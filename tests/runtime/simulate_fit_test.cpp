@@ -299,8 +299,8 @@ TEST(FitTrajectory, FaultsNameTheChannel) {
             "fit_trajectory: separate: expected parameters from 0 to 1, got 2");
 }
 
-/// A spring of the fifth power that is pulled far and released: fast where the record begins, five times slower in its
-/// middle. Steps that were right there would miss the beginning by a tenth of the motion.
+/// A spring of the fifth power that is pulled far and released: far faster where the record begins than in its middle.
+/// Steps that are right there miss the motion by 4 permille.
 TEST(FitTrajectory, TakesItsStepsFromWhereTheMotionIsFastest) {
   const auto x = truth<2>({3, 0}, [](double t, const std::array<double, 2>& s) {
     return std::array<double, 2>{s[1], push(t) - 11000 * s[0] - 6.5 * s[1] - 560 * std::pow(s[0], 5)};
