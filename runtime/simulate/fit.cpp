@@ -1,5 +1,6 @@
 #include "record/middle_value.hpp"
 #include "simulate/fit_problem.hpp"
+#include "simulate/fit_steps.hpp"
 #include "simulate/integrator.hpp"
 #include "simulate/measures.hpp"
 #include "simulate/run.hpp"
@@ -8,11 +9,6 @@ namespace lunid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// The model's parameters, without what a fit has beside them.
-std::span<const double> own_values(const System& system, const Eigen::VectorXd& theta) {
-  return {theta.data(), static_cast<std::size_t>(system.parameters())};
-}
 
 std::vector<FitSegment> cut(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             Eigen::Index length) {
@@ -73,83 +69,6 @@ FitResult refit_robustly(const System& system, const std::vector<FitData>& data,
     result.clip = huber * scale;
   }
   return result;
-}
-
-/// What a fit is held against first.
-std::string first_channel(const System& system, const FitData& data, const FitOptions& options) {
-  return outputs_of(system.model(), data.record, options.channels)[0].channel;
-}
-
-/// First row and rows of the part of a motion that moves most (the beginning of a decay, a sweep's passage through
-/// resonance): what the choice of a step is made on.
-std::pair<Eigen::Index, Eigen::Index> liveliest(std::span<const double> motion) {
-  const auto all = std::ssize(motion), rows = std::min<Eigen::Index>(all, 400);
-  const auto step = [&](Eigen::Index i) {
-    return std::pow(motion[static_cast<std::size_t>(i)] - motion[static_cast<std::size_t>(i - 1)], 2);
-  };
-  double moves = 0, most = -1;
-  Eigen::Index first = 0;
-  for (Eigen::Index i = 1; i < all; ++i) {
-    moves += step(i);
-    if (i >= rows) moves -= step(i - rows + 1);
-    if (i + 1 < rows || !(moves > most)) continue;
-    most = moves;
-    first = i + 1 - rows;
-  }
-  return {first, rows};
-}
-
-int substeps_for(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
-                 const FitOptions& options) {
-  if (system.model().imposed_motion) return 4;
-  int most = 1;
-  for (const auto& d : data) {
-    const std::string channel = first_channel(system, d, options);
-    const auto [first, rows] = liveliest(d.record[channel]);
-    // A tenth of what the sensor's noise hides.
-    const double tolerance =
-        std::clamp(0.1 * d.record.channel(channel).noise / spread_of(d.record[channel]), 1e-5, 1e-3);
-    const std::span<const double> values = own_values(system, theta);
-    const int chosen = choose_substeps(system, values, d.excitation.part(first, rows),
-                                       measured_state(system, values, d.record, first), tolerance);
-    most = std::max(most, chosen);
-  }
-  return std::min(most, explicit_limit);
-}
-
-/// True where all that is fitted are states as they are: what the adjoint has slopes of.
-bool states_alone(const Model& model, const std::vector<FitData>& data, const FitOptions& options) {
-  if (!model.measures.empty()) return false;
-  for (const FitData& d : data)
-    for (const Output& o : outputs_of(model, d.record, options.channels))
-      if (state_of(model, o.channel) < 0) return false;
-  return true;
-}
-
-/// What the options leave open: the solver and the gradient. `substeps`: of the fixed path; its limit may be a stiff
-/// model.
-FitOptions decided(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
-                   FitOptions options, int substeps) {
-  const bool stiff = substeps == explicit_limit && options.substeps == 0;
-  if (options.solver == Solver::automatic && !system.model().imposed_motion) {
-    options.solver = Solver::fixed;
-    for (std::size_t r = 0; r < data.size() && stiff; ++r) {
-      const auto [first, rows] = liveliest(data[r].record[first_channel(system, data[r], options)]);
-      const std::span<const double> values = own_values(system, theta);
-      const Run run = simulate(system, values, data[r].excitation.part(first, rows),
-                               measured_state(system, values, data[r].record, first));
-      if (run.summary.solver.starts_with(sundials_name(Solver::bdf))) options.solver = Solver::bdf;
-    }
-  }
-  if (options.gradient != Gradient::automatic) return options;
-  const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
-  const bool possible = options.solver == Solver::fixed && !system.model().imposed_motion &&
-                        options.whitening.average == 1 && options.whitening.ar.empty() && options.hold < 0 &&
-                        states_alone(system.model(), data, options) &&
-                        (system.dynamics().smooth() || system.dynamics().dense());
-  const bool better = layout.size() >= adjoint_parameters || !system.dynamics().dense();
-  options.gradient = possible && better ? Gradient::adjoint : Gradient::forward;
-  return options;
 }
 
 void check(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
@@ -257,8 +176,8 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
                          const FitOptions& options) {
   validate(options);
   check(system, theta, data, options);
-  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
-  const FitOptions chosen = decided(system, theta, data, options, substeps);
+  const FitOptions chosen = with_steps(system, theta, data, options);
+  const int substeps = chosen.substeps;
   std::vector<FitSegment> segments = cut(system, theta, data, options.segment);
   take_first_states(options.first_states, segments);
   FitResult result = minimise_by(chosen, system, theta, data, segments, substeps, 0);
@@ -324,28 +243,6 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   return profile;
 }
 
-namespace {
-
-/// Of a motion's dominant frequency [rows], over the whole of it or over pieces that move as much: a spring that
-/// hardens is faster while the motion is large, a sweep at its end.
-double shortest_period(std::span<const double> motion) {
-  const auto rows = static_cast<double>(motion.size());
-  const auto period = [](std::span<const double> x) {
-    const double omega = dominant_frequency(x, 1);
-    return omega > 0 ? 2 * M_PI / omega : INFINITY;
-  };
-  const double whole = period(motion), spread = spread_of(motion);
-  double shortest = std::min(whole, rows);
-  const auto piece = static_cast<std::size_t>(std::max(16.0, 2 * shortest));
-  for (std::size_t first = 0; first + piece <= motion.size(); first += piece) {
-    const auto part = motion.subspan(first, piece);
-    if (spread_of(part) > 0.5 * spread) shortest = std::min(shortest, period(part));
-  }
-  return shortest;
-}
-
-}  // namespace
-
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options) {
   validate(options);
@@ -354,14 +251,12 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   Eigen::Index longest = 0, length = 0;
   for (const auto& d : data) {
     longest = std::max(longest, d.record.rows());
-    const std::string channel = first_channel(system, d, options);
-    length = std::max(length, static_cast<Eigen::Index>(2 * shortest_period(d.record[channel])));
+    length =
+        std::max(length, static_cast<Eigen::Index>(2 * shortest_period(d.record[first_channel(system, d, options)])));
   }
   length = std::clamp<Eigen::Index>(length, 20, longest);
-  const int substeps = options.substeps > 0 ? options.substeps : substeps_for(system, theta, data, options);
-  const FitOptions chosen = decided(system, theta, data, options, substeps);
+  const FitOptions chosen = with_steps(system, theta, data, options);
   FitOptions stage = chosen;
-  stage.substeps = substeps;
   stage.whitening = {};
   stage.tolerance = std::max(options.tolerance, 1e-3);
   stage.max_iterations = std::min(options.max_iterations, 12);
@@ -383,7 +278,6 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
       if (s.first == 0) s.x0.conservativeResize(2 * system.degrees());
   }
   FitOptions final_stage = chosen;
-  final_stage.substeps = substeps;
   if (!stage.first_states.empty()) final_stage.first_states = stage.first_states;
   FitResult result = fit_trajectory(system, current, data, final_stage);
   runs += result.runs;

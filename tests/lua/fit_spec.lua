@@ -63,4 +63,15 @@ spec.case("faults", function()
 end)
 
 spec.clean()
+spec.case("a guess whose run leaves the motion, and is stiff out there, chooses no steps: its fit converges on the truth", function()
+  local c1, f1, p = lunid.parameter { "c1", 10 }, lunid.parameter { "f1", 3000 }, lunid.parameter { "p", 80 }
+  local system = lunid.model { mass = 1, restoring = f1*lunid.tanh(p*y) + c1*v }
+  local train = lunid.thesis_record { system = system, frequency = { 20, 30 }, seed = 10 }
+  local b1, slope = lunid.parameter { "b1", 17.39 }, lunid.parameter { "slope", 30, min = 5, max = 300 }
+  local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = f1*lunid.tanh(slope*y) + c1*v + b1*y*v^2 }, record = train }
+  spec.equal(fit.summary.converged, true)
+  local row = fit.model.parameters.slope
+  spec.near(row.value, 80, 3*row.std)
+end)
+
 spec.finish()
