@@ -75,9 +75,10 @@ class Spine {
     catalogue_ = testable(study_, baseline_, {given_.begin(), given_.begin() + many}, left);
     first_ = catalogue_.size();
     std::vector<Effect> others = testable(study_, baseline_, {given_.begin() + many, given_.end()}, left);
-    const auto physics =
-        std::stable_partition(others.begin(), others.end(), [](const Effect& effect) { return !is_physics(effect); });
-    with_faults_ = first_ + static_cast<std::size_t>(physics - others.begin());
+    const auto with_states = std::stable_partition(others.begin(), others.end(), [](const Effect& effect) {
+      return !is_physics(effect) || effect.states.empty();
+    });
+    without_states_ = first_ + static_cast<std::size_t>(with_states - others.begin());
     std::move(others.begin(), others.end(), std::back_inserter(catalogue_));
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
@@ -87,8 +88,8 @@ class Spine {
     Round round = look(first_, {});
     if (first_ < catalogue_.size() && leaves_open(round))
       look_further(round, "the whole catalogue", catalogue_.size());
-    else if (with_faults_ > first_ && round.names())
-      look_further(round, "faults of sensors and of the input", with_faults_);
+    else if (without_states_ > first_ && round.names())
+      look_further(round, "the rivals without memory", without_states_);
     return round;
   }
 
@@ -165,7 +166,8 @@ class Spine {
   }
 
   /// What the first entries leave open is held against all, what they name against the faults of sensors and of the
-  /// input, without which no physics is named. Names that were found stand unless others take their place.
+  /// input, and against all that runs fast, without which no physics is named. Names that were found stand unless
+  /// others take their place.
   void look_further(Round& round, const std::string& stage, std::size_t entries) {
     progress(stage, 0.1);
     const Interpolation before = study_.interpolation;
@@ -328,9 +330,10 @@ class Spine {
           fault.empty() ? std::nullopt : gap_of_one_fit_to_all(study, round, out_.test_p_value, before, after);
       if (of_all)
         out_.warnings.push_back(left_open_by_training(found.chosen, fault, *of_all));
-      else if (!fault.empty())
+      else if (!fault.empty() && !leave_the_tied(study, round, fault, before))
         take_back(round, fault, steps_that_stand(study, round, before));
-      else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size())
+      else if (const std::size_t stand = steps_that_help(study, round, after);
+               fault.empty() && stand < found.steps.size())
         take_back(round, "did no better on the test record than " + found.steps[stand - 1].name(), stand);
     } else {
       round.verdict = something_is_missing(round) ? "unknown-effect" : "nothing-missing";
@@ -379,6 +382,41 @@ class Spine {
     return "the named " + named.name() + " " + fault +
            " with the parameters of the training records, which leave them " +
            "open: one fit to all records follows these down to their noise (" + gaps + "). Train on both";
+  }
+
+  /// One name is taken back: of those that the training records cannot tell from it, what the test records leave.
+  bool leave_the_tied(const Study& study, Round& round, const std::string& fault, const std::vector<FreeRun>& before) {
+    SearchResult& found = round.found;
+    if (found.chosen.choices.size() != 1) return false;
+    std::vector<TiedRival> standing = tied_that_stand(study, round, before);
+    if (standing.empty()) return false;
+    const Candidate refused = found.chosen;
+    found.ties.rivals.clear();
+    for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
+    found.ties.aliases.clear();
+    TiedRival& first = standing.front();
+    out_.warnings.push_back("the training records could not tell " + refused.name() + " from " + first.model.name() +
+                            ": the former " + fault);
+    const auto at =
+        std::ranges::find_if(found.rivals, [&](const Candidate& c) { return c.name() == first.model.name(); });
+    const auto index = at - found.rivals.begin();
+    found.rivals[static_cast<std::size_t>(index)] = refused;
+    found.remarks[static_cast<std::size_t>(index)] = "not confirmed by the test record";
+    found.chosen = std::move(first.model);
+    found.order = found.chosen.choices;
+    found.steps = {found.chosen};
+    round.left = std::move(first.left);
+    round.train = std::move(first.train);
+    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+      if (holds_name(found.ties.rivals, found.rivals[i].name()))
+        found.remarks[i] = tie_remark(found.chosen);
+      else if (found.remarks[i] == tie_remark(refused))
+        found.remarks[i] = "not confirmed by the test record";
+    }
+    after_test_ = runs(study_, found.chosen, study_.test);
+    out_.test_p_value = first.test_p_value;
+    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+    return true;
   }
 
   /// All names but those of the first steps that stand.
@@ -589,9 +627,9 @@ class Spine {
 
   const DiscoverOptions& options_;
   const std::vector<Effect>& given_;
-  std::vector<Effect> catalogue_;  ///< of the given, what these records can show
-  std::size_t first_ = 0;          ///< so many of them are tried first
-  std::size_t with_faults_ = 0;    ///< the same, and the faults of sensors and of the input that come behind them
+  std::vector<Effect> catalogue_;   ///< of the given, what these records can show
+  std::size_t first_ = 0;           ///< so many of them are tried first
+  std::size_t without_states_ = 0;  ///< the same, and those without internal states that come behind them
   std::string untested_;
   Model model_;
   Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search

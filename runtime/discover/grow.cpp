@@ -40,7 +40,8 @@ constexpr double near_enough = 0.5;        // of the motion, for that
 constexpr int led_out = 4;                 // single effects above the noise that begin again from other guesses
 constexpr double nearly = 1.15;            // as good, in squared error
 constexpr double reached = 1.05;           // of the sensor's noise: nothing is left
-constexpr double hopeless = 3;  // times the best squared error after the first iterations: not fitted to the end
+constexpr double hopeless = 3;     // times the best squared error after the first iterations: not fitted to the end
+constexpr double far_behind = 10;  // the same of single effects: not fitted further at all
 
 bool many_states(const Choices& set) {
   return std::any_of(set.begin(), set.end(),
@@ -79,7 +80,7 @@ class Grower {
       std::vector<Candidate> level = add_one(parents, size);
       if (level.empty()) break;
       const bool better = worth_growing(best, level.front());
-      const bool masked = size == 1 && may_mask_a_pair(level.front());
+      const bool masked = size == 1 && may_mask_a_pair(level);
       for (const auto& c : level)
         if (!c.degenerate()) out_.sets.push_back(c);
       if (!better && !masked) break;
@@ -110,10 +111,12 @@ class Grower {
 
   /// Two effects may be needed where one alone leaves the error above the sensor's noise, and may be the simpler words
   /// where one needs more parameters than two of them.
-  bool may_mask_a_pair(const Candidate& one) const {
+  bool may_mask_a_pair(const std::vector<Candidate>& singles) const {
     const double noise = 1.3 * study_.sensor_noise();
-    if (!(rms(baseline_) > noise) || closes_nearly_all(baseline_, one)) return false;
-    return !one.ran() || rms(one) > noise || one.added() > 2;
+    if (!(rms(baseline_) > noise) || closes_nearly_all(baseline_, singles.front())) return false;
+    return std::ranges::none_of(singles, [&](const Candidate& one) {
+      return one.ran() && !one.degenerate() && rms(one) <= noise && one.added() <= 2;
+    });
   }
 
   /// An entry of many states beside which others cost much and could close little.
@@ -223,7 +226,8 @@ class Grower {
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
     if (is_open(level)) size == 1 ? leave_minima(level) : leave_ridges(level);
-    if (is_open(level)) fit_too(offers, best_on_motion(offers, list, parents.front()), size, level);
+    if (size == 1 || is_open(level))
+      fit_too(offers, best_on_motion(offers, list, parents.front(), is_open(level)), size, level);
     if (is_open(level)) fit_too(offers, slow, size, level);
     return level;
   }
@@ -240,13 +244,15 @@ class Grower {
   /// The force along a noisy motion, or along one that was integrated, may not show what the free run does: of those
   /// that were not fitted, the best on the motion to first order. Says nothing where the parent's run is not near.
   std::vector<std::size_t> best_on_motion(const std::vector<Offer>& offers, const std::vector<std::size_t>& fitted,
-                                          const Candidate& parent) const {
+                                          const Candidate& parent, bool open = true) const {
     if (!parent.ran() || !(rms(parent) < near_enough * study_.measured_std())) return {};
+    if (!open && !is_above_noise(parent)) return {};
     std::vector<std::size_t> others;
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < offers.size(); ++i) {
       const Offer& o = offers[i];
       if (o.parent->choices != parent.choices || !o.standing.shown || o.standing.own.size() == 0) continue;
+      if (!open && !o.standing.shape->choice.effect->states.empty()) continue;
       if (many_states(*o.standing.shape) || std::find(fitted.begin(), fitted.end(), i) != fitted.end()) continue;
       Choices set = parent.choices;
       set.push_back(o.standing.shape->choice);
@@ -273,11 +279,12 @@ class Grower {
 
   bool is_open(const std::vector<Candidate>& sorted) const {
     const auto best = std::ranges::find_if_not(sorted, &Candidate::degenerate);
-    return best == sorted.end() || rms(*best) > reached * study_.sensor_noise();
+    return best == sorted.end() || is_above_noise(*best);
   }
+  bool is_above_noise(const Candidate& c) const { return rms(c) > reached * study_.sensor_noise(); }
 
-  /// Of the best single effects, and of their special cases: noise may have led the force to a minimum that is far from
-  /// the trajectory's.
+  /// Of the best single effects, of their special cases, and of general forms of them that fit worse: noise may have
+  /// led the force to a minimum that is far from the trajectory's.
   void leave_minima(std::vector<Candidate>& sorted) const {
     const std::span<const Candidate> best(sorted.data(), std::min<std::size_t>(led_out, sorted.size()));
     const auto is_simpler_than_the_best = [&](const Candidate& c) {
@@ -664,6 +671,7 @@ class Grower {
     });
     sort_by_cost(level);
     std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
+    if (size == 1 && !study_.imposed) go_on(level);
     const std::vector<std::size_t> ahead = to_the_end(level);
     parallel_for(static_cast<int>(ahead.size()), study_.options->threads, [&](int i) {
       Candidate& c = level[ahead[static_cast<std::size_t>(i)]];
@@ -684,6 +692,20 @@ class Grower {
       if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) { return same(o.choices, c.choices); }))
         out.push_back(std::move(c));
     return out;
+  }
+
+  /// Twice as many as are fitted to the end, a little further: a steep spring still has far to go where the first
+  /// iterations of others are nearly through; along an imposed motion none drifts (successive halving; Jamieson &
+  /// Talwalkar 2016, AISTATS 51, 240).
+  void go_on(std::vector<Candidate>& sorted) const {
+    const auto most = static_cast<std::size_t>(2 * long_fits * per_size_ / per_size);
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < sorted.size() && list.size() < most; ++i)
+      if (sorted[i].ran() && sorted[i].fit.cost <= far_behind * sorted.front().fit.cost) list.push_back(i);
+    if (list.size() <= most / 2) return;  // all of these are fitted to the end
+    parallel_for(static_cast<int>(list.size()), study_.options->threads,
+                 [&](int i) { fits_.go_on(sorted[list[static_cast<std::size_t>(i)]]); });
+    sort_by_cost(sorted);
   }
 
   /// The best after the first iterations, and those that explain most of the force: their free runs may have lost the

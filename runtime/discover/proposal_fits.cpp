@@ -53,6 +53,11 @@ void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
   if (again.cost < c.fit.cost) c.fit = std::move(again);
 }
 
+void ProposalFits::go_on(Candidate& c) const {
+  FitResult further = fit_near(study_, c, c.fit.theta, 8, coarse_substeps(c), c.fit.segments);
+  if (further.cost < c.fit.cost) c.fit = std::move(further);
+}
+
 void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const {
   constexpr std::size_t most = 8;
   constexpr int iterations = 8;

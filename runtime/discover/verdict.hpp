@@ -74,6 +74,18 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after);
 
+/// A single effect that the training records cannot tell from the chosen one, and what it does.
+struct TiedRival {
+  Candidate model;
+  Left left;
+  std::vector<FreeRun> train, test;
+  double test_p_value;
+};
+
+/// Of those, and of the same force in other words there, in the order of the rivals: the ones that the test records do
+/// not take back, and which none of these betters there beyond chance.
+std::vector<TiedRival> tied_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
+
 /// The gap on the test records of the named model fitted to training and test records together, where that is down to
 /// the noise of both, the training records allow these parameters, and the names lower the test gap as they are: the
 /// training records leave the parameters open, not the name (two single tones before a sweep through the resonance).

@@ -64,8 +64,8 @@ Steps steps_for(const System& system, std::span<const double> theta, const FitDa
   };
   StepChoice choice = choose();
   if (choice.substeps >= explicit_limit) {
-    const Eigen::Index near = rows_near(measured.subspan(static_cast<std::size_t>(piece.first)),
-                                        shown(system, theta, choice.finer, channel));
+    const Eigen::Index near =
+        rows_near(measured.subspan(static_cast<std::size_t>(piece.first)), shown(system, theta, choice.finer, channel));
     if (near >= least && near < piece.rows) {
       piece.rows = near;
       choice = choose();
