@@ -385,34 +385,28 @@ class Spine {
   }
 
   /// One name is taken back: of those that the training records cannot tell from it, what the test records leave.
-  bool leave_the_tied(const Study& study, Round& round, const std::string& fault, const std::vector<FreeRun>& before) {
+  /// `tested`: the study as the test records are judged (short_test_runs).
+  bool leave_the_tied(const Study& tested, Round& round, const std::string& fault, const std::vector<FreeRun>& before) {
     SearchResult& found = round.found;
     if (found.chosen.choices.size() != 1) return false;
-    std::vector<TiedRival> standing = tied_that_stand(study, round, before);
+    std::vector<TiedRival> standing = tied_that_stand(study_, tested, round, before);
     if (standing.empty()) return false;
-    const Candidate refused = found.chosen;
-    found.ties.rivals.clear();
-    for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
-    found.ties.aliases.clear();
     TiedRival& first = standing.front();
-    out_.warnings.push_back("the training records could not tell " + refused.name() + " from " + first.model.name() +
-                            ": the former " + fault);
-    const auto at =
-        std::ranges::find_if(found.rivals, [&](const Candidate& c) { return c.name() == first.model.name(); });
-    const auto index = at - found.rivals.begin();
-    found.rivals[static_cast<std::size_t>(index)] = refused;
-    found.remarks[static_cast<std::size_t>(index)] = "not confirmed by the test record";
+    out_.warnings.push_back("the training records could not tell " + found.chosen.name() + " from " +
+                            first.model.name() + ": the former " + fault);
+    const std::string as_tied = tie_remark(found.chosen);
+    withdraw(round, not_confirmed);
+    std::ranges::replace(found.remarks, as_tied, not_confirmed);
+    const auto at = std::ranges::find(found.rivals, first.model.name(), &Candidate::name) - found.rivals.begin();
+    found.rivals.erase(found.rivals.begin() + at);
+    found.remarks.erase(found.remarks.begin() + at);
     found.chosen = std::move(first.model);
     found.order = found.chosen.choices;
     found.steps = {found.chosen};
+    for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
+    remark_ties(found);
     round.left = std::move(first.left);
     round.train = std::move(first.train);
-    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-      if (holds_name(found.ties.rivals, found.rivals[i].name()))
-        found.remarks[i] = tie_remark(found.chosen);
-      else if (found.remarks[i] == tie_remark(refused))
-        found.remarks[i] = "not confirmed by the test record";
-    }
     after_test_ = runs(study_, found.chosen, study_.test);
     out_.test_p_value = first.test_p_value;
     round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
@@ -429,7 +423,7 @@ class Spine {
                     "like it as well";
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
-    withdraw(round, "not confirmed by the test record");
+    withdraw(round, not_confirmed);
     found.order.resize(stand);
     if (stand > 0) {
       found.steps = steps;
@@ -463,6 +457,10 @@ class Spine {
     std::vector<const Candidate*> rivals;
     for (const Candidate& c : found.rivals) rivals.push_back(&c);
     found.ties = find_ties(study_, found.baseline, found.chosen, rivals);
+    remark_ties(found);
+  }
+
+  static void remark_ties(SearchResult& found) {
     for (std::size_t i = 0; i < found.rivals.size(); ++i)
       if (holds_name(found.ties.rivals, found.rivals[i].name())) found.remarks[i] = tie_remark(found.chosen);
   }

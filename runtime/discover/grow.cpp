@@ -40,8 +40,9 @@ constexpr double near_enough = 0.5;        // of the motion, for that
 constexpr int led_out = 4;                 // single effects above the noise that begin again from other guesses
 constexpr double nearly = 1.15;            // as good, in squared error
 constexpr double reached = 1.05;           // of the sensor's noise: nothing is left
-constexpr double hopeless = 3;     // times the best squared error after the first iterations: not fitted to the end
-constexpr double far_behind = 10;  // the same of single effects: not fitted further at all
+constexpr double hopeless = 3;        // times the best squared error after the first iterations: not fitted to the end
+constexpr double far_behind = 10;     // the same of single effects: not fitted further at all
+constexpr int middle_iterations = 8;  // of those that are
 
 bool many_states(const Choices& set) {
   return std::any_of(set.begin(), set.end(),
@@ -226,8 +227,8 @@ class Grower {
     if (size == 1 && !list.empty()) add_other_places(offers, order, list);
     std::vector<Candidate> level = fit_list(offers, list, parents, size);
     if (is_open(level)) size == 1 ? leave_minima(level) : leave_ridges(level);
-    if (size == 1 || is_open(level))
-      fit_too(offers, best_on_motion(offers, list, parents.front(), is_open(level)), size, level);
+    const bool open = is_open(level);
+    if (size == 1 || open) fit_too(offers, best_on_motion(offers, list, parents.front(), open), size, level);
     if (is_open(level)) fit_too(offers, slow, size, level);
     return level;
   }
@@ -243,6 +244,8 @@ class Grower {
 
   /// The force along a noisy motion, or along one that was integrated, may not show what the free run does: of those
   /// that were not fitted, the best on the motion to first order. Says nothing where the parent's run is not near.
+  /// `open`: something is left by what was fitted; else entries without states are asked alone, of a parent above the
+  /// noise.
   std::vector<std::size_t> best_on_motion(const std::vector<Offer>& offers, const std::vector<std::size_t>& fitted,
                                           const Candidate& parent, bool open = true) const {
     if (!parent.ran() || !(rms(parent) < near_enough * study_.measured_std())) return {};
@@ -283,8 +286,8 @@ class Grower {
   }
   bool is_above_noise(const Candidate& c) const { return rms(c) > reached * study_.sensor_noise(); }
 
-  /// Of the best single effects, of their special cases, and of general forms of them that fit worse: noise may have
-  /// led the force to a minimum that is far from the trajectory's.
+  /// Of the best single effects, and of their special cases: noise may have led the force to a minimum that is far from
+  /// the trajectory's.
   void leave_minima(std::vector<Candidate>& sorted) const {
     const std::span<const Candidate> best(sorted.data(), std::min<std::size_t>(led_out, sorted.size()));
     const auto is_simpler_than_the_best = [&](const Candidate& c) {
@@ -704,7 +707,7 @@ class Grower {
       if (sorted[i].ran() && sorted[i].fit.cost <= far_behind * sorted.front().fit.cost) list.push_back(i);
     if (list.size() <= most / 2) return;  // all of these are fitted to the end
     parallel_for(static_cast<int>(list.size()), study_.options->threads,
-                 [&](int i) { fits_.go_on(sorted[list[static_cast<std::size_t>(i)]]); });
+                 [&](int i) { fits_.go_on(sorted[list[static_cast<std::size_t>(i)]], middle_iterations); });
     sort_by_cost(sorted);
   }
 

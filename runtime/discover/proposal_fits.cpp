@@ -53,8 +53,8 @@ void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
   if (again.cost < c.fit.cost) c.fit = std::move(again);
 }
 
-void ProposalFits::go_on(Candidate& c) const {
-  FitResult further = fit_near(study_, c, c.fit.theta, 8, coarse_substeps(c), c.fit.segments);
+void ProposalFits::go_on(Candidate& c, int iterations) const {
+  FitResult further = fit_near(study_, c, c.fit.theta, iterations, coarse_substeps(c), c.fit.segments);
   if (further.cost < c.fit.cost) c.fit = std::move(further);
 }
 
@@ -113,10 +113,7 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
 }
 
 void ProposalFits::end(Candidate& c) const {
-  if (c.ran()) {
-    FitResult further = fit_near(study_, c, c.fit.theta, 24, coarse_substeps(c), c.fit.segments);
-    if (further.cost < c.fit.cost) c.fit = std::move(further);
-  }
+  if (c.ran()) go_on(c, 24);
   const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));
   if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
   try_short_runs(c, c.starts.front());

@@ -34,8 +34,8 @@ class ProposalFits {
 
   /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
   void begin(Candidate& c, const Candidate& parent) const;
-  /// Some iterations more.
-  void go_on(Candidate& c) const;
+  /// Some iterations more of a set that ran.
+  void go_on(Candidate& c, int iterations) const;
   /// An effect that has run into a limit of its shape may have started on the wrong side of it: the force, smoothed and
   /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
   /// the parent with the effect at zero.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
@@ -259,7 +261,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
 
-std::vector<TiedRival> tied_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
+std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
+                                       const std::vector<FreeRun>& before) {
   std::vector<TiedRival> standing;
   for (const Candidate& rival : round.found.rivals) {
     const bool tied = holds_name(round.found.ties.rivals, rival.name()) ||
@@ -272,21 +275,19 @@ std::vector<TiedRival> tied_that_stand(const Study& study, const Round& round, c
     run_left_out(study, other.found.chosen);
     other.train = runs(study, rival, study.full);
     other.left = look_for_structure(study, rival, other.train, round.found.whitening);
-    std::vector<FreeRun> after = runs(study, rival, study.test);
-    const double p_value = test_p_value(study, before, after);
-    if (!refuted(study, other, p_value, before, after).empty()) continue;
+    std::vector<FreeRun> after = runs(tested, rival, tested.test);
+    const double p_value = test_p_value(tested, before, after);
+    if (!refuted(tested, other, p_value, before, after).empty()) continue;
     standing.push_back(
         {std::move(other.found.chosen), std::move(other.left), std::move(other.train), std::move(after), p_value});
   }
   const auto is_worse = [&](const TiedRival& a) {
     return std::ranges::any_of(
-        standing, [&](const TiedRival& b) { return test_p_value(study, a.test, b.test) < study.options->alpha; });
+        standing, [&](const TiedRival& b) { return test_p_value(tested, a.test, b.test) < study.options->alpha; });
   };
-  std::vector<std::uint8_t> worse(standing.size());
-  std::ranges::transform(standing, worse.begin(), is_worse);
-  std::size_t next = 0;
-  std::erase_if(standing, [&](const TiedRival&) { return worse[next++] != 0; });
-  return standing;
+  std::vector<TiedRival> out;
+  std::ranges::copy_if(standing, std::back_inserter(out), std::not_fn(is_worse));
+  return out;
 }
 
 std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round, double p_value,

@@ -64,6 +64,9 @@ void decide(const Study& study, Round& round);
 /// `before`: the model's runs over the test records.
 bool gone_on_test(const Study& study, const Round& round, const std::vector<FreeRun>& before);
 
+/// Remark of names that the test records take back.
+inline constexpr auto not_confirmed = "not confirmed by the test record";
+
 /// Takes the names back; the model is the baseline again.
 void withdraw(Round& round, const std::string& remark);
 
@@ -84,7 +87,9 @@ struct TiedRival {
 
 /// Of those, and of the same force in other words there, in the order of the rivals: the ones that the test records do
 /// not take back, and which none of these betters there beyond chance.
-std::vector<TiedRival> tied_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
+/// `tested`: the study as the test records are judged, `before` the baseline's runs in it.
+std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
+                                       const std::vector<FreeRun>& before);
 
 /// The gap on the test records of the named model fitted to training and test records together, where that is down to
 /// the noise of both, the training records allow these parameters, and the names lower the test gap as they are: the

@@ -58,21 +58,17 @@ Steps steps_for(const System& system, std::span<const double> theta, const FitDa
   const double tolerance = std::clamp(0.1 * data.record.channel(channel).noise / spread_of(measured), 1e-5, 1e-3);
   Piece piece = liveliest(measured);
   const Eigen::VectorXd x0 = measured_state(system, theta, data.record, piece.first);
-  const auto choose = [&] {
-    const Excitations part = data.excitation.part(piece.first, piece.rows).of(system, theta);
-    return choose_by_halving(system, theta, part, x0, tolerance, explicit_limit, {});
-  };
-  StepChoice choice = choose();
-  if (choice.substeps >= explicit_limit) {
-    const Eigen::Index near =
-        rows_near(measured.subspan(static_cast<std::size_t>(piece.first)), shown(system, theta, choice.finer, channel));
-    if (near >= least && near < piece.rows) {
-      piece.rows = near;
-      choice = choose();
-    }
+  const auto part = [&] { return data.excitation.part(piece.first, piece.rows); };
+  const auto choose = [&] { return choose_substeps(system, theta, part(), x0, tolerance); };
+  if (const int substeps = choose(); substeps < explicit_limit) return {substeps, false};
+  Run run = simulate(system, theta, part(), x0);
+  const Eigen::Index near =
+      rows_near(measured.subspan(static_cast<std::size_t>(piece.first)), shown(system, theta, run, channel));
+  if (near >= least && near < piece.rows) {
+    piece.rows = near;
+    if (const int substeps = choose(); substeps < explicit_limit) return {substeps, false};
+    run = simulate(system, theta, part(), x0);
   }
-  if (choice.substeps < explicit_limit) return {choice.substeps, false};
-  const Run run = simulate(system, theta, data.excitation.part(piece.first, piece.rows), x0);
   return {explicit_limit, run.summary.solver.starts_with(sundials_name(Solver::bdf))};
 }
 

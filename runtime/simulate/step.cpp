@@ -213,7 +213,7 @@ int choose_substeps(const System& system, std::span<const double> theta, const E
   const Excitations inputs = excitation.of(system, theta);
   check_run("choose_substeps", system, theta, inputs, x0, {});
   if (!(tolerance > 0)) throw InputError("choose_substeps: tolerance: expected > 0, got " + number(tolerance));
-  return choose_by_halving(system, theta, inputs, x0, tolerance, 64, {}).substeps;
+  return choose_by_halving(system, theta, inputs, x0, tolerance, explicit_limit, {}).substeps;
 }
 
 }  // namespace lunid

@@ -163,7 +163,6 @@ spec.case("friction that falls with speed beside a cubic spring", function()
   end
 end)
 
-spec.clean()
 -- Two tones below resonance at 20 dB are followed down to their noise by a common entry, which the test record refuses.
 spec.case("rare springs are heard beside a common entry that follows two tones", function()
   local of = { name = "rare", rest = function(x, u) return x + 0.101*u + 0.301*x*math.abs(x) end }
@@ -189,4 +188,5 @@ spec.case("the test record leaves the right one of what two tones cannot tell ap
   spec.equal(found.rivals[1].remark, "not confirmed by the test record")
 end)
 
+spec.clean()
 spec.finish()

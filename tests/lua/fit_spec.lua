@@ -62,7 +62,6 @@ spec.case("faults", function()
     "fit_trajectory: unknown field 'los', did you mean 'loss'?")
 end)
 
-spec.clean()
 spec.case("a guess whose run leaves the motion, and is stiff out there, chooses no steps: its fit converges on the truth", function()
   local c1, f1, p = lunid.parameter { "c1", 10 }, lunid.parameter { "f1", 3000 }, lunid.parameter { "p", 80 }
   local system = lunid.model { mass = 1, restoring = f1*lunid.tanh(p*y) + c1*v }
@@ -74,4 +73,5 @@ spec.case("a guess whose run leaves the motion, and is stiff out there, chooses 
   spec.near(row.value, 80, 3*row.std)
 end)
 
+spec.clean()
 spec.finish()
