@@ -101,7 +101,7 @@ end)
 local fit_trajectory = schema.define({
   name = "fit_trajectory",
   help = "Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first "
-    .. "states included.",
+    .. "states included (these begin at what fits the first rows, then ever more of them, with the parameters as guessed).",
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses and bounds" },
     { "record", types.either(types.is("record", "lunid.read"), types.list(types.is("record", "lunid.read"), 1)),

@@ -46,10 +46,16 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
     const Effect *of_a = own(a, b), *of_b = own(b, a);
     return of_a && of_b && of_a < of_b;
   };
+  // Entries that are special cases of each other are one law, though their fits may have ended apart.
+  const auto one_law = [&](const Candidate& a, const Candidate& b) {
+    const Effect *of_a = own(a.choices, b.choices), *of_b = own(b.choices, a.choices);
+    return of_a && of_b && a.parameters() == b.parameters() && of_a->is_special_case(*of_b) &&
+           of_b->is_special_case(*of_a);
+  };
   std::size_t pick = alike.front();
   for (const auto i : alike) {
-    if (field[i].choices.size() == first.choices.size() && same_in_other_words(field[i], first) &&
-        before(field[i].choices, field[pick].choices))
+    const bool same_words = same_in_other_words(field[i], first) || one_law(field[i], first);
+    if (field[i].choices.size() == first.choices.size() && same_words && before(field[i].choices, field[pick].choices))
       pick = i;
   }
   return pick;

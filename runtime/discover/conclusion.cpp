@@ -128,11 +128,15 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::string names;
     for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.label;
     names += not_physics(found.order);
-    const double first = at_most_all(out.baseline_test.value);
-    const double excess = first - out.final_test.floor;
-    const double share = excess > 0 ? (first - out.final_test.value) / excess : 0;
-    std::snprintf(text, sizeof text, ": on data not used in the fit, %.0f %% of what the noise allows is closed",
-                  100 * std::clamp(share, 0.0, 1.0));
+    const bool in_runs = out.short_test.seconds > 0;
+    const Gap& last = in_runs ? out.short_test.final : out.final_test;
+    const double first = at_most_all(in_runs ? out.short_test.baseline.value : out.baseline_test.value);
+    const double excess = first - last.floor;
+    const double share = excess > 0 ? (first - last.value) / excess : 0;
+    char part[40] = "";
+    if (in_runs) std::snprintf(part, sizeof part, ", in runs of %.3g s", out.short_test.seconds);
+    std::snprintf(text, sizeof text, ": on data not used in the fit%s, %.0f %% of what the noise allows is closed",
+                  part, 100 * std::clamp(share, 0.0, 1.0));
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";

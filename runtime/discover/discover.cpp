@@ -161,6 +161,7 @@ class Spine {
     }
     tried_ = std::max(tried_, round.found.grown.tried);
     progress("decide", 0.88);
+    round.interpolation = study_.interpolation;
     decide(study_, round);
     return round;
   }
@@ -179,6 +180,7 @@ class Spine {
     }
     Round further = look(entries, round.found.grown);
     if (takes_the_place(further, round)) {
+      if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
       round = std::move(further);
     } else {
       take_interpolation(before);
@@ -317,10 +319,11 @@ class Spine {
   /// Opens the test record once. It can only take a name back, never choose one.
   void validate_on_test(Round& round) {
     SearchResult& found = round.found;
+    std::optional<TestRuns> shorter;
     after_test_ = runs(study_, found.chosen, study_.test);
     before_test_ = round.names() ? runs(study_, found.baseline, study_.test, false) : after_test_;
     if (round.names()) {
-      const std::optional<TestRuns> shorter = short_test_runs(round);
+      shorter = short_test_runs(round);
       const Study& study = shorter ? shorter->study : study_;
       const std::vector<FreeRun>&before = shorter ? shorter->before : before_test_,
             &after = shorter ? shorter->after : after_test_;
@@ -350,6 +353,9 @@ class Spine {
     out_.baseline_test = pool_gap(before_test_, share_);
     out_.final_train = pool_gap(after_train_, share_);
     out_.final_test = pool_gap(after_test_, share_);
+    if (shorter && round.names())
+      out_.short_test = {shorter->study.run_length, pool_gap(shorter->before, share_),
+                         pool_gap(runs(shorter->study, found.chosen, shorter->study.test), share_)};
     const std::vector<std::string> outputs = study_.outputs();
     for (std::size_t i = 0; i < outputs.size() && outputs.size() > 1; ++i) {
       const auto gap = [&](const std::vector<FreeRun>& all) { return pool_gap(of_output(all, outputs[i]), share_); };
@@ -413,8 +419,42 @@ class Spine {
     return true;
   }
 
+  /// Names are taken back that had taken the place of common ones on the training records: where the test records bear
+  /// those out whole, and they leave less there than what would stand, they are the answer after all.
+  bool leave_the_common(Round& round, const std::string& fault, std::size_t stand) {
+    if (!round.displaced) return false;
+    const Study whole = whole_, study = study_;
+    const Candidate baseline = baseline_;
+    Round common = std::move(*round.displaced);
+    round.displaced.reset();
+    take_interpolation(common.interpolation);
+    baseline_ = common.found.baseline;
+    fit_all_rows(common);
+    std::vector<FreeRun> before = runs(study_, common.found.baseline, study_.test, false),
+                         after = runs(study_, common.found.chosen, study_.test);
+    const double p_value = test_p_value(study_, before, after);
+    const double open = stand == 0 ? INFINITY : round.gap(runs(study, round.found.steps[stand - 1], study.test)).value;
+    if (!common.names() || !refuted(study_, common, p_value, before, after).empty() ||
+        steps_that_help(study_, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
+      whole_ = whole;
+      study_ = study;
+      baseline_ = baseline;
+      return false;
+    }
+    out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
+                            ", whose place they had taken on the training records, stands");
+    common.found.rivals.insert(common.found.rivals.begin(), std::move(round.found.chosen));
+    common.found.remarks.insert(common.found.remarks.begin(), not_confirmed);
+    round = std::move(common);
+    before_test_ = std::move(before);
+    after_test_ = std::move(after);
+    out_.test_p_value = p_value;
+    return true;
+  }
+
   /// All names but those of the first steps that stand.
   void take_back(Round& round, const std::string& fault, std::size_t stand) {
+    if (leave_the_common(round, fault, stand)) return;
     SearchResult& found = round.found;
     const std::vector<Candidate> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
     const std::string what_stands =

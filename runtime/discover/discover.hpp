@@ -142,6 +142,11 @@ struct Discovery {
   ExperimentOptions same_experiment;  ///< limits, rate and noise as these records had them
   std::string output = "y";           ///< what free runs are held against: y, or v or a alone; F with imposed motion
   double run_length = 0;  ///< [s] of the free runs, where those over whole records are lost to noise; else 0
+  /// Where those over the whole test records alone are: what the names were held against there.
+  struct ShortTest {
+    double seconds = 0;  ///< of each run; 0: whole test records were used
+    Gap baseline, final;
+  } short_test;
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

@@ -283,7 +283,7 @@ void Proposer::run(Shape& shape) const {
 
 Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::VectorXd& theta) const {
   Parent out;
-  out.theta = theta;
+  out.theta = out.start = theta;
   Eigen::VectorXd force;
   Eigen::MatrixXd slopes;
   evaluate(*candidate.force_system, theta, force, &slopes, start_substeps);
@@ -294,23 +294,49 @@ Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::Vecto
     if (row.fixed || !slopes.col(j).allFinite()) slopes.col(j).setZero();
     out.jacobian.col(j) = weighted(slopes.col(j));
   }
-  const Eigen::VectorXd open = weighted(measured_ - force);
-  const Eigen::VectorXd norm = out.jacobian.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-  out.basis.resize(rows_, 0);
-  out.back.resize(theta.size(), 0);
-  if (out.jacobian.size() > 0 && !out.jacobian.isZero(0)) {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(out.jacobian * norm.asDiagonal());
+  out.table.assign(table.begin(), table.begin() + theta.size());
+  out.open = weighted(measured_ - force);
+  span(out);
+  return out;
+}
+
+/// Basis, residual and cost of a parent's open force, and its theta where these are least.
+void Proposer::span(Parent& parent) const {
+  const Eigen::VectorXd norm = parent.jacobian.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  parent.basis.resize(rows_, 0);
+  parent.back.resize(parent.theta.size(), 0);
+  if (parent.jacobian.size() > 0 && !parent.jacobian.isZero(0)) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(parent.jacobian * norm.asDiagonal());
     qr.setThreshold(1e-9);
-    out.basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows_, qr.rank());
-    out.back = norm.asDiagonal() * qr.solve(out.basis);
+    parent.basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows_, qr.rank());
+    parent.back = norm.asDiagonal() * qr.solve(parent.basis);
   }
-  out.residual = open - out.basis * (out.basis.transpose() * open);
-  out.theta += out.back * (out.basis.transpose() * open);
-  for (Eigen::Index j = 0; j < theta.size(); ++j) {
-    const auto& row = table[static_cast<std::size_t>(j)];
-    out.theta[j] = std::clamp(out.theta[j], row.min, row.max);
+  const Eigen::VectorXd along = parent.basis.transpose() * parent.open;
+  parent.residual = parent.open - parent.basis * along;
+  parent.theta += parent.back * along;
+  for (Eigen::Index j = 0; j < parent.theta.size(); ++j) {
+    const Parameter& row = parent.table[static_cast<std::size_t>(j)];
+    parent.theta[j] = std::clamp(parent.theta[j], row.min, row.max);
   }
-  out.cost = out.residual.squaredNorm();
+  parent.cost = parent.residual.squaredNorm();
+}
+
+std::optional<Proposer::Parent> Proposer::held_at_bounds(const Parent& parent, const Eigen::VectorXd& values) const {
+  Parent out = parent;
+  out.theta = parent.start;
+  bool any = false;
+  for (Eigen::Index j = 0; j < values.size(); ++j) {
+    Parameter& row = out.table[static_cast<std::size_t>(j)];
+    const double bound = std::clamp(values[j], row.min, row.max);
+    if (row.min == row.max || bound == values[j] || out.jacobian.col(j).isZero(0)) continue;
+    any = true;
+    out.open -= out.jacobian.col(j) * (bound - out.theta[j]);
+    out.theta[j] = row.min = row.max = bound;
+    out.jacobian.col(j).setZero();
+  }
+  if (!any) return {};
+  out.start = out.theta;
+  span(out);
   return out;
 }
 
@@ -347,7 +373,9 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
     const Eigen::VectorXd force = parent.basis.transpose() * (full * step);
     best.parent = parent.theta - parent.back * force;
   }
-  return best;
+  if (best.parent.size() == 0) return best;
+  const std::optional<Parent> held = held_at_bounds(parent, best.parent);
+  return held ? score(shape, *held) : best;
 }
 
 void Proposer::refine(Standing& standing, const Parent& parent, int iterations) const {
@@ -396,6 +424,12 @@ void Proposer::refine(Standing& standing, const Parent& parent, int iterations) 
   standing.cost = now.cost;
   standing.own = now.theta;
   standing.parent = parent.theta - parent.back * (parent.basis.transpose() * now.force);
+  const std::optional<Parent> held = held_at_bounds(parent, standing.parent);
+  if (!held) return;
+  Standing within = score(*standing.shape, *held);
+  if (!std::isfinite(within.cost)) return;
+  refine(within, *held, iterations);
+  standing = std::move(within);
 }
 
 }  // namespace lunid

@@ -2,6 +2,7 @@
 // What an entry would explain, told before any free run: its force along the measured motion against the force that a
 // parent leaves open.
 #include <map>
+#include <optional>
 
 #include "discover/candidate.hpp"
 #include "discover/receptance.hpp"
@@ -74,6 +75,8 @@ class Proposer {
     Eigen::MatrixXd jacobian, basis;  ///< weighted; basis: orthonormal
     Eigen::MatrixXd back;             ///< from weighted forces to steps of theta
     double cost = 0;
+    std::vector<Parameter> table;  ///< of theta, with the bounds that it moves in
+    Eigen::VectorXd start, open;   ///< theta of the jacobian; weighted, what is open there
   };
   Parent parent(const Candidate& candidate, const Eigen::VectorXd& theta) const;
 
@@ -90,6 +93,10 @@ class Proposer {
   bool evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force, Eigen::MatrixXd* jacobian,
                 int substeps) const;
   Eigen::MatrixXd columns_at(Shape& shape, const Guess& guess) const;
+  void span(Parent& parent) const;
+  /// The parent with those of its parameters held at their bounds that the values would take beyond; nothing where
+  /// none would be.
+  std::optional<Parent> held_at_bounds(const Parent& parent, const Eigen::VectorXd& values) const;
   bool scales_with_force(const Shape& shape, const std::vector<int>& powers) const;
 
   std::vector<FitData> data_;

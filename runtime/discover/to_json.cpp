@@ -165,6 +165,14 @@ json to_json(const Discovery& d) {
     row["noise_floor"] = {{"gap_train", number(o.final_train.floor)}, {"gap_test", number(o.final_test.floor)}};
     out["outputs"].push_back(std::move(row));
   }
+  if (d.short_test.seconds > 0)
+    out["short_test"] = {{"run_length", d.short_test.seconds},
+                         {"gap_before", number(d.short_test.baseline.value)},
+                         {"gap_after", number(d.short_test.final.value)},
+                         {"noise_floor", number(d.short_test.final.floor)},
+                         {"meaning",
+                          "free runs of this length over the test records, each from a first state of its "
+                          "own: over the whole of them noise alone loses the motion"}};
   out["left_out"] = {{"gap_before", number(d.gap_left_out_before)},
                      {"gap_after", number(d.gap_left_out_after)},
                      {"meaning", "free runs, rows of the training records that the fit did not see"}};

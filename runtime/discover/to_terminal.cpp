@@ -122,6 +122,9 @@ std::string to_terminal(const Discovery& d) {
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " +
                   number(d.gap_left_out_after) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
+  if (d.short_test.seconds > 0)
+    line("", "test, in runs of " + number(d.short_test.seconds) + " s " + gap(d.short_test.baseline) + " -> " +
+                 gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor) + ")");
   line("verdict", d.verdict + ": " + d.sentence);
   return out.str();
 }

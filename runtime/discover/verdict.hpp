@@ -1,5 +1,6 @@
 #pragma once
 // What is decided on a search: from generic forces that still see something, and from the test record.
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct Round {
   Left left;
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
   std::string verdict, withdrawn;
+  Interpolation interpolation = Interpolation::linear;  ///< of the force between its samples, under which it was made
+  std::shared_ptr<Round> displaced;                     ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
   Gap gap(const std::vector<FreeRun>& runs) const { return pool_gap(runs, input_noise_share(train)); }

@@ -1,4 +1,5 @@
 #include "record/middle_value.hpp"
+#include "simulate/first_states.hpp"
 #include "simulate/fit_problem.hpp"
 #include "simulate/fit_steps.hpp"
 #include "simulate/integrator.hpp"
@@ -120,43 +121,6 @@ void validate(const FitOptions& o) {
 
 namespace {
 
-/// The first value of a state: what a channel shows of it, or that which is declared.
-double shown_or(const Model& model, std::size_t state, const Eigen::VectorXd& measured, const Record& record,
-                Eigen::Index row) {
-  for (const auto& [channel, map] : model.measures) {
-    if (map != model.states[state].symbol) continue;
-    if (const int own = state_of(model, channel); own >= 0) return measured[own];
-    if (record.has(channel)) return record[channel][static_cast<std::size_t>(row)];
-  }
-  return model.states[state].initial;
-}
-
-}  // namespace
-
-Eigen::VectorXd measured_state(const System& system, std::span<const double> theta, const Record& record,
-                               Eigen::Index row) {
-  Eigen::VectorXd x0 = Eigen::VectorXd::Zero(system.states());
-  const Model& model = system.model();
-  const Eigen::Index width = std::min<Eigen::Index>(record.rows(), 201);
-  const Eigen::Index first = std::clamp<Eigen::Index>(row - width / 2, 0, record.rows() - width);
-  for (int i = 0; i < model.degrees(); ++i) {
-    const std::string y = model.channel('y', i), v = model.channel('v', i);
-    if (model.degrees() > 1 && !record.has(y)) continue;  // a coordinate that no sensor sees starts at rest
-    const auto part = record[y].subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
-    const SavitzkyGolay options = choose_savitzky_golay(part, record.channel(y).noise, 0);
-    x0[2 * i] = savitzky_golay(part, record.dt(), 0, options)[row - first];
-    x0[2 * i + 1] = record[v][static_cast<std::size_t>(row)];
-  }
-  for (std::size_t i = 0; i < model.states.size(); ++i)
-    x0[2 * model.degrees() + static_cast<Eigen::Index>(i)] = shown_or(model, i, x0, record, row);
-  const double t = record.start() + static_cast<double>(row) * record.dt();
-  for (int i = 0; i < model.degrees(); ++i)
-    if (record.has(model.channel('y', i))) x0.segment<2>(2 * i) = motion_behind(system, theta, record, i, t, x0);
-  return x0;
-}
-
-namespace {
-
 constexpr int finest = 8;            // times the substeps that a fit began with
 constexpr double finer_gain = 0.99;  // of the cost, at which the fit goes on with shorter steps
 
@@ -179,6 +143,8 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
   const FitOptions chosen = with_steps(system, theta, data, options);
   const int substeps = chosen.substeps;
   std::vector<FitSegment> segments = cut(system, theta, data, options.segment);
+  if (options.first_states.empty() && !system.model().imposed_motion && !is_multistep(chosen.solver))
+    settle_first_states(system, theta, data, chosen, segments);
   take_first_states(options.first_states, segments);
   FitResult result = minimise_by(chosen, system, theta, data, segments, substeps, 0);
   const int limit = options.shorten_steps ? std::min(finest * substeps, explicit_limit) : 0;
@@ -289,59 +255,6 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   }
   result.runs = runs;
   return result;
-}
-
-StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread) {
-  StateEstimate out;
-  FitOptions options;
-  options.substeps = substeps;
-  const std::vector<FitData> one{data};
-  Problem alone(system, one, options, substeps);
-  std::vector<FitSegment> segments{
-      {0, first, count, measured_state(system, own_values(system, theta), data.record, first)}};
-  alone.prepare(segments);
-  const Eigen::VectorXd start = segments[0].x0;
-  const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;
-  Eigen::VectorXd known = Eigen::VectorXd::Zero(start.size());
-  for (Eigen::Index i = 0; i < spread.size(); ++i)
-    if (spread[i] > 0) known[i] = noise * noise / (spread[i] * spread[i]);
-  const auto evaluate = [&](const std::vector<FitSegment>& at) {
-    Normal normal = alone.evaluate(theta, at, true);
-    if (!std::isfinite(normal.cost)) return normal;
-    const Eigen::VectorXd off = start - at[0].x0;
-    normal.cost += off.dot(known.asDiagonal() * off);
-    normal.axx[0].diagonal() += known;
-    normal.bx[0] += known.asDiagonal() * off;
-    return normal;
-  };
-  Normal normal = evaluate(segments);
-  std::vector<std::uint8_t> hold(static_cast<std::size_t>(theta.size()), 1);
-  double lambda = 1e-6;
-  for (int iteration = 0; iteration < 30 && std::isfinite(normal.cost); ++iteration) {
-    const Step step = damped_step(normal, lambda, hold);
-    auto trial = segments;
-    trial[0].x0 += step.x0[0];
-    Normal next = evaluate(trial);
-    if (!(next.cost < normal.cost)) {
-      lambda = lambda * 10 + 1e-9;
-      if (lambda > 1e6) break;
-      continue;
-    }
-    const bool done = normal.cost - next.cost < 1e-9 * normal.cost;
-    segments = trial;
-    normal = std::move(next);
-    lambda *= 0.1;
-    if (done) break;
-  }
-  out.x0 = segments[0].x0;
-  out.converged = std::isfinite(normal.cost);
-  if (out.converged) {
-    const Eigen::Index used = normal.parts[0].residual.size();  // of all channels
-    out.residual_variance = normal.cost / std::max<double>(1, static_cast<double>(used - 2 * system.degrees()));
-    out.covariance = pseudo_inverse(normal.axx[0]) * out.residual_variance;
-  }
-  return out;
 }
 
 }  // namespace lunid

@@ -281,7 +281,7 @@ function lunid.huber(fields) end
 ---@return lunid.run
 function lunid.simulate(fields) end
 
----Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included.
+---Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included (these begin at what fits the first rows, then ever more of them, with the parameters as guessed).
 ---@class lunid.fit_trajectory.fields
 ---@field model lunid.model # with first guesses and bounds
 ---@field record any # one record or several

@@ -81,6 +81,11 @@ TEST(DiscoveryOfChaos, OfTheTestRecordAloneTakesNoNameBack) {
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
   EXPECT_GT(d.final_test.value, 0.3);  // how far a run that is lost strays is a matter of rounding
   EXPECT_TRUE(testing::warns(d, "runs over the whole test record are lost to noise"));
+  // The sentence counts by the runs that were judged, not by those that are lost.
+  EXPECT_GT(d.short_test.seconds, 0);
+  EXPECT_GT(d.short_test.baseline.value, 3 * d.short_test.final.value);
+  EXPECT_LT(d.short_test.final.value, 1.5 * d.short_test.final.floor);
+  EXPECT_NE(d.sentence.find(", in runs of "), std::string::npos) << d.sentence;
   EXPECT_EQ(d.run_length, 0);
 }
 

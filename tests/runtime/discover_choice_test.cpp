@@ -101,6 +101,17 @@ TEST(Ties, OfOneRunAreSaidInTheWordsThatTheCatalogueHasFirst) {
   EXPECT_EQ(in_the_usual_words({both(rare, other), both(beside, usual)}, {0, 1}), 0u);
 }
 
+/// Elastic slip and play: their fits may end in neighbouring minima.
+TEST(Ties, OfOneLawInTwoNotationsAreSaidInTheUsualOneWhereTheirFitsEndedApart) {
+  Field field;
+  const Candidate usual = field.with("slip", "friction", residual(3)),
+                  rare = field.with("play", "friction", residual(2));
+  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 0u);
+  field.effects[0].special_case_of = {"play"};
+  field.effects[1].special_case_of = {"slip"};
+  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 1u);
+}
+
 /// A larger set may reject the fault and the physics that does the same alike: the fault still comes first, and is
 /// told.
 TEST(Faults, ComeBeforePhysicsOfTheSameRun) {

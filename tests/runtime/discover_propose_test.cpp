@@ -21,7 +21,8 @@ struct Case {
   Study study;
   Candidate known;
 
-  explicit Case(truth::Law law) {
+  explicit Case(truth::Law law, double least_damping = -INFINITY) {
+    if (std::isfinite(least_damping)) model.parameters = {testing::row("k", 0), testing::row("c", least_damping)};
     truth::Physics physics;
     physics.law = std::make_shared<const truth::Law>(std::move(law));
     const truth::Motion motion =
@@ -96,6 +97,25 @@ TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   EXPECT_NEAR(found.own[2], 0.2, 0.02);
   EXPECT_NEAR(found.own[3], 0.4, 0.04);
   EXPECT_EQ(found.own[4], 0.4);
+}
+
+/// What a baseline cannot have is no company for a guess: the fit would begin at the bound, with the rest as it was
+/// solved beside another value.
+TEST(Proposer, SolvesForTheBaselineWithinItsBounds) {
+  constexpr double least = 0.2;  // the truth is 0.06
+  const auto drag = [](double, double v) { return 0.3 * std::abs(v) * v; };
+  const Case free_case(truth::laws::of_motion(drag)), bounded(truth::laws::of_motion(drag), least);
+  const auto found = [](const Case& c) {
+    Shape shape;
+    const Effect effect = testing::entry(*c.model.pool, "drag", "c2*abs(v)*v", {in("c2", "N s^2/m^2")});
+    return c.best(effect, shape);
+  };
+  const Standing as_it_likes = found(free_case), within = found(bounded);
+  ASSERT_EQ(as_it_likes.parent.size(), 2);
+  EXPECT_LT(as_it_likes.parent[1], least);
+  EXPECT_EQ(within.parent[1], least);
+  EXPECT_LT(within.own[0], as_it_likes.own[0]);  // takes off what the damping has too much
+  EXPECT_GT(within.cost, as_it_likes.cost);
 }
 
 /// No force acts on a free decay: its size is that of the inertia.

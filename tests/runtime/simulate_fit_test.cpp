@@ -315,5 +315,22 @@ TEST(FitTrajectory, TakesItsStepsFromWhereTheMotionIsFastest) {
   EXPECT_NEAR(result.theta[2], 560, 3 * std::sqrt(result.covariance(2, 2)));
 }
 
+/// A steep spring under little damping: a first state that is read off noisy data loses its motion within a few turns,
+/// whatever the parameters, and the whole run does not find it again (it ended at 9 to 40 times the noise).
+TEST(FitTrajectory, FindsTheFirstStateOfAMotionThatHangsOnIt) {
+  const double k = 1600, c = 0.4, k5 = 3.15e8;
+  const auto x = truth<2>({0, 0}, [=](double t, const std::array<double, 2>& s) {
+    return std::array<double, 2>{s[1], push(t) - k * s[0] - c * s[1] - k5 * std::pow(s[0], 5)};
+  });
+  const System system(model_of("1", "k*y + c*v + k5*y^5"));
+  for (const unsigned seed : {1, 2, 3, 4}) {
+    constexpr double noise = 2e-3;
+    const std::vector<FitData> data{data_of(system, record_of(x, {"y"}, {noise}, seed))};
+    const FitResult result = fit_trajectory(system, vector({k, c, k5}), data, {});
+    EXPECT_LT(std::sqrt(result.cost / static_cast<double>(result.rows)), 1.1 * noise);
+    EXPECT_NEAR(result.theta[2], k5, 4 * std::sqrt(result.covariance(2, 2)));
+  }
+}
+
 }  // namespace
 }  // namespace lunid
