@@ -42,21 +42,16 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
       }
     return found;
   };
-  const auto before = [&](const Choices& a, const Choices& b) {
-    const Effect *of_a = own(a, b), *of_b = own(b, a);
-    return of_a && of_b && of_a < of_b;
-  };
-  // Entries that are special cases of each other are one law, though their fits may have ended apart.
-  const auto one_law = [&](const Candidate& a, const Candidate& b) {
-    const Effect *of_a = own(a.choices, b.choices), *of_b = own(b.choices, a.choices);
-    return of_a && of_b && a.parameters() == b.parameters() && of_a->is_special_case(*of_b) &&
-           of_b->is_special_case(*of_a);
-  };
   std::size_t pick = alike.front();
   for (const auto i : alike) {
-    const bool same_words = same_in_other_words(field[i], first) || one_law(field[i], first);
-    if (field[i].choices.size() == first.choices.size() && same_words && before(field[i].choices, field[pick].choices))
-      pick = i;
+    const Candidate& c = field[i];
+    const auto [of_c, of_first] = std::pair(own(c.choices, first.choices), own(first.choices, c.choices));
+    // Entries that are special cases of each other are one law, though their fits may have ended apart.
+    const bool one_law = of_c && of_first && c.parameters() == first.parameters() && of_c->is_special_case(*of_first) &&
+                         of_first->is_special_case(*of_c);
+    if (c.choices.size() != first.choices.size() || !(one_law || same_in_other_words(c, first))) continue;
+    const auto [usual, picked] = std::pair(own(c.choices, field[pick].choices), own(field[pick].choices, c.choices));
+    if (usual && picked && usual < picked) pick = i;
   }
   return pick;
 }

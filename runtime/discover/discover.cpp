@@ -316,7 +316,8 @@ class Spine {
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
-  /// Opens the test record once. It can only take a name back, never choose one.
+  /// Opens the test record once. It can take names back, and leave what the training records held beside them (ties,
+  /// and common names that rarer ones displaced); it never adds one.
   void validate_on_test(Round& round) {
     SearchResult& found = round.found;
     std::optional<TestRuns> shorter;

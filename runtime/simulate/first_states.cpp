@@ -155,11 +155,13 @@ void settle(FirstState& state, double power, FitSegment& segment) {
 void settle_first_states(const System& system, const VectorXd& theta, const std::vector<FitData>& data,
                          const FitOptions& options, std::vector<FitSegment>& segments) {
   Problem problem(system, data, options, options.substeps);
+  std::vector<double> powers;  // of each record, which may be cut into very many segments
+  for (const FitData& d : data) powers.push_back(power_of(system, d.record, options));
   for (FitSegment& segment : segments) {
-    const Record& record = data[static_cast<std::size_t>(segment.record)].record;
-    FirstState state(problem, theta, measured_motion(system, record), {});
+    const auto r = static_cast<std::size_t>(segment.record);
+    FirstState state(problem, theta, measured_motion(system, data[r].record), {});
     FitSegment settled = segment;
-    settle(state, power_of(system, record, options), settled);
+    settle(state, powers[r], settled);
     const auto cost = [&](const FitSegment& s) {
       problem.prepare({s});
       return problem.evaluate(theta, {s}, false).cost;
