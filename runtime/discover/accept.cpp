@@ -182,22 +182,36 @@ bool are_free(const Study& study, const std::vector<Record>& records) {
   return std::ranges::all_of(records, [&](const Record& record) { return is_free(study, record); });
 }
 
+namespace {
+
+/// What a record lacks, what it has instead, and what to do.
+std::string words_of_missing(const Study& study, const Record& record, const std::vector<std::string>& missing) {
+  std::string names, columns, has;
+  for (const std::string& name : missing) {
+    names += (names.empty() ? "'" : ", '") + name + "'";
+    columns += (columns.empty() ? "" : ", ") + name + "=header [unit]";
+  }
+  for (const Channel& channel : record.channels()) has += (has.empty() ? "" : ", ") + channel.name;
+  const std::string what = std::string("the record has no channel") + (missing.size() > 1 ? "s " : " ") + names + " (it has " + has + "); ";
+  if (missing.front()[0] == 'y' && study.degrees() > 1)
+    return what +
+           "the motion of every coordinate of the model has to be measured: name its column, or take a model without it";
+  return what + "name its column, e.g. --columns \"" + columns + "\"";
+}
+
+}  // namespace
+
 void check_record(const Study& study, const Record& record) {
   const SourceSpan where{record.name(), 0, 0};
   if (record.rows() < 30)
     throw InputError("discover: expected at least 30 rows in a record, got " + std::to_string(record.rows()) +
                          "; a motion of a few periods is needed to tell one effect from another",
                      where, Fault::data);
-  std::vector<std::string> needed = study.forces;
+  std::vector<std::string> needed;
   for (int i = 0; i < study.degrees(); ++i) needed.push_back(study.channel('y', i));
-  for (const std::string& name : needed)
-    if (!record.has(name) && !has_motion_of(record, name))
-      throw InputError("discover: the record has no channel '" + name + "'" +
-                           (name[0] == 'y' && study.degrees() > 1
-                                ? "; the motion of every coordinate of the model has to be measured: name its column, "
-                                  "or take a model without it"
-                                : "; name its column, e.g. --columns \"" + name + "=header [unit]\""),
-                       where, Fault::data);
+  needed.insert(needed.end(), study.forces.begin(), study.forces.end());
+  std::erase_if(needed, [&](const std::string& name) { return record.has(name) || has_motion_of(record, name); });
+  if (!needed.empty()) throw InputError("discover: " + words_of_missing(study, record, needed), where, Fault::data);
   if (study.imposed) refuse_integrated(record, where);
   for (int i = 0; i < study.degrees(); ++i) check_moves(record, measured_channel(record, suffix_of(study, i)), where);
   const auto f = record[study.forces.front()];

@@ -29,9 +29,11 @@ std::vector<Feature> generic_forces(const Study& study, Model& model, const std:
   const double span = study.train.front().record.duration();
   const Expr slow = t / span;
   auto tanh = [&](Expr x) { return pool.apply(Op::tanh, {x}); };
+  auto abs = [&](Expr x) { return pool.apply(Op::abs, {x}); };
   const Expr z = pool.state("closure_memory");
-  InternalState memory{z, (w - z) * pool.constant(study.omega > 0 ? study.omega : 1), 0, {}, {}};
-  model.states.push_back(memory);
+  const auto remembers = [&](const InternalState& each) { return each.symbol.id() == z.id(); };
+  if (std::ranges::none_of(model.states, remembers))
+    model.states.push_back({z, (w - z) * pool.constant(study.omega > 0 ? study.omega : 1), 0, {}, {}});
   return {{pool.constant(1), "constant"},
           {u, "linear in y"},
           {w, "linear in v"},
@@ -46,7 +48,9 @@ std::vector<Feature> generic_forces(const Study& study, Model& model, const std:
           {tanh(4.0 * w), "odd in v, saturating"},
           {u * w, "a product of y and v"},
           {pow(u, 2) * w, "damping that depends on y"},
+          {abs(u) * w, "damping that depends on y"},
           {u * pow(w, 2), "stiffness that depends on v"},
+          {u * abs(w), "stiffness that depends on v"},
           {pow(u, 3) * w, "a product of y and v"},
           {z, "memory of the velocity"},
           {slow * u, "stiffness that changes with time"},
@@ -60,6 +64,9 @@ struct Columns {
   Eigen::MatrixXd own, extra;
   std::vector<int> part;  ///< block of each row, for leaving out
 };
+
+/// Down to the sensor's noise.
+bool is_followed(const Study& study, const FitResult& fit) { return rms(fit) < 1.1 * study.sensor_noise(); }
 
 bool collect(const Study& study, const Candidate& candidate, const System& system, const Whitening& whitening,
              Columns& out) {
@@ -123,23 +130,6 @@ std::pair<double, double> left_out_misfit(const Columns& columns, int parts) {
 
 }  // namespace
 
-void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
-  constexpr double reached = 1.1;  // of the sensor's noise: nothing is left
-  const FitOptions options = fixed_fit(study, 20, 1e-5, candidate.whitened.substeps);
-  FitOptions beside = options;
-  beside.first_states = candidate.fit.segments;
-  Eigen::VectorXd start = Eigen::VectorXd::Zero(closure.system->parameters());
-  start.head(candidate.parameters()) = candidate.fit.theta;
-  closure.fit = fit_trajectory(*closure.system, start, study.train, beside);
-  if (rms(closure.fit) < reached * study.sensor_noise()) return;
-  // What was named may be far from what generic forces make of its part.
-  Candidate generic = compile(study, closure.system->model(), {});
-  find_starts(study, generic, start, {});
-  if (generic.starts.empty()) return;
-  FitResult other = fit_progressively(*closure.system, generic.starts.front(), study.train, options);
-  if (!(closure.fit.cost <= other.cost)) closure.fit = std::move(other);
-}
-
 namespace {
 
 /// The model with generic forces at a place, all with coefficient zero.
@@ -159,7 +149,8 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
   out.features = generic_forces(study, model, place);
   for (std::size_t j = 0; j < out.features.size(); ++j) {
     if (listed && std::ranges::find(*listed, j) == listed->end()) continue;
-    const std::string name = "closure_" + std::to_string(j + 1);
+    std::string name = "closure_" + std::to_string(j + 1);
+    while (model.find(name)) name += "_more";
     add_force(model, place, model.pool->parameter(name) * out.features[j].force);
     Parameter row;
     row.name = name;
@@ -236,6 +227,53 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
   out.gain = 1 - std::sqrt(with / without);
   out.system = generic_at(study, candidate, out.place, &chosen).closure.system;
   return out;
+}
+
+namespace {
+
+/// From the candidate's parameters and first states, and from what the force along the motion says of all.
+FitResult fit_forces(const Study& study, const Candidate& candidate, const System& system) {
+  const FitOptions options = fixed_fit(study, 20, 1e-5, candidate.whitened.substeps);
+  FitOptions beside = options;
+  beside.first_states = candidate.fit.segments;
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(system.parameters());
+  start.head(candidate.parameters()) = candidate.fit.theta;
+  FitResult out = fit_trajectory(system, start, study.train, beside);
+  if (is_followed(study, out)) return out;
+  // What was named may be far from what generic forces make of its part.
+  Candidate generic = compile(study, system.model(), {});
+  find_starts(study, generic, start, {});
+  if (generic.starts.empty()) return out;
+  FitResult other = fit_progressively(system, generic.starts.front(), study.train, options);
+  return out.cost <= other.cost ? out : other;
+}
+
+/// The model with the forces fitted so far, and those that explain more than chance along its own run; null where none
+/// does. What a poor model shows of a force at first is not all of it: the run is another one.
+std::shared_ptr<const System> with_further_forces(const Study& study, const Candidate& fitted,
+                                                  const Whitening& whitening, const std::optional<Place>& place) {
+  Generic generic = generic_at(study, fitted, place);
+  test(study, fitted, whitening, generic);
+  if (!std::isfinite(generic.left)) return {};
+  const std::vector<std::size_t> chosen = select(generic.columns, study.options->alpha);
+  return chosen.empty() ? nullptr : generic_at(study, fitted, place, &chosen).closure.system;
+}
+
+}  // namespace
+
+void fit_closure(const Study& study, const Candidate& candidate, const Whitening& whitening, Closure& closure) {
+  constexpr int rounds = 2;
+  closure.fit = fit_forces(study, candidate, *closure.system);
+  for (int i = 0; i < rounds && !candidate.choices.empty() && !is_followed(study, closure.fit); ++i) {
+    Candidate fitted = compile(study, closure.system->model(), {});
+    fitted.fit = fitted.whitened = closure.fit;
+    const std::shared_ptr<const System> more = with_further_forces(study, fitted, whitening, closure.place);
+    if (!more) return;
+    FitResult fit = fit_forces(study, fitted, *more);
+    if (!(fit.cost < 0.9 * closure.fit.cost)) return;
+    closure.system = more;
+    closure.fit = std::move(fit);
+  }
 }
 
 }  // namespace lunid

@@ -158,10 +158,12 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::snprintf(text, sizeof text,
                   "; what is left (gap %.2g on test, %.2g from noise alone) is removed by no such force in free runs",
                   out.final_test.value, out.final_test.floor);
-    const bool rough = out.final_test.value > 3 * out.final_test.floor;
+    const bool rough = out.final_test.value > 1.5 * out.final_test.floor;
     std::string said = "no effect of the catalogue and no generic force of the motion lowers the left-out gap ";
     if (!round.withdrawn.empty())
       said += "and is confirmed; nearest: " + round.withdrawn;
+    else if (!found.as_read.empty())
+      said += "beyond what the force may do between its samples, which " + found.as_read.front() + " does no better than";
     else if (const std::string small = below_the_least_gain(study, found); !small.empty())
       said += "enough; " + small;
     else

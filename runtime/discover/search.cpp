@@ -292,7 +292,7 @@ class Search {
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     if (!(left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05))) return false;
     if (!is_between_samples(without, with)) return true;
-    between_samples_.push_back(with.name());
+    result_.as_read.push_back(with.name());
     return false;
   }
 
@@ -421,7 +421,7 @@ class Search {
         remark = tie_remark(chosen);
       else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
         remark = "no better than the baseline";
-      else if (std::ranges::find(between_samples_, c.name()) != between_samples_.end())
+      else if (std::ranges::find(result_.as_read, c.name()) != result_.as_read.end())
         remark = "no better than what the force may do between its samples";
       else if (chosen.choices.empty())
         remark = "does not lower the left-out gap by the least gain";
@@ -441,7 +441,6 @@ class Search {
   const Study& study_;
   const Model& model_;
   const std::function<void(const std::string&, double)>& progress_;
-  std::vector<std::string> between_samples_;  ///< sets that are no better than what the force may do there
   SearchResult result_;
 };
 

@@ -21,6 +21,7 @@ struct SearchResult {
   std::vector<std::string> remarks;  ///< for each rival: why not
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
+  std::vector<std::string> as_read;  ///< sets that are no better than a force that is read otherwise (between_samples)
   /// How the force is to be read between its samples for nearly all to go that the baseline leaves, where nothing is
   /// named; else empty.
   std::string reading;

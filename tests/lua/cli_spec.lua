@@ -56,6 +56,12 @@ spec.case("two columns of one name", function()
   refused("twice.csv", usual, "twice.csv:1: two columns of one name: columns 2 and 3 are both 'y'" .. kept, 3)
 end)
 
+spec.case("other names for motion and force: all that are missing, what there is, and what to do", function()
+  record("pendulum.csv", 100, nil, "t,M,theta")
+  refused("pendulum.csv", usual, "pendulum.csv: discover: the record has no channels 'y', 'F' (it has M, theta); name "
+    .. 'its column, e.g. --columns "y=header [unit], F=header [unit]"' .. kept, 3)
+end)
+
 spec.case("an uneven time base: refused, and resampled when asked", function()
   record("uneven.csv", 600, function(i, cells)
     cells[1] = ("%.6f"):format(i * 0.01 + 0.002 * math.sin(i))

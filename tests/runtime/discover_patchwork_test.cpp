@@ -39,6 +39,11 @@ TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {
   EXPECT_EQ(d.verdict, "unknown-effect");
 }
 
+Effect odd_quadratic_stiffness(Pool& pool) {
+  return testing::entry(pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
+                        {testing::row("odd_quadratic_stiffness_k2")});
+}
+
 /// One name that is near closes most of the gap; what it leaves is seen, though its slope at the fit is no guide to how
 /// large the forces without a name are.
 TEST(Patchwork, OfOneNameIsSeenByTheForceItLeaves) {
@@ -47,8 +52,7 @@ TEST(Patchwork, OfOneNameIsSeenByTheForceItLeaves) {
     const truth::Records records = testing::records_of("outside_y_abs_v", scale, 20, seed);
     const Model model = baseline("k*y + c*v", scale.mass);
     std::vector<Effect> catalogue = small_catalogue(*model.pool);
-    catalogue.push_back(testing::entry(*model.pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
-                                       {testing::row("odd_quadratic_stiffness_k2")}));
+    catalogue.push_back(odd_quadratic_stiffness(*model.pool));
     const Discovery d = testing::discover_case(model, catalogue, records);
     EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
     EXPECT_TRUE(d.effects.empty());
@@ -88,6 +92,21 @@ TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
   const Discovery d = testing::discover_case(model, small_catalogue(*model.pool), records);
   EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn")) << d.sentence;
   EXPECT_EQ(d.verdict, "unknown-effect");
+}
+
+/// Under a chirp y*abs(v) is nearly abs(y)*y, which closes 99 % of the squared gap. Along that model's run generic forces
+/// follow part of what it leaves, along the run with these the rest.
+TEST(Patchwork, OfOneNameIsSeenByForcesThatAreAskedForAgain) {
+  for (const std::uint64_t seed : {35001, 35002}) {
+    const truth::Scale& scale = truth::scale_named("metre");
+    const truth::Records records = testing::records_of("outside_y_abs_v", scale, 40, seed, truth::Excited::chirp);
+    const Model model = baseline("k*y + c*v", scale.mass);
+    std::vector<Effect> catalogue = small_catalogue(*model.pool);
+    catalogue.push_back(odd_quadratic_stiffness(*model.pool));
+    const Discovery d = testing::discover_case(model, catalogue, records);
+    EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+    EXPECT_TRUE(d.effects.empty());
+  }
 }
 
 }  // namespace
