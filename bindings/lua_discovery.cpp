@@ -224,7 +224,7 @@ DiscoverOptions read_discover_options(lua_State* L, int index) {
   for (const FunctionPtr& function : runtime(L).pool()->functions())
     if (!function->thread_safe()) options.threads = 1;
   options.cancelled = &runtime(L).cancelled();
-  if (on_terminal()) options.progress = show_progress;
+  if (on_terminal()) options.progress = show_with_time_left();
   return options;
 }
 

@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -41,6 +43,26 @@ class ProgressLog {
   std::mutex guard_;
   Clock::time_point called_ = {}, written_ = {};
 };
+
+/// ", about 20 s left" after so many seconds for this part of the work; "" where that says nothing yet.
+inline std::string time_left(double seconds, double fraction) {
+  if (!(fraction >= 0.1 && fraction < 1)) return "";
+  const double left = seconds / fraction * (1 - fraction);
+  char text[40];
+  if (left < 90)
+    std::snprintf(text, sizeof text, ", about %.0f s left", std::ceil(left));
+  else
+    std::snprintf(text, sizeof text, ", about %.0f min left", left / 60);
+  return text;
+}
+
+/// show_progress() of work that begins now, with the time left.
+inline std::function<void(const std::string&, double)> show_with_time_left() {
+  return [begin = std::chrono::steady_clock::now()](const std::string& stage, double fraction) {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    show_progress(stage + time_left(passed.count(), fraction), fraction);
+  };
+}
 
 /// Wipes the line when the work ends, also by an exception.
 struct ProgressLine {

@@ -192,10 +192,12 @@ std::string words_of_missing(const Study& study, const Record& record, const std
     columns += (columns.empty() ? "" : ", ") + name + "=header [unit]";
   }
   for (const Channel& channel : record.channels()) has += (has.empty() ? "" : ", ") + channel.name;
-  const std::string what = std::string("the record has no channel") + (missing.size() > 1 ? "s " : " ") + names + " (it has " + has + "); ";
+  const std::string what =
+      std::string("the record has no channel") + (missing.size() > 1 ? "s " : " ") + names + " (it has " + has + "); ";
   if (missing.front()[0] == 'y' && study.degrees() > 1)
     return what +
-           "the motion of every coordinate of the model has to be measured: name its column, or take a model without it";
+           "the motion of every coordinate of the model has to be measured: name its column, or take a model without "
+           "it";
   return what + "name its column, e.g. --columns \"" + columns + "\"";
 }
 

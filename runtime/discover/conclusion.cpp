@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/gap.hpp"
+#include "discover/locate.hpp"
+#include "discover/naming.hpp"
+#include "discover/places.hpp"
+#include "discover/removable.hpp"
 #include "discover/sensor.hpp"
 
 namespace lunid {
@@ -58,8 +63,8 @@ std::string by_generic_forces(const Study& study, const Left& left, const Gap& w
   return text;
 }
 
-}  // namespace
-
+/// What would tell an ambiguous class apart, within the force, displacement and band that these records had; of a
+/// Discovery whose verdict, final model and rivals are there.
 void design_next(const Study& study, const SearchResult& found, Discovery& out) {
   const ExperimentOptions options = same_experiment(study);
   out.same_experiment = options;
@@ -87,6 +92,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   out.experiment.options.cancelled = nullptr;
 }
 
+/// Parameters that sit at their bounds are warned of.
 void warn_of_bounds(const Candidate& c, Discovery& out) {
   const auto& table = c.system->model().parameters;
   for (std::size_t i = 0; i < table.size(); ++i)
@@ -95,6 +101,7 @@ void warn_of_bounds(const Candidate& c, Discovery& out) {
                              std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
 }
 
+/// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
 void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
   if (study.imposed || !c.ran()) return;
   const auto& record = study.train.front().record;
@@ -120,6 +127,8 @@ void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
     out.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
 }
 
+/// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
+/// there.
 std::string sentence(const Study& study, const Round& round, const Discovery& out) {
   const SearchResult& found = round.found;
   const Left& left = round.left;
@@ -163,7 +172,8 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     if (!round.withdrawn.empty())
       said += "and is confirmed; nearest: " + round.withdrawn;
     else if (!found.as_read.empty())
-      said += "beyond what the force may do between its samples, which " + found.as_read.front() + " does no better than";
+      said +=
+          "beyond what the force may do between its samples, which " + found.as_read.front() + " does no better than";
     else if (const std::string small = below_the_least_gain(study, found); !small.empty())
       said += "enough; " + small;
     else
@@ -177,6 +187,190 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
            nearest;
   return "something repeatable is missing (" + left.closure.words() + ") that no entry of the catalogue explains" +
          by_generic_forces(study, left, out.final_test) + nearest;
+}
+
+/// Fills a Discovery whose gaps are there.
+class Conclusion {
+ public:
+  Conclusion(const Study& study, const std::vector<Effect>& catalogue, const Round& round, const ModelRuns& runs,
+             int tried, const std::function<void(const std::string&, double)>& progress, Discovery& out)
+      : study_(study),
+        catalogue_(catalogue),
+        round_(round),
+        runs_(runs),
+        tried_(tried),
+        progress_(progress),
+        out_(out) {}
+
+  void tell() {
+    const SearchResult& found = round_.found;
+    name_steps(found);
+    out_.verdict = round_.verdict;
+    out_.gap_left_out_before = found.baseline.left_out_gap;
+    out_.gap_left_out_after = found.chosen.left_out_gap;
+    out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
+    out_.baseline = fitted(found.baseline);
+    out_.final = fitted(found.chosen);
+    const std::optional<Place> place = main_place(round_);
+    out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
+    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+      const Candidate& c = found.rivals[i];
+      out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
+                             corrected(improvement_p_value(found.baseline, c)), found.remarks[i], fitted(c)});
+    }
+    warn_of_bounds(found.chosen, out_);
+    out_.removable = removable_terms(out_.baseline, found.chosen);
+    if (!found.chosen.choices.empty()) {
+      progress_("name again on resampled blocks", 0.96);
+      out_.naming = bootstrap_naming(study_, found);
+    }
+    if (out_.verdict == "ambiguous") progress_("design the experiment that would decide", 0.97);
+    design_next(study_, found, out_);
+    check_by_sundials(study_, found.chosen, out_);
+    list_records(study_.full, "train");
+    list_records(study_.test, "test");
+    compare_all(found, study_.full, runs_.before_train, runs_.after_train, "train");
+    compare_all(found, study_.test, runs_.before_test, runs_.after_test, "test");
+    out_.map = residual_map(study_, found.baseline, found.chosen, place);
+    if (place) out_.map_place = motion_of(*place);
+    for (const Choice& choice : found.order)
+      if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
+    out_.output = study_.output();
+    out_.run_length = study_.run_length;
+    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
+    out_.solver =
+        study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
+    out_.noise_model = found.whitening.ar.empty()
+                           ? "white residual"
+                           : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
+                                 " on means of " + std::to_string(found.whitening.average) + " rows";
+    out_.sentence = sentence(study_, round_, out_);
+  }
+
+ private:
+  /// For all start points of all rounds, whichever stands.
+  double corrected(double p) const { return lunid::corrected(p, tried_); }
+
+  void name_steps(const SearchResult& found) {
+    for (std::size_t i = 0; i < found.steps.size(); ++i) {
+      const Candidate& model = found.steps[i];
+      const Effect& effect = *found.order[i].effect;
+      NamedEffect named;
+      named.name = effect.name;
+      named.family = effect.family;
+      named.formula = formula_at(effect.formula, effect.place);
+      named.sentence = effect.sentence;
+      named.label = effect.label();
+      if (effect.place) named.place = motion_of(*effect.place);
+      named.where = where(i == 0 ? found.baseline : found.steps[i - 1], found.chosen, effect.place);
+      named.parameters = own_parameters(found.chosen, effect);
+      const bool last = i + 1 == found.steps.size();
+      named.gap_train =
+          last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), runs_.share).value;
+      named.gap_test =
+          last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), runs_.share).value;
+      named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
+      if (last) {
+        for (const Choices& tie : found.ties.rivals) named.indistinguishable.push_back(name_of(tie));
+        named.indistinguishable.insert(named.indistinguishable.end(), found.ties.aliases.begin(),
+                                       found.ties.aliases.end());
+      }
+      if (found.steps.size() > 1)
+        for (const Choices& tie : found.ties.rivals)
+          if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
+            named.indistinguishable.push_back(std::move(other));
+      for (std::string& other : in_other_words(effect))
+        if (std::ranges::find(named.indistinguishable, other) == named.indistinguishable.end())
+          named.indistinguishable.push_back(std::move(other));
+      out_.effects.push_back(std::move(named));
+    }
+  }
+
+  /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
+  std::vector<std::string> in_other_words(const Effect& effect) const {
+    std::vector<std::string> out;
+    for (const Effect& general : catalogue_) {
+      const bool is_general = std::ranges::find(effect.special_case_of, general.name) != effect.special_case_of.end();
+      if (is_general && general.parameters.size() == effect.parameters.size())
+        out.push_back(effect.place ? general.name + " " + words_of(*effect.place) : general.name);
+    }
+    return out;
+  }
+
+  /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of
+  /// "displacement_offset + coulomb_friction" and "constant_force + coulomb_friction"; else "".
+  static std::string in_place_of(const Effect& effect, const Choices& chosen, const Choices& tie) {
+    Choices own = chosen, others = tie;
+    std::erase_if(own, [&](const Choice& c) { return std::erase(others, c) > 0; });
+    return own.size() == 1 && others.size() == 1 && own.front().effect == &effect ? name_of(others) : "";
+  }
+
+  /// The entry's parameters from the final model, under their own short names.
+  static std::vector<Parameter> own_parameters(const Candidate& final_model, const Effect& effect) {
+    std::vector<Parameter> out;
+    const Model model = fitted(final_model);
+    for (const auto& p : effect.parameters) {
+      out.push_back(*model.find(p.name));
+      out.back().name = own_name(effect, p.name);
+    }
+    return out;
+  }
+
+  std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
+    const std::string text = describe_residual(study_, model, reference, place);
+    return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
+  }
+
+  /// With several coordinates: where the first effect was named, or generic forces see most.
+  std::optional<Place> main_place(const Round& round) const {
+    if (round.names()) return round.found.order.front().effect->place;
+    if (study_.degrees() == 1) return {};
+    return round.left.closure.place.value_or(Place{});
+  }
+
+  /// Short runs of one record follow each other.
+  void list_records(const std::vector<Record>& records, const std::string& role) {
+    const std::size_t first = out_.records.size();
+    double begin = 0;
+    for (const Record& r : records) {
+      const bool same = study_.run_length > 0 && out_.records.size() > first &&
+                        out_.records.back().record == r.name() && r.start() > begin;
+      if (!same) {
+        begin = r.start();
+        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0});
+      }
+      RecordUsed& used = out_.records.back();
+      used.rows += r.rows();
+      used.seconds = r.start() + r.duration() - begin;
+      ++used.runs;
+    }
+  }
+
+  void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,
+                   std::span<const FreeRun> after, const std::string& role) {
+    const std::size_t outputs = study_.outputs().size();
+    // Of short runs a few: there are dozens.
+    const std::size_t step = study_.run_length > 0 ? (records.size() + 2) / 3 : 1;
+    for (std::size_t i = 0; i < records.size(); i += step)
+      for (Comparison& c : compare(study_, found.baseline, found.chosen, records[i],
+                                   before.subspan(i * outputs, outputs), after.subspan(i * outputs, outputs), role))
+        out_.comparisons.push_back(std::move(c));
+  }
+
+  const Study& study_;
+  const std::vector<Effect>& catalogue_;
+  const Round& round_;
+  const ModelRuns& runs_;
+  const int tried_;
+  const std::function<void(const std::string&, double)>& progress_;
+  Discovery& out_;
+};
+
+}  // namespace
+
+void conclude(const Study& study, const std::vector<Effect>& catalogue, const Round& round, const ModelRuns& runs,
+              int tried, const std::function<void(const std::string&, double)>& progress, Discovery& out) {
+  Conclusion(study, catalogue, round, runs, tried, progress, out).tell();
 }
 
 }  // namespace lunid

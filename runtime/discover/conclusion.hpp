@@ -1,23 +1,24 @@
 #pragma once
 // What a discovery says beside its models: the sentence, what would decide, and what to mind.
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "discover/verdict.hpp"
 
 namespace lunid {
 
-/// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
-/// there.
-std::string sentence(const Study& study, const Round& round, const Discovery& out);
+/// Free runs of baseline and final model over all records, and the share of the force channel's noise in them that the
+/// system did not feel.
+struct ModelRuns {
+  std::vector<FreeRun> before_train, after_train, before_test, after_test;
+  double share = 0;
+};
 
-/// What would tell an ambiguous class apart, within the force, displacement and band that these records had; of a
-/// Discovery whose verdict, final model and rivals are there.
-void design_next(const Study& study, const SearchResult& found, Discovery& out);
-
-/// Parameters that sit at their bounds are warned of.
-void warn_of_bounds(const Candidate& c, Discovery& out);
-
-/// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
-void check_by_sundials(const Study& study, const Candidate& c, Discovery& out);
+/// Fills a Discovery whose gaps and test p-value are there: what was named and where, its rivals, intervals, how often
+/// it would be named, what would decide, and the sentence. `catalogue`: all entries that were tried, from `tried` start
+/// points. Changes the pool: main thread only.
+void conclude(const Study& study, const std::vector<Effect>& catalogue, const Round& round, const ModelRuns& runs,
+              int tried, const std::function<void(const std::string&, double)>& progress, Discovery& out);
 
 }  // namespace lunid

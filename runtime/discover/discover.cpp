@@ -10,13 +10,10 @@
 #include "discover/baseline.hpp"
 #include "discover/conclusion.hpp"
 #include "discover/gap.hpp"
-#include "discover/locate.hpp"
-#include "discover/naming.hpp"
-#include "discover/places.hpp"
 #include "discover/proposal_fits.hpp"
-#include "discover/removable.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
+#include "discover/verdict.hpp"
 #include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
@@ -26,7 +23,8 @@ namespace {
 
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
-constexpr double lost = 0.3;         ///< gap beyond which a run follows nothing
+constexpr double interpolation_part = 0.1;  ///< the same, of what is above the sensor's noise
+constexpr double lost = 0.3;                ///< gap beyond which a run follows nothing
 constexpr double runaway = 10;       ///< gap of a run that grows beyond all motion: no noise leads a stable model there
 constexpr double short_run = 2;      ///< in periods of the motion's upper frequency
 constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
@@ -61,7 +59,10 @@ class Spine {
     fit_all_rows(round);
     progress("open the test record", 0.94);
     validate_on_test(round);
-    show(round);
+    warn_of_untried(round.found);
+    conclude(
+        study_, catalogue_, round, runs_, tried_,
+        [this](const std::string& stage, double fraction) { progress(stage, fraction); }, out_);
     progress("done", 1.0);
     return std::move(out_);
   }
@@ -85,12 +86,24 @@ class Spine {
 
   /// The common entries, and the others where those leave something open.
   Round look_at_all() {
-    Round round = look(first_, {});
+    Round round = look(first_, {}, first_ < catalogue_.size() ? 0.4 : 0.9);
     if (first_ < catalogue_.size() && leaves_open(round))
       look_further(round, "the whole catalogue", catalogue_.size());
     else if (without_states_ > first_ && round.names())
       look_further(round, "the rivals without memory", without_states_);
     return round;
+  }
+
+  /// What a search stands on.
+  struct Ground {
+    Study whole, study;
+    Candidate baseline;
+  };
+  Ground ground() const { return {whole_, study_, baseline_}; }
+  void stand_on(Ground ground) {
+    whole_ = std::move(ground.whole);
+    study_ = std::move(ground.study);
+    baseline_ = std::move(ground.baseline);
   }
 
   // ---- motions that forget where they came from ----
@@ -110,24 +123,21 @@ class Spine {
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
   /// reaches the noise; and the long runs of that model are lost to noise alone.
   void look_in_short_runs(Round& round) {
-    const Study whole = whole_, study = study_;
-    const Candidate baseline = baseline_;
-    whole_ = study_ = in_short_runs(whole, short_run);
-    progress("runs of " + seconds(study_.run_length), 0.1);
+    Ground before = ground();
+    whole_ = study_ = in_short_runs(before.whole, short_run);
+    progress("runs of " + seconds(study_.run_length), done_);
     std::vector<std::string> unsaid;
     baseline_ = fit_baseline(study_, model_, unsaid);
     Round shorter = look_at_all();
     const bool reached = rms_error(shorter.found.chosen.fit) < 1.5 * study_.sensor_noise();
-    if (shorter.verdict != "unknown-effect" && reached && is_lost(study, shorter.found.chosen)) {
+    if (shorter.verdict != "unknown-effect" && reached && is_lost(before.study, shorter.found.chosen)) {
       round = std::move(shorter);
       out_.warnings.push_back(
           "runs over whole records are lost to noise, whatever the model: all runs, fits and gaps are of " +
           seconds(study_.run_length) + ", each from a first state of its own");
       return;
     }
-    whole_ = whole;
-    study_ = study;
-    baseline_ = baseline;
+    stand_on(std::move(before));
   }
 
   /// Most of the gap is what noise makes of it, far more than the sensor's own.
@@ -143,15 +153,20 @@ class Spine {
 
   /// Searches the first entries of the catalogue. What is found may show how the force is to be read between its
   /// samples; where that matters the search is made again.
-  Round look(std::size_t entries, const Grown& known) {
+  /// `until`: part of the whole work that is done then.
+  Round look(std::size_t entries, const Grown& known, double until) {
     const std::span<const Effect> part(catalogue_.data(), entries);
+    const auto step = [this, from = done_, until](const std::string& stage, double fraction) {
+      progress(stage, from + (until - from) * fraction);
+    };
     Round round;
-    round.found = search(study_, model_, baseline_, part, known, step());
+    round.found = search(study_, model_, baseline_, part, known, step);
     const Interpolation before = study_.interpolation;
+    const double open = 1 - std::pow(study_.sensor_noise() / rms_error(round.found.chosen.fit), 2);
     const double gain = rechoose_interpolation(round.found.chosen);
-    if (gain > interpolation_gain) {
+    if (gain > std::max(interpolation_gain, interpolation_part * open)) {
       fit(study_, baseline_, full_fit(study_, 40));
-      round.found = search(study_, model_, baseline_, part, {}, step());
+      round.found = search(study_, model_, baseline_, part, {}, step);
     } else if (study_.interpolation != before) {
       refit(round.found);
     }
@@ -160,7 +175,7 @@ class Spine {
       refit(round.found);
     }
     tried_ = std::max(tried_, round.found.grown.tried);
-    progress("decide", 0.88);
+    progress("decide", until);
     round.interpolation = study_.interpolation;
     decide(study_, round);
     return round;
@@ -170,7 +185,7 @@ class Spine {
   /// input, and against all that runs fast, without which no physics is named. Names that were found stand unless
   /// others take their place.
   void look_further(Round& round, const std::string& stage, std::size_t entries) {
-    progress(stage, 0.1);
+    progress(stage, done_);
     const Interpolation before = study_.interpolation;
     const Candidate baseline = baseline_;
     if (before != study_.guesses.front()) {  // chosen beside a model that was not the right one
@@ -178,7 +193,7 @@ class Spine {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found.grown.sets.clear();
     }
-    Round further = look(entries, round.found.grown);
+    Round further = look(entries, round.found.grown, 0.9);
     if (takes_the_place(further, round)) {
       if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
       round = std::move(further);
@@ -211,13 +226,12 @@ class Spine {
     decide(study_, round);
   }
 
-  void progress(const std::string& stage, double fraction) const {
+  /// A search that is made again shows what it has shown before.
+  void progress(const std::string& stage, double fraction) {
+    done_ = std::max(done_, fraction);
     if (options_.cancelled && *options_.cancelled)
       throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
-    if (options_.progress) options_.progress(stage, fraction);
-  }
-  std::function<void(const std::string&, double)> step() const {
-    return [this](const std::string& stage, double fraction) { progress(stage, fraction); };
+    if (options_.progress) options_.progress(stage, done_);
   }
 
   /// The names stay; what was fitted is fitted again to the study as it is now.
@@ -321,13 +335,13 @@ class Spine {
   void validate_on_test(Round& round) {
     SearchResult& found = round.found;
     std::optional<TestRuns> shorter;
-    after_test_ = runs(study_, found.chosen, study_.test);
-    before_test_ = round.names() ? runs(study_, found.baseline, study_.test, false) : after_test_;
+    runs_.after_test = runs(study_, found.chosen, study_.test);
+    runs_.before_test = round.names() ? runs(study_, found.baseline, study_.test, false) : runs_.after_test;
     if (round.names()) {
       shorter = short_test_runs(round);
       const Study& study = shorter ? shorter->study : study_;
-      const std::vector<FreeRun>&before = shorter ? shorter->before : before_test_,
-            &after = shorter ? shorter->after : after_test_;
+      const std::vector<FreeRun>&before = shorter ? shorter->before : runs_.before_test,
+            &after = shorter ? shorter->after : runs_.after_test;
       out_.test_p_value = test_p_value(study, before, after);
       const std::string fault = refuted(study, round, out_.test_p_value, before, after);
       const std::optional<Gap> of_all =
@@ -342,27 +356,29 @@ class Spine {
     } else {
       round.verdict = something_is_missing(round) ? "unknown-effect" : "nothing-missing";
     }
-    after_train_ = round.train;
-    before_train_ = round.names() ? runs(study_, found.baseline, study_.full, false) : after_train_;
-    share_ = input_noise_share(after_train_);
-    out_.baseline_train = pool_gap(before_train_, share_);
+    runs_.after_train = round.train;
+    runs_.before_train = round.names() ? runs(study_, found.baseline, study_.full, false) : runs_.after_train;
+    runs_.share = input_noise_share(runs_.after_train);
+    out_.baseline_train = pool_gap(runs_.before_train, runs_.share);
     if (out_.baseline_train.value > runaway)
       out_.warnings.insert(out_.warnings.begin(),
                            "the baseline's free run grows beyond the motion: with these parameters it is unstable (a "
                            "channel that comes late, a controller's part that is held between samples, or forces that "
                            "feed the motion make damping negative)");
-    out_.baseline_test = pool_gap(before_test_, share_);
-    out_.final_train = pool_gap(after_train_, share_);
-    out_.final_test = pool_gap(after_test_, share_);
+    out_.baseline_test = pool_gap(runs_.before_test, runs_.share);
+    out_.final_train = pool_gap(runs_.after_train, runs_.share);
+    out_.final_test = pool_gap(runs_.after_test, runs_.share);
     if (shorter && round.names())
-      out_.short_test = {shorter->study.run_length, pool_gap(shorter->before, share_),
-                         pool_gap(runs(shorter->study, found.chosen, shorter->study.test), share_)};
+      out_.short_test = {shorter->study.run_length, pool_gap(shorter->before, runs_.share),
+                         pool_gap(runs(shorter->study, found.chosen, shorter->study.test), runs_.share)};
     const std::vector<std::string> outputs = study_.outputs();
     for (std::size_t i = 0; i < outputs.size() && outputs.size() > 1; ++i) {
-      const auto gap = [&](const std::vector<FreeRun>& all) { return pool_gap(of_output(all, outputs[i]), share_); };
-      out_.outputs.push_back({outputs[i], gap(before_train_), gap(before_test_), gap(after_train_), gap(after_test_)});
+      const auto gap = [&](const std::vector<FreeRun>& all) {
+        return pool_gap(of_output(all, outputs[i]), runs_.share);
+      };
+      out_.outputs.push_back(
+          {outputs[i], gap(runs_.before_train), gap(runs_.before_test), gap(runs_.after_train), gap(runs_.after_test)});
     }
-    name_steps(found);
   }
 
   struct TestRuns {
@@ -373,7 +389,7 @@ class Spine {
   /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
   std::optional<TestRuns> short_test_runs(const Round& round) {
     if (study_.imposed || study_.run_length > 0) return {};
-    if (const Gap gap = round.gap(after_test_); !(gap.floor > lost && gap.value < runaway)) return {};
+    if (const Gap gap = round.gap(runs_.after_test); !(gap.floor > lost && gap.value < runaway)) return {};
     TestRuns out{in_short_runs(study_, short_run), {}, {}};
     out.after = runs(out.study, round.found.chosen, out.study.test);
     out.before = runs(out.study, round.found.baseline, out.study.test, false);
@@ -414,7 +430,7 @@ class Spine {
     remark_ties(found);
     round.left = std::move(first.left);
     round.train = std::move(first.train);
-    after_test_ = runs(study_, found.chosen, study_.test);
+    runs_.after_test = runs(study_, found.chosen, study_.test);
     out_.test_p_value = first.test_p_value;
     round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
     return true;
@@ -424,8 +440,7 @@ class Spine {
   /// those out whole, and they leave less there than what would stand, they are the answer after all.
   bool leave_the_common(Round& round, const std::string& fault, std::size_t stand) {
     if (!round.displaced) return false;
-    const Study whole = whole_, study = study_;
-    const Candidate baseline = baseline_;
+    Ground as_found = ground();
     Round common = std::move(*round.displaced);
     round.displaced.reset();
     take_interpolation(common.interpolation);
@@ -434,12 +449,12 @@ class Spine {
     std::vector<FreeRun> before = runs(study_, common.found.baseline, study_.test, false),
                          after = runs(study_, common.found.chosen, study_.test);
     const double p_value = test_p_value(study_, before, after);
-    const double open = stand == 0 ? INFINITY : round.gap(runs(study, round.found.steps[stand - 1], study.test)).value;
+    const double open = stand == 0
+                            ? INFINITY
+                            : round.gap(runs(as_found.study, round.found.steps[stand - 1], as_found.study.test)).value;
     if (!common.names() || !refuted(study_, common, p_value, before, after).empty() ||
         steps_that_help(study_, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
-      whole_ = whole;
-      study_ = study;
-      baseline_ = baseline;
+      stand_on(std::move(as_found));
       return false;
     }
     out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
@@ -447,8 +462,8 @@ class Spine {
     common.found.rivals.insert(common.found.rivals.begin(), std::move(round.found.chosen));
     common.found.remarks.insert(common.found.remarks.begin(), not_confirmed);
     round = std::move(common);
-    before_test_ = std::move(before);
-    after_test_ = std::move(after);
+    runs_.before_test = std::move(before);
+    runs_.after_test = std::move(after);
     out_.test_p_value = p_value;
     return true;
   }
@@ -471,11 +486,11 @@ class Spine {
       found.chosen = steps.back();
       if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
     }
-    after_test_ = runs(study_, found.chosen, study_.test);
+    runs_.after_test = runs(study_, found.chosen, study_.test);
     if (stand > 0)
-      out_.test_p_value = test_p_value(study_, before_test_, after_test_);
+      out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);
     else
-      before_test_ = after_test_;
+      runs_.before_test = runs_.after_test;
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     if (stand > 0) find_ties_of_the_rest(found);
@@ -489,8 +504,8 @@ class Spine {
   bool something_is_missing(const Round& round, bool patched = false) const {
     if (!round.found.reading.empty()) return false;
     const bool open =
-        leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(before_test_));
-    return open || ((patched || round.left.material) && !gone_on_test(study_, round, before_test_));
+        leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(runs_.before_test));
+    return open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
   }
 
   /// What is left of a larger set has rivals of its own.
@@ -506,162 +521,12 @@ class Spine {
       if (holds_name(found.ties.rivals, found.rivals[i].name())) found.remarks[i] = tie_remark(found.chosen);
   }
 
-  /// For all start points of all rounds, whichever stands.
-  double corrected(double p) const { return lunid::corrected(p, tried_); }
-
-  void name_steps(const SearchResult& found) {
-    for (std::size_t i = 0; i < found.steps.size(); ++i) {
-      const Candidate& model = found.steps[i];
-      const Effect& effect = *found.order[i].effect;
-      NamedEffect named;
-      named.name = effect.name;
-      named.family = effect.family;
-      named.formula = formula_at(effect.formula, effect.place);
-      named.sentence = effect.sentence;
-      named.label = effect.label();
-      if (effect.place) named.place = motion_of(*effect.place);
-      named.where = where(i == 0 ? found.baseline : found.steps[i - 1], found.chosen, effect.place);
-      named.parameters = own_parameters(found.chosen, effect);
-      const bool last = i + 1 == found.steps.size();
-      named.gap_train = last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), share_).value;
-      named.gap_test = last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), share_).value;
-      named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
-      if (last) {
-        for (const Choices& tie : found.ties.rivals) named.indistinguishable.push_back(name_of(tie));
-        named.indistinguishable.insert(named.indistinguishable.end(), found.ties.aliases.begin(),
-                                       found.ties.aliases.end());
-      }
-      if (found.steps.size() > 1)
-        for (const Choices& tie : found.ties.rivals)
-          if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
-            named.indistinguishable.push_back(std::move(other));
-      for (std::string& other : in_other_words(effect))
-        if (std::ranges::find(named.indistinguishable, other) == named.indistinguishable.end())
-          named.indistinguishable.push_back(std::move(other));
-      out_.effects.push_back(std::move(named));
-    }
-  }
-
-  /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
-  std::vector<std::string> in_other_words(const Effect& effect) const {
-    std::vector<std::string> out;
-    for (const Effect& general : catalogue_) {
-      const bool is_general = std::ranges::find(effect.special_case_of, general.name) != effect.special_case_of.end();
-      if (is_general && general.parameters.size() == effect.parameters.size())
-        out.push_back(effect.place ? general.name + " " + words_of(*effect.place) : general.name);
-    }
-    return out;
-  }
-
-  /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of
-  /// "displacement_offset + coulomb_friction" and "constant_force + coulomb_friction"; else "".
-  static std::string in_place_of(const Effect& effect, const Choices& chosen, const Choices& tie) {
-    Choices own = chosen, others = tie;
-    std::erase_if(own, [&](const Choice& c) { return std::erase(others, c) > 0; });
-    return own.size() == 1 && others.size() == 1 && own.front().effect == &effect ? name_of(others) : "";
-  }
-
-  /// The entry's parameters from the final model, under their own short names.
-  static std::vector<Parameter> own_parameters(const Candidate& final_model, const Effect& effect) {
-    std::vector<Parameter> out;
-    const Model model = fitted(final_model);
-    for (const auto& p : effect.parameters) {
-      out.push_back(*model.find(p.name));
-      out.back().name = own_name(effect, p.name);
-    }
-    return out;
-  }
-
-  // ---- show ----
-  std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
-    const std::string text = describe_residual(study_, model, reference, place);
-    return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
-  }
-
-  /// With several coordinates: where the first effect was named, or generic forces see most.
-  std::optional<Place> main_place(const Round& round) const {
-    if (round.names()) return round.found.order.front().effect->place;
-    if (study_.degrees() == 1) return {};
-    return round.left.closure.place.value_or(Place{});
-  }
-
-  void show(const Round& round) {
-    const SearchResult& found = round.found;
-    out_.verdict = round.verdict;
-    out_.gap_left_out_before = found.baseline.left_out_gap;
-    out_.gap_left_out_after = found.chosen.left_out_gap;
-    out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
-    out_.baseline = fitted(found.baseline);
-    out_.final = fitted(found.chosen);
-    const std::optional<Place> place = main_place(round);
-    out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
-    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-      const Candidate& c = found.rivals[i];
-      out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             corrected(improvement_p_value(found.baseline, c)), found.remarks[i], fitted(c)});
-    }
-    if (!found.grown.left_aside.empty()) {
-      std::string list;
-      for (const auto& name : found.grown.left_aside) list += (list.empty() ? "" : ", ") + name;
+  void warn_of_untried(const SearchResult& found) {
+    std::string list;
+    for (const auto& name : found.grown.left_aside) list += (list.empty() ? "" : ", ") + name;
+    if (!list.empty())
       out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
-    }
     if (!untested_.empty()) out_.warnings.push_back(untested_);
-    warn_of_bounds(found.chosen, out_);
-    out_.removable = removable_terms(out_.baseline, found.chosen);
-    if (!found.chosen.choices.empty()) {
-      progress("name again on resampled blocks", 0.96);
-      out_.naming = bootstrap_naming(study_, found);
-    }
-    if (out_.verdict == "ambiguous") progress("design the experiment that would decide", 0.97);
-    design_next(study_, found, out_);
-    check_by_sundials(study_, found.chosen, out_);
-    list_records(study_.full, "train");
-    list_records(study_.test, "test");
-    compare_all(found, study_.full, before_train_, after_train_, "train");
-    compare_all(found, study_.test, before_test_, after_test_, "test");
-    out_.map = residual_map(study_, found.baseline, found.chosen, place);
-    if (place) out_.map_place = motion_of(*place);
-    for (const Choice& choice : found.order)
-      if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
-    out_.output = study_.output();
-    out_.run_length = study_.run_length;
-    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
-    out_.solver =
-        study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
-    out_.noise_model = found.whitening.ar.empty()
-                           ? "white residual"
-                           : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
-                                 " on means of " + std::to_string(found.whitening.average) + " rows";
-    out_.sentence = sentence(study_, round, out_);
-  }
-
-  /// Short runs of one record follow each other.
-  void list_records(const std::vector<Record>& records, const std::string& role) {
-    const std::size_t first = out_.records.size();
-    double begin = 0;
-    for (const Record& r : records) {
-      const bool same = study_.run_length > 0 && out_.records.size() > first &&
-                        out_.records.back().record == r.name() && r.start() > begin;
-      if (!same) {
-        begin = r.start();
-        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0});
-      }
-      RecordUsed& used = out_.records.back();
-      used.rows += r.rows();
-      used.seconds = r.start() + r.duration() - begin;
-      ++used.runs;
-    }
-  }
-
-  void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,
-                   std::span<const FreeRun> after, const std::string& role) {
-    const std::size_t outputs = study_.outputs().size();
-    // Of short runs a few: there are dozens.
-    const std::size_t step = study_.run_length > 0 ? (records.size() + 2) / 3 : 1;
-    for (std::size_t i = 0; i < records.size(); i += step)
-      for (Comparison& c : compare(study_, found.baseline, found.chosen, records[i],
-                                   before.subspan(i * outputs, outputs), after.subspan(i * outputs, outputs), role))
-        out_.comparisons.push_back(std::move(c));
   }
 
   const DiscoverOptions& options_;
@@ -673,9 +538,9 @@ class Spine {
   Model model_;
   Study whole_, study_;  ///< of all rows, and of those that are looked at now: pieces of long records in the search
   Candidate baseline_;
-  std::vector<FreeRun> before_train_, after_train_, before_test_, after_test_;  ///< of baseline and final model
-  int tried_ = 0;     ///< start points of entries, of all rounds
-  double share_ = 0;  ///< of the force channel's noise, that the system did not feel
+  ModelRuns runs_;
+  double done_ = 0;  ///< part of the work
+  int tried_ = 0;    ///< start points of entries, of all rounds
   Discovery out_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "simulate/fit_steps.hpp"
 #include "simulate/integrator.hpp"
@@ -135,16 +136,21 @@ bool follows(const Normal& run, double power, const FitSegment& segment) {
          run.parts[0].residual.squaredNorm() < lost * power * static_cast<double>(segment.count);
 }
 
-/// The measured motion at the segment's first row, from a stretch that doubles as long as the run follows it.
+/// The measured motion at the segment's first row, from a stretch that doubles as long as the run follows it and the
+/// longer one says more of that row: damping makes a run forget it.
 void settle(FirstState& state, double power, FitSegment& segment) {
   constexpr int iterations = 4;
-  constexpr double alike = 0.01;  // squared
+  constexpr double alike = 0.01, more = 1.05;  // squared
   FitSegment part = segment;
+  VectorXd known = VectorXd::Zero(segment.x0.size());
   for (Index rows = shortest_stretch; rows < 2 * segment.count; rows *= 2) {
     FitSegment longer = part;
     longer.count = std::min(rows, segment.count);
-    if (!follows(state.settle(longer, iterations, alike), power, longer)) break;
+    const Normal normal = state.settle(longer, iterations, alike);
+    if (!follows(normal, power, longer)) break;
     part = std::move(longer);
+    const VectorXd before = std::exchange(known, normal.axx[0].diagonal());
+    if ((known.array() <= more * before.array()).all()) break;
   }
   part.count = segment.count;
   segment = std::move(part);

@@ -62,6 +62,13 @@ spec.case("other names for motion and force: all that are missing, what there is
     .. 'its column, e.g. --columns "y=header [unit], F=header [unit]"' .. kept, 3)
 end)
 
+spec.case("on a terminal: the stage, the part that is done and the time left", function()
+  local command = ("'%s' discover good.csv --mass 1 --restoring 'k*y + c*v' --out watched"):format(spec.executable)
+  local said = spec.shell(('script -qec "%s" /dev/null'):format(command))
+  spec.contains(said, "%  propose and fit, 1 effect, about ")
+  spec.contains(said, " s left")
+end)
+
 spec.case("an uneven time base: refused, and resampled when asked", function()
   record("uneven.csv", 600, function(i, cells)
     cells[1] = ("%.6f"):format(i * 0.01 + 0.002 * math.sin(i))

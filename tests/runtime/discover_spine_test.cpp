@@ -1,6 +1,7 @@
 // The whole spine on records of the independent generator, and what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -211,6 +212,23 @@ TEST(Discovery, SameBitsForAnyNumberOfThreads) {
     texts.push_back(to_json(d).dump());
   }
   EXPECT_EQ(texts[0], texts[1]);
+}
+
+/// The common entries leave a quadratic spring open, so that the search is made again of all.
+TEST(Discovery, ShowsProgressThatNeverFalls) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = testing::records_of("quadratic_stiffness", scale, 40, 12);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  DiscoverOptions options;
+  options.first = 1;
+  std::vector<std::pair<std::string, double>> shown;
+  options.progress = [&](const std::string& stage, double fraction) { shown.emplace_back(stage, fraction); };
+  discover(model, small_catalogue(*model.pool), {record_of(records.train, "train")}, {record_of(records.test, "test")},
+           options);
+  EXPECT_TRUE(std::ranges::is_sorted(shown, {}, [](const auto& each) { return each.second; }));
+  EXPECT_TRUE(std::ranges::any_of(shown, [](const auto& each) { return each.first == "the whole catalogue"; }));
+  EXPECT_EQ(shown.front().second, 0);
+  EXPECT_EQ(shown.back().second, 1);
 }
 
 std::string refusal(const Model& model, const Record& record, const DiscoverOptions& options = {}) {
