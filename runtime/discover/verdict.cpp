@@ -101,18 +101,9 @@ constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 bool is_series(const Choices& names) { return springs_among(names) > 2; }
 
-namespace {
-
-/// Two springs at one place that leave what noise does not.
-bool is_loose_series(const Study& study, const Round& round) {
-  const SearchResult& found = round.found;
-  if (springs_among(found.chosen.choices) < 2 || !std::isfinite(found.baseline.left_out_gap)) return false;
-  const Gap gap = round.gap(round.train);
-  return gap.value > 1.5 * gap.floor && closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap,
-                                                     study.noise_gap()) < most_closed(found.chosen.choices);
+bool is_loose_series(const Choices& names, const Gap& train, double closed) {
+  return springs_among(names) > 1 && train.value > 1.5 * train.floor && closed < most_closed(names);
 }
-
-}  // namespace
 
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
@@ -133,7 +124,11 @@ void decide(const Study& study, Round& round) {
     withdraw(round, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
-  const bool series = is_series(found.chosen.choices) || is_loose_series(study, round);
+  const double closed = std::isfinite(found.baseline.left_out_gap)
+                            ? closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap())
+                            : 1;
+  const Choices& names = found.chosen.choices;
+  const bool series = is_series(names) || is_loose_series(names, round.gap(round.train), closed);
   if (series) {
     withdraw(round, "a curve of another kind, followed as by a series");
     round.train = runs(study, found.chosen, study.full);
@@ -144,9 +139,7 @@ void decide(const Study& study, Round& round) {
   } else if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
-  } else if (round.left.material && std::isfinite(found.baseline.left_out_gap) &&
-             closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap()) <
-                 most_closed(found.chosen.choices)) {
+  } else if (round.left.material && closed < most_closed(names)) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";

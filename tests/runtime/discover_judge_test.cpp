@@ -223,6 +223,27 @@ TEST(Verdict, TakesThreeSpringsAtOnePlaceForASeries) {
   EXPECT_FALSE(is_series({{&cubic, 0}, {&square, 0}, {&elsewhere, 0}}));
 }
 
+TEST(Verdict, TakesTwoSpringsThatLeaveSomethingForASeries) {
+  Effect cubic, square, drag;
+  cubic.family = square.family = "stiffness";
+  drag.family = "damping";
+  const Choices springs{{&cubic, 0}, {&square, 0}}, others{{&cubic, 0}, {&drag, 0}};
+  Gap train;
+  train.value = 0.02;
+  train.floor = 0.01;
+  EXPECT_TRUE(is_loose_series(springs, train, 0.99));
+  EXPECT_FALSE(is_loose_series(springs, train, 0.999));
+  EXPECT_FALSE(is_loose_series(others, train, 0.99));
+  train.value = 0.014;
+  EXPECT_FALSE(is_loose_series(springs, train, 0.99));
+}
+
+TEST(Verdict, AsksOfAnyNameThatItClosesFourFifthsOfTheTest) {
+  EXPECT_EQ(verdict_on(1, 0.35, 0.6, 0.3), "left a good part of the gap on the test record open");
+  EXPECT_EQ(verdict_on(1, 0.35, 0.5, 0.3), "");
+  EXPECT_EQ(verdict_on(1, 0.35, 0.44, 0.3), "");
+}
+
 /// A sum of powers follows any smooth curve within the motion that it was fitted to.
 TEST(Verdict, AsksOfThreeNamesThatTheyReachTheFloorOfTheTest) {
   const std::string patchwork =
