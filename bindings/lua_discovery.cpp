@@ -336,7 +336,7 @@ nlohmann::json data_of(const Discovery& found) {
   return data;
 }
 
-/// Fields verdict, sentence, model, baseline, data (discovery.json as a table), json (its text), comparisons, map.
+/// Fields verdict, sentence, model, baseline, closure, data (discovery.json as a table), json (its text), comparisons, map.
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
@@ -348,6 +348,10 @@ int get(lua_State* L) {
     push<Model>(L, found.final);
   else if (key == "baseline")
     push<Model>(L, found.baseline);
+  else if (key == "closure" && found.closure)
+    push<Model>(L, found.closure->model);
+  else if (key == "closure")
+    lua_pushnil(L);
   else if (key == "data")
     push_json(L, data_of(found));
   else if (key == "json")
@@ -380,7 +384,7 @@ int get(lua_State* L) {
     if (lua_isnil(L, -1)) {
       throw InputError(
           "a discovery has no '" + key +
-          "' (fields: verdict sentence model baseline effects rivals warnings same_experiment data json output "
+          "' (fields: verdict sentence model baseline closure effects rivals warnings same_experiment data json output "
           "seconds comparisons map forces; methods: save next_experiment)");
     }
   }

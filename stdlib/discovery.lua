@@ -13,7 +13,7 @@ local record = types.is("record", "lunid.read")
 local records = types.either(record, types.list(record, 1))
 local window = types.is("window", "lunid.window")
 
---- Writes discovery.json, results.json, model.lua, report.html and figures into `folder`; returns what was made.
+--- Writes discovery.json, results.json, model.lua, closure.lua (of an unknown effect), report.html and figures into `folder`; returns what was made.
 function discovery.save(found, folder)
   local prefix = folder and folder ~= "" and folder:gsub("/+$", "") .. "/" or ""
   if prefix ~= "" then output.make_folder(prefix) end
@@ -21,6 +21,7 @@ function discovery.save(found, folder)
     json = output.write(prefix .. "discovery.json", found.json),
     model = output.write(prefix .. "model.lua", models.text(found.model)),
   }
+  if found.closure then output.write(prefix .. "closure.lua", models.text(found.closure)) end
   output.write(prefix .. "results.json", found.json)
   local report = require("lunid.report").write(found, prefix)
   made.report, made.figures, made.figure_count, made.note = report.path, report.folder, report.count, report.note

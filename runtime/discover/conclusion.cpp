@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
@@ -52,14 +53,25 @@ std::string below_the_least_gain(const Study& study, const SearchResult& found) 
   return name + text;
 }
 
-/// What the forces without a name do on the test records; "" where they do not lower the gap there.
-std::string by_generic_forces(const Study& study, const Left& left, const Gap& without) {
-  if (!left.closure.system || !std::isfinite(left.closure.fit.cost)) return "";
-  const double with = pool_gap(runs(study, *left.closure.system, left.closure.fit, study.test, false), 0).value;
-  if (!(with < without.value)) return "";
+/// The model with forces without a name, of an unknown effect; none where they do not lower the gap on the test
+/// records.
+std::optional<Discovery::Nameless> nameless(const Study& study, const Left& left, const Discovery& out) {
+  if (out.verdict != "unknown-effect" || !left.seen || !left.closure.system || !std::isfinite(left.closure.fit.cost))
+    return {};
+  Candidate with;
+  with.system = left.closure.system;
+  with.fit = left.closure.fit;
+  const Gap test = pool_gap(runs(study, with, study.test), 0);
+  if (!(test.value < out.final_test.value)) return {};
+  return Discovery::Nameless{fitted(with), pool_gap(runs(study, with, study.full), 0), test};
+}
+
+/// What they do on the test records.
+std::string by_nameless_forces(const Discovery& out) {
+  if (!out.closure) return "";
   char text[120];
-  std::snprintf(text, sizeof text, "; forces without a name lower the gap on test from %.2g to %.2g", without.value,
-                with);
+  std::snprintf(text, sizeof text, "; forces without a name lower the gap on test from %.2g to %.2g",
+                out.final_test.value, out.closure->test.value);
   return text;
 }
 
@@ -186,7 +198,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;
   return "something repeatable is missing (" + left.closure.words() + ") that no entry of the catalogue explains" +
-         by_generic_forces(study, left, out.final_test) + nearest;
+         by_nameless_forces(out) + nearest;
 }
 
 /// Fills a Discovery whose gaps are there.
@@ -244,6 +256,7 @@ class Conclusion {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
+    out_.closure = nameless(study_, round_.left, out_);
     out_.sentence = sentence(study_, round_, out_);
   }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -147,6 +148,12 @@ struct Discovery {
     double seconds = 0;  ///< of each run; 0: whole test records were used
     Gap baseline, final;
   } short_test;
+  /// Of an unknown effect: the baseline with forces without a name that lower the gap of its free runs, and their gaps.
+  struct Nameless {
+    Model model;
+    Gap train, test;
+  };
+  std::optional<Nameless> closure;
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

@@ -153,6 +153,10 @@ json to_json(const Discovery& d) {
   for (const auto& r : d.rivals) out["rivals"].push_back(rival(r));
   out["final"] = model(d.final, d.final_train, d.final_test);
   out["final"]["gap_fit"] = number(d.gap_fit);
+  if (d.closure) {
+    out["closure"] = model(d.closure->model, d.closure->train, d.closure->test);
+    out["closure"]["meaning"] = "the baseline with forces without a name, fitted: what is missing may be simulated so";
+  }
   out["noise_floor"] = {{"gap_train", number(d.final_train.floor)},
                         {"gap_test", number(d.final_test.floor)},
                         {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))}};
