@@ -128,10 +128,6 @@ std::pair<double, double> left_out_misfit(const Columns& columns, int parts) {
   return {without, with};
 }
 
-}  // namespace
-
-namespace {
-
 /// The model with generic forces at a place, all with coefficient zero.
 struct Generic {
   Closure closure;
