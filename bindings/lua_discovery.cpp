@@ -336,7 +336,8 @@ nlohmann::json data_of(const Discovery& found) {
   return data;
 }
 
-/// Fields verdict, sentence, model, baseline, closure, data (discovery.json as a table), json (its text), comparisons, map.
+/// Fields verdict, sentence, model, baseline, closure, data (discovery.json as a table), json (its text), comparisons,
+/// map.
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);

@@ -13,7 +13,8 @@ local record = types.is("record", "lunid.read")
 local records = types.either(record, types.list(record, 1))
 local window = types.is("window", "lunid.window")
 
---- Writes discovery.json, results.json, model.lua, closure.lua (of an unknown effect), report.html and figures into `folder`; returns what was made.
+--- Writes discovery.json, results.json, model.lua, closure.lua (of an unknown effect), report.html and figures into
+--- `folder`; returns what was made.
 function discovery.save(found, folder)
   local prefix = folder and folder ~= "" and folder:gsub("/+$", "") .. "/" or ""
   if prefix ~= "" then output.make_folder(prefix) end

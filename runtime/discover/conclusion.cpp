@@ -223,7 +223,7 @@ class Conclusion {
     out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
     out_.baseline = fitted(found.baseline);
     out_.final = fitted(found.chosen);
-    const std::optional<Place> place = main_place(round_);
+    const std::optional<Place> place = main_place();
     out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
     for (std::size_t i = 0; i < found.rivals.size(); ++i) {
       const Candidate& c = found.rivals[i];
@@ -335,10 +335,10 @@ class Conclusion {
   }
 
   /// With several coordinates: where the first effect was named, or generic forces see most.
-  std::optional<Place> main_place(const Round& round) const {
-    if (round.names()) return round.found.order.front().effect->place;
+  std::optional<Place> main_place() const {
+    if (round_.names()) return round_.found.order.front().effect->place;
     if (study_.degrees() == 1) return {};
-    return round.left.closure.place.value_or(Place{});
+    return round_.left.closure.place.value_or(Place{});
   }
 
   /// Short runs of one record follow each other.
