@@ -336,8 +336,25 @@ nlohmann::json data_of(const Discovery& found) {
   return data;
 }
 
-/// Fields verdict, sentence, model, baseline, closure, data (discovery.json as a table), json (its text), comparisons,
-/// map.
+/// The model with forces without a name; nil where there is none.
+void push_closure(lua_State* L, const Discovery& found) {
+  if (found.unknown && found.unknown->closure)
+    push<Model>(L, found.unknown->closure->model);
+  else
+    lua_pushnil(L);
+}
+
+/// { y =, v =, force = { a column for each v } }, NaN where there is no data; nil where something else was found.
+void push_unknown_force(lua_State* L, const Discovery& found) {
+  if (!found.unknown) return lua_pushnil(L);
+  lua_newtable(L);
+  set_column(L, "y", found.unknown->y);
+  set_column(L, "v", found.unknown->v);
+  set_rows(L, "force", found.unknown->force);
+}
+
+/// Fields verdict, sentence, model, baseline, closure, unknown_force, data (discovery.json as a table), json (its
+/// text), comparisons, map.
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
@@ -349,10 +366,10 @@ int get(lua_State* L) {
     push<Model>(L, found.final);
   else if (key == "baseline")
     push<Model>(L, found.baseline);
-  else if (key == "closure" && found.closure)
-    push<Model>(L, found.closure->model);
   else if (key == "closure")
-    lua_pushnil(L);
+    push_closure(L, found);
+  else if (key == "unknown_force")
+    push_unknown_force(L, found);
   else if (key == "data")
     push_json(L, data_of(found));
   else if (key == "json")
@@ -383,10 +400,10 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError(
-          "a discovery has no '" + key +
-          "' (fields: verdict sentence model baseline closure effects rivals warnings same_experiment data json output "
-          "seconds comparisons map forces; methods: save next_experiment)");
+      throw InputError("a discovery has no '" + key +
+                       "' (fields: verdict sentence model baseline closure unknown_force effects rivals warnings "
+                       "same_experiment data "
+                       "json output seconds comparisons map forces; methods: save next_experiment)");
     }
   }
   return 1;

@@ -22,7 +22,7 @@ function discovery.save(found, folder)
     json = output.write(prefix .. "discovery.json", found.json),
     model = output.write(prefix .. "model.lua", models.text(found.model)),
   }
-  if found.closure then output.write(prefix .. "closure.lua", models.text(found.closure)) end
+  if found.closure then made.closure = output.write(prefix .. "closure.lua", models.text(found.closure)) end
   output.write(prefix .. "results.json", found.json)
   local report = require("lunid.report").write(found, prefix)
   made.report, made.figures, made.figure_count, made.note = report.path, report.folder, report.count, report.note
@@ -32,7 +32,9 @@ end
 --- The last line of what the terminal shows.
 function discovery.where_it_is(made)
   local figures = made.figures and (", %s (%d)"):format(made.figures, made.figure_count) or ""
-  return ("%-11s%s, %s, %s%s%s"):format("", made.report, made.model, made.json, figures,
+  local files = { made.report, made.model, made.json }
+  if made.closure then table.insert(files, 3, made.closure) end
+  return ("%-11s%s%s%s"):format("", table.concat(files, ", "), figures,
     made.note and ("\n%-11s%s"):format("note", made.note) or "")
 end
 

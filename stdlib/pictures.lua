@@ -153,11 +153,11 @@ local function largest(rows)
   return most
 end
 
-local function map_panel(map, rows, title, most)
+local function map_panel(map, rows, title, most, what)
   local where = map.place ~= "" and " " .. map.place or ""
   return { title = title, x = { name = displacement.name .. where, unit = displacement.unit },
     y = { name = velocity.name .. where, unit = velocity.unit }, map = { x = map.y, y = map.v, z = rows,
-    colour = { name = "unexplained force", unit = "N", min = most and -most, max = most } } }
+    colour = { name = what or "unexplained force", unit = "N", min = most and -most, max = most } } }
 end
 
 --- Both maps side by side, in one range of colours; one map where nothing was added to the baseline.
@@ -176,6 +176,19 @@ local function add_map(list, found)
     caption = "Mean force that is left unexplained, over displacement and velocity" .. (found.map.place ~= "" and " of " .. found.map.place
       or "") .. ": where the baseline fails"
       .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
+end
+
+-- ---- the force of an unknown effect ----
+
+--- Where forces without a name follow it; else it is the map of what the baseline leaves.
+local function add_unknown_force(list, found)
+  local shape = found.closure and found.unknown_force
+  if not shape or #shape.y < 2 or #shape.v < 2 then return end
+  local most = largest(shape.force)
+  list[#list + 1] = { name = "unknown_force", figure = figures.make(row_of {
+      map_panel({ y = shape.y, v = shape.v, place = found.map.place }, shape.force, "", most > 0 and most or nil, "missing force") }),
+    caption = "The force that is missing, as fitted forces without a name (closure.lua) have it along the motion of the "
+      .. "training records. Hatched: no data." }
 end
 
 -- ---- the named effects against the record ----
@@ -264,6 +277,7 @@ function pictures.of(found)
   local list = {}
   add_histories(list, found)
   add_map(list, found)
+  add_unknown_force(list, found)
   add_named_force(list, found)
   add_steps(list, found)
   return list

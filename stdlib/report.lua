@@ -199,8 +199,42 @@ local function naming_section(data)
     .. html_table({ "named", "resamples" }, rows)
 end
 
-local function named_section(data)
-  if #data.effects == 0 then return "<h2>What is missing</h2><p>No effect was named.</p>" end
+--- Amplitudes of the unexplained force over the phase of the motion.
+local function harmonic_table(harmonics)
+  if #harmonics == 0 then return "" end
+  local rows = {}
+  for i, each in ipairs(harmonics) do
+    local seen = each.amplitude and each.level and each.amplitude > each.level
+    rows[i] = { ("%d"):format(each.order), number(each.amplitude), number(each.level), seen and "yes" or "" }
+  end
+  return html_table({ "harmonic", "amplitude [N]", "noise alone stays below [N]", "above it" }, rows)
+end
+
+--- Of an unknown effect: the harmonics of its force, and the model that follows it without a name.
+local function unknown_section(found)
+  local data = found.data
+  if not data.unknown_force then return "" end
+  local lines = { "<h3>What its force looks like</h3>",
+    "<p>Amplitudes of the force that the baseline leaves unexplained, over the phase of the motion:</p>",
+    harmonic_table(data.unknown_force.harmonics) }
+  if not data.closure then
+    lines[#lines + 1] = "<p>Forces of y and v without a name that were fitted to it did not lower the gap on the test record: "
+      .. "there is no model of it to simulate.</p>"
+    return table.concat(lines, "\n")
+  end
+  lines[#lines + 1] = ("<p>Forces without a name that follow it lower the gap on the training record from %s to %s, and on "
+    .. "the test record from %s to %s. <code>closure.lua</code> beside this file is that model, to simulate within the "
+    .. "motion of these records:</p><pre>%s</pre>"):format(number(data.final.gap_train, data.final.cause), number(data.closure.gap_train, data.closure.cause),
+      number(data.final.gap_test, data.final.cause), number(data.closure.gap_test, data.closure.cause), escape(data.closure.equation))
+  lines[#lines + 1] = parameter_table(data.closure.parameters, names_of(found.closure), {})
+  return table.concat(lines, "\n")
+end
+
+local function named_section(found)
+  local data = found.data
+  if #data.effects == 0 then
+    return "<h2>What is missing</h2><p>No effect was named.</p>" .. unknown_section(found)
+  end
   local lines = { "<h2>What is missing</h2>" }
   for _, effect in ipairs(data.effects) do lines[#lines + 1] = effect_section(effect) end
   lines[#lines + 1] = naming_section(data)
@@ -291,7 +325,7 @@ function report.write(found, prefix)
     "<h1>What the model lacks</h1>",
     ('<p class="verdict"><b>%s</b>: %s</p>'):format(escape(data.verdict), escape(data.sentence)),
     "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
-    named_section(data), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
+    named_section(found), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
     removable_section(data), rivals_section(data), next_section(data), figure_section(drawn, why_none),
     warnings_section(data), provenance(data), page_of.script(), "</body></html>\n" }, "\n")

@@ -5,8 +5,47 @@
 #include <cstdio>
 
 #include "discover/accept.hpp"
+#include "discover/baseline.hpp"
+#include "discover/judge.hpp"
+#include "statistics/statistics.hpp"
 
 namespace lunid {
+
+namespace {
+
+bool force_varies(const Study& study) {
+  for (const auto& data : study.train)
+    for (const std::string& force : study.forces)
+      if (standard_deviation(data.record[force]) > 0) return true;
+  return false;
+}
+
+}  // namespace
+
+double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
+  if (study.imposed || !model.ran() || !force_varies(study)) return 0;
+  const Interpolation before = study.interpolation;
+  Interpolation best = before;
+  const double first = squared_error(model.fit);
+  double cost = first;
+  const double needed = std::exp(-12.0 / static_cast<double>(model.fit.rows));
+  for (const auto kind :
+       {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
+    if (kind == before) continue;
+    const Study& other = read(kind);
+    FitOptions options = full_fit(other, 6);
+    options.tolerance = 1e-4;
+    options.substeps = model.fit.substeps;
+    options.first_states = model.fit.segments;
+    const FitResult fit = fit_trajectory(*model.system, model.fit.theta, other.train, options);
+    if (fit.cost < needed * cost) {
+      cost = fit.cost;
+      best = kind;
+    }
+  }
+  read(best);
+  return 1 - cost / first;
+}
 
 namespace {
 

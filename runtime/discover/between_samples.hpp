@@ -1,12 +1,22 @@
 #pragma once
-// What a force may do between its samples beyond what one kind of interpolation says.
+// What a force does between its samples: one kind of interpolation, and what it may do beyond that.
+#include <functional>
 #include <optional>
 #include <string>
 
+#include "discover/candidate.hpp"
 #include "discover/effect.hpp"
 #include "discover/study.hpp"
 
 namespace lunid {
+
+/// Makes the study read the force so, and returns it.
+using ReadForce = std::function<const Study&(Interpolation)>;
+
+/// Asked of a model whose misfit no longer hides what the force does between its samples; the first choice (study.cpp)
+/// is made on the force alone. Where another kind is clearly likelier the study is left with it. Returns the relative
+/// drop of the squared error.
+double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read);
 
 /// A part of the force that a controller holds while the rest goes on: held less straight, -kappa y - delta v is to
 /// second order in the sampling interval dt the force kappa dt/2 v + (delta dt/2 + kappa dt^2/12) a. As an entry it is

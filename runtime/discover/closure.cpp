@@ -4,12 +4,15 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/places.hpp"
 #include "discover/proposal_fits.hpp"
 #include "record/parallel.hpp"
+#include "simulate/inertia.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -19,21 +22,26 @@ namespace {
 struct Feature {
   Expr force;
   std::string words;
+  std::optional<InternalState> state = {};  ///< that the force is a function of
 };
 
-std::vector<Feature> generic_forces(const Study& study, Model& model, const std::optional<Place>& place) {
+/// With two digits, for an equation that is read.
+double rounded(double size) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1e", size);
+  return size > 0 ? std::strtod(text, nullptr) : 1;
+}
+
+std::vector<Feature> generic_forces(const Study& study, const Model& model, const std::optional<Place>& place) {
   Pool& pool = *model.pool;
   const RecordScales s = scales(study, 1, place);
-  const Expr u = motion_at(model, place, 'y') / s.y_std, w = motion_at(model, place, 'v') / s.v_std,
+  const Expr u = motion_at(model, place, 'y') / rounded(s.y_std), w = motion_at(model, place, 'v') / rounded(s.v_std),
              t = pool.channel("t");
-  const double span = study.train.front().record.duration();
-  const Expr slow = t / span;
+  const Expr slow = t / rounded(study.train.front().record.duration());
   auto tanh = [&](Expr x) { return pool.apply(Op::tanh, {x}); };
   auto abs = [&](Expr x) { return pool.apply(Op::abs, {x}); };
   const Expr z = pool.state("closure_memory");
-  const auto remembers = [&](const InternalState& each) { return each.symbol.id() == z.id(); };
-  if (std::ranges::none_of(model.states, remembers))
-    model.states.push_back({z, (w - z) * pool.constant(study.omega > 0 ? study.omega : 1), 0, {}, {}});
+  const InternalState memory{z, (w - z) * pool.constant(rounded(study.omega)), 0, {}, {}};
   return {{pool.constant(1), "constant"},
           {u, "linear in y"},
           {w, "linear in v"},
@@ -52,7 +60,7 @@ std::vector<Feature> generic_forces(const Study& study, Model& model, const std:
           {u * pow(w, 2), "stiffness that depends on v"},
           {u * abs(w), "stiffness that depends on v"},
           {pow(u, 3) * w, "a product of y and v"},
-          {z, "memory of the velocity"},
+          {z, "memory of the velocity", memory},
           {slow * u, "stiffness that changes with time"},
           {slow * w, "damping that changes with time"}};
 }
@@ -145,6 +153,9 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
   out.features = generic_forces(study, model, place);
   for (std::size_t j = 0; j < out.features.size(); ++j) {
     if (listed && std::ranges::find(*listed, j) == listed->end()) continue;
+    const auto& state = out.features[j].state;
+    const auto is_there = [&](const InternalState& each) { return each.symbol.id() == state->symbol.id(); };
+    if (state && std::ranges::none_of(model.states, is_there)) model.states.push_back(*state);
     std::string name = "closure_" + std::to_string(j + 1);
     while (model.find(name)) name += "_more";
     add_force(model, place, model.pool->parameter(name) * out.features[j].force);
@@ -173,14 +184,16 @@ void test(const Study& study, const Candidate& candidate, const Whitening& white
     closure.p_value = f_tail((before - generic.left) / added / (generic.left / freedom), added, freedom);
 }
 
+constexpr std::size_t all_forces = 100;
+
 /// Forward selection of the generic forces that explain more than chance beside those before them, best first: what all
-/// of them follow together does not hold for another motion.
-std::vector<std::size_t> select(const Columns& columns, double alpha) {
+/// of them follow together does not hold for another motion. No more than `most` of them.
+std::vector<std::size_t> select(const Columns& columns, double alpha, std::size_t most = all_forces) {
   std::vector<std::size_t> chosen;
   Eigen::MatrixXd with = columns.own;
   double before = misfit(with, columns.residual);
   const auto all = static_cast<std::size_t>(columns.extra.cols());
-  while (chosen.size() < all) {
+  while (chosen.size() < std::min(most, all)) {
     double least = before;
     std::size_t best = all;
     with.conservativeResize(Eigen::NoChange, with.cols() + 1);
@@ -247,29 +260,114 @@ FitResult fit_forces(const Study& study, const Candidate& candidate, const Syste
 /// The model with the forces fitted so far, and those that explain more than chance along its own run; null where none
 /// does. What a poor model shows of a force at first is not all of it: the run is another one.
 std::shared_ptr<const System> with_further_forces(const Study& study, const Candidate& fitted,
-                                                  const Whitening& whitening, const std::optional<Place>& place) {
+                                                  const Whitening& whitening, const std::optional<Place>& place,
+                                                  std::size_t most = all_forces) {
   Generic generic = generic_at(study, fitted, place);
   test(study, fitted, whitening, generic);
   if (!std::isfinite(generic.left)) return {};
-  const std::vector<std::size_t> chosen = select(generic.columns, study.options->alpha);
+  const std::vector<std::size_t> chosen = select(generic.columns, study.options->alpha, most);
   return chosen.empty() ? nullptr : generic_at(study, fitted, place, &chosen).closure.system;
+}
+
+bool is_in_force(const Model& model, Expr symbol) {
+  for (int i = 0; i < model.degrees(); ++i)
+    if (depends_on(model.coordinate(i).restoring, symbol)) return true;
+  return false;
+}
+
+Expr without_summands_of(Expr force, Expr coefficient) {
+  Expr out = force.pool().constant(0);
+  for (const Expr summand : summands(force))
+    if (!depends_on(summand, coefficient)) out = out + summand;
+  return out;
+}
+
+/// The model without the summands of a coefficient; none where that would leave another parameter without use.
+std::optional<Model> without_force(const Model& model, const std::string& coefficient) {
+  Model out = model;
+  Pool& pool = *out.pool;
+  const Expr gone = pool.parameter(coefficient);
+  out.restoring = without_summands_of(out.restoring, gone);
+  for (Coordinate& row : out.further) row.restoring = without_summands_of(row.restoring, gone);
+  std::erase_if(out.parameters, [&](const Parameter& row) { return row.name == coefficient; });
+  const auto loses = [&](Expr symbol) { return is_in_force(model, symbol) && !is_in_force(out, symbol); };
+  for (const Parameter& row : out.parameters)
+    if (loses(pool.parameter(row.name))) return {};
+  for (const InternalState& state : out.states)
+    if (loses(state.symbol) && !symbols(state.rate, SymbolKind::parameter).empty()) return {};
+  std::erase_if(out.states, [&](const InternalState& state) { return loses(state.symbol); });
+  return out;
+}
+
+/// The parameter from `first` on that is least told from zero by its own fit, within two standard deviations.
+std::optional<std::size_t> least_told(const Candidate& c, std::size_t first) {
+  std::optional<std::size_t> out;
+  double least = 2;
+  for (std::size_t j = first; j < c.linear.size(); ++j) {
+    const auto k = static_cast<Eigen::Index>(j);
+    if (!c.linear[j] || k >= c.fit.covariance.rows() || !(c.fit.covariance(k, k) > 0)) continue;
+    const double told = std::abs(c.fit.theta[k]) / std::sqrt(c.fit.covariance(k, k));
+    if (told < least) least = told, out = j;
+  }
+  return out;
 }
 
 }  // namespace
 
 void fit_closure(const Study& study, const Candidate& candidate, const Whitening& whitening, Closure& closure) {
-  constexpr int rounds = 2;
   closure.fit = fit_forces(study, candidate, *closure.system);
-  for (int i = 0; i < rounds && !candidate.choices.empty() && !is_followed(study, closure.fit); ++i) {
+}
+
+namespace {
+
+/// Adds forces along the closure's own run, so many at a time, while that lowers the cost.
+void add_forces(const Study& study, const Whitening& whitening, int rounds, std::size_t at_a_time, Closure& closure) {
+  for (int i = 0; i < rounds && !is_followed(study, closure.fit); ++i) {
     Candidate fitted = compile(study, closure.system->model(), {});
     fitted.fit = fitted.whitened = closure.fit;
-    const std::shared_ptr<const System> more = with_further_forces(study, fitted, whitening, closure.place);
+    const std::shared_ptr<const System> more = with_further_forces(study, fitted, whitening, closure.place, at_a_time);
     if (!more) return;
     FitResult fit = fit_forces(study, fitted, *more);
     if (!(fit.cost < 0.9 * closure.fit.cost)) return;
     closure.system = more;
     closure.fit = std::move(fit);
   }
+}
+
+/// Takes forces behind the first parameters out again, one by one, that are not told from zero and without which it
+/// fits as well.
+void shorten(const Study& study, int parameters, Closure& closure) {
+  constexpr double as_well = 1.01;
+  Candidate now = compile(study, closure.system->model(), {});
+  now.fit = closure.fit;
+  while (const auto weakest = least_told(now, static_cast<std::size_t>(parameters))) {
+    const Model& model = now.system->model();
+    const std::optional<Model> less = without_force(model, model.parameters[*weakest].name);
+    if (!less) return;
+    Candidate shorter = compile(study, *less, {});
+    shorter.fit = fit_near(study, shorter, values_of(shorter, {&now}), 20, now.fit.substeps, now.fit.segments);
+    if (!(shorter.fit.cost < as_well * now.fit.cost)) return;
+    now = std::move(shorter);
+    closure.system = now.system;
+    closure.fit = now.fit;
+  }
+}
+
+}  // namespace
+
+void refine_closure(const Study& study, const Whitening& whitening, Closure& closure) {
+  add_forces(study, whitening, 2, all_forces, closure);
+}
+
+Closure grow_closure(const Study& study, const Candidate& candidate, const Whitening& whitening,
+                     const std::optional<Place>& place) {
+  Closure out;
+  out.place = place;
+  out.system = candidate.system;
+  out.fit = candidate.fit;
+  add_forces(study, whitening, 8, 1, out);
+  shorten(study, candidate.parameters(), out);
+  return out;
 }
 
 }  // namespace lunid

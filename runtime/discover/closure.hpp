@@ -14,16 +14,24 @@ struct Closure {
   FitResult fit;                         ///< filled by fit_closure
 };
 
-/// Adds generic forces (products of y and v up to degree 5 and with their sizes, saturations, a fading memory of v, slow
-/// changes of stiffness and damping) with coefficient zero to the model and asks what their exact sensitivities explain
-/// of the residual beside the model's own parameters and first states. With several coordinates at each place, of which
-/// the one that explains most is told. Changes the pool: main thread only.
+/// Adds generic forces (products of y and v up to degree 5 and with their sizes, saturations, a fading memory of v,
+/// slow changes of stiffness and damping) with coefficient zero to the model and asks what their exact sensitivities
+/// explain of the residual beside the model's own parameters and first states. With several coordinates at each place,
+/// of which the one that explains most is told. Changes the pool: main thread only.
 Closure test_closure(const Study& study, const Candidate& candidate, const Whitening& whitening);
 
 /// Fits the model with its generic forces on the trajectory, from the candidate's parameters or from what the force
-/// along the motion says of all: a nonparametric closure that can be simulated. Beside named effects, where that is not
-/// down to the sensor's noise, further forces are asked for along the run of what was fitted, twice at most. Changes the
-/// pool: main thread only.
+/// along the motion says of all: a nonparametric closure that can be simulated. Changes the pool: main thread only.
 void fit_closure(const Study& study, const Candidate& candidate, const Whitening& whitening, Closure& closure);
+
+/// Where a fitted closure is not down to the sensor's noise, further forces are asked for along its own run, twice at
+/// most, and kept where they lower the cost by a tenth. Changes the pool: main thread only.
+void refine_closure(const Study& study, const Whitening& whitening, Closure& closure);
+
+/// A model with generic forces that are added one by one, each along the run with those before it, until it is down to
+/// the sensor's noise or the cost falls no more by a tenth; those that are then not told from zero are taken out.
+/// Changes the pool: main thread only.
+Closure grow_closure(const Study& study, const Candidate& candidate, const Whitening& whitening,
+                     const std::optional<Place>& place);
 
 }  // namespace lunid

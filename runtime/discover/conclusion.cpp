@@ -10,6 +10,7 @@
 #include "discover/places.hpp"
 #include "discover/removable.hpp"
 #include "discover/sensor.hpp"
+#include "discover/unknown_force.hpp"
 
 namespace lunid {
 
@@ -53,25 +54,12 @@ std::string below_the_least_gain(const Study& study, const SearchResult& found) 
   return name + text;
 }
 
-/// The model with forces without a name, of an unknown effect; none where they do not lower the gap on the test
-/// records.
-std::optional<Discovery::Nameless> nameless(const Study& study, const Left& left, const Discovery& out) {
-  if (out.verdict != "unknown-effect" || !left.seen || !left.closure.system || !std::isfinite(left.closure.fit.cost))
-    return {};
-  Candidate with;
-  with.system = left.closure.system;
-  with.fit = left.closure.fit;
-  const Gap test = pool_gap(runs(study, with, study.test), 0);
-  if (!(test.value < out.final_test.value)) return {};
-  return Discovery::Nameless{fitted(with), pool_gap(runs(study, with, study.full), 0), test};
-}
-
-/// What they do on the test records.
+/// What forces without a name do on the test records.
 std::string by_nameless_forces(const Discovery& out) {
-  if (!out.closure) return "";
+  if (!out.unknown || !out.unknown->closure) return "";
   char text[120];
   std::snprintf(text, sizeof text, "; forces without a name lower the gap on test from %.2g to %.2g",
-                out.final_test.value, out.closure->test.value);
+                out.final_test.value, out.unknown->closure->test.value);
   return text;
 }
 
@@ -256,7 +244,10 @@ class Conclusion {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
-    out_.closure = nameless(study_, round_.left, out_);
+    if (out_.verdict == "unknown-effect" && found.chosen.ran()) {
+      progress_("fit forces without a name", 0.98);
+      out_.unknown = unknown_force(study_, round_, place);
+    }
     out_.sentence = sentence(study_, round_, out_);
   }
 

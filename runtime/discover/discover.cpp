@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "discover/baseline.hpp"
+#include "discover/between_samples.hpp"
 #include "discover/conclusion.hpp"
 #include "discover/gap.hpp"
 #include "discover/proposal_fits.hpp"
@@ -255,39 +256,11 @@ class Spine {
     study_ = shortened(whole_);
   }
 
-  bool force_varies() const {
-    for (const auto& data : study_.train)
-      for (const std::string& force : study_.forces)
-        if (standard_deviation(data.record[force]) > 0) return true;
-    return false;
-  }
-
-  /// Asked of the final model, whose misfit no longer hides what the force does between its samples. The first choice
-  /// (study.cpp) is made on the force alone. Where another kind is clearly likelier the study then holds it; returns
-  /// the relative drop of the squared error.
   double rechoose_interpolation(const Candidate& chosen) {
-    if (study_.imposed || !chosen.ran() || !force_varies()) return 0;
-    const Interpolation before = study_.interpolation;
-    Interpolation best = before;
-    const double first = squared_error(chosen.fit);
-    double cost = first;
-    const double needed = std::exp(-12.0 / static_cast<double>(chosen.fit.rows));
-    for (const auto kind :
-         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
-      if (kind == before) continue;
+    return lunid::rechoose_interpolation(study_, chosen, [this](Interpolation kind) -> const Study& {
       take_interpolation(kind);
-      FitOptions options = full_fit(study_, 6);
-      options.tolerance = 1e-4;
-      options.substeps = chosen.fit.substeps;
-      options.first_states = chosen.fit.segments;
-      const FitResult fit = fit_trajectory(*chosen.system, chosen.fit.theta, study_.train, options);
-      if (fit.cost < needed * cost) {
-        cost = fit.cost;
-        best = kind;
-      }
-    }
-    take_interpolation(best);
-    return 1 - cost / first;
+      return study_;
+    });
   }
 
   /// What the first entries say may stand in for another entry: where the free run stays above its floor, where generic

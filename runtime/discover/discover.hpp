@@ -118,6 +118,24 @@ struct Removable {
   std::string reason;
 };
 
+/// What an unknown effect's force looks like along the training motion.
+struct UnknownForce {
+  struct Harmonic {
+    double amplitude = 0;  ///< of the force that the baseline leaves unexplained, over the phase of the motion [N]
+    double level = 0;      ///< that noise alone stays below, 95 % over all orders [N]
+  };
+  std::vector<Harmonic> harmonics;  ///< orders 0, 1, 2, ...
+  Eigen::VectorXd y, v;             ///< cell centres
+  Eigen::MatrixXd force;            ///< mean force [N], (y index, v index); NaN where there is no data
+  /// The baseline with forces without a name that lower the gap of its free runs on the test records, and their gaps.
+  struct Closure {
+    Model model;
+    Gap train, test;
+    std::string interpolation;  ///< of the force between its samples, under which it was fitted
+  };
+  std::optional<Closure> closure;  ///< whose force `force` is; where there is none it is what the baseline leaves
+};
+
 struct Discovery {
   std::string verdict;    ///< explained | nothing-missing | ambiguous | unknown-effect
   std::string sentence;   ///< the verdict in one sentence
@@ -148,12 +166,7 @@ struct Discovery {
     double seconds = 0;  ///< of each run; 0: whole test records were used
     Gap baseline, final;
   } short_test;
-  /// Of an unknown effect: the baseline with forces without a name that lower the gap of its free runs, and their gaps.
-  struct Nameless {
-    Model model;
-    Gap train, test;
-  };
-  std::optional<Nameless> closure;
+  std::optional<UnknownForce> unknown;  ///< of an unknown effect
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

@@ -105,6 +105,30 @@ json removable(const std::vector<Removable>& terms) {
   return out;
 }
 
+/// Cells without data are null.
+json unknown_force(const UnknownForce& u) {
+  json harmonics = json::array(), rows = json::array();
+  for (std::size_t k = 0; k < u.harmonics.size(); ++k)
+    harmonics.push_back(
+        {{"order", k}, {"amplitude", number(u.harmonics[k].amplitude)}, {"level", number(u.harmonics[k].level)}});
+  const auto list = [](const auto& values) {
+    json out = json::array();
+    for (const double x : values) out.push_back(number(x));
+    return out;
+  };
+  for (Eigen::Index i = 0; i < u.force.rows(); ++i) rows.push_back(list(u.force.row(i)));
+  return {{"harmonics", std::move(harmonics)},
+          {"y", list(u.y)},
+          {"v", list(u.v)},
+          {"force", std::move(rows)},
+          {"of", u.closure ? "closure" : "residual"},
+          {"reason", "a cell of the force is null where no row of the training records lies in it"},
+          {"meaning",
+           std::string("mean force over the cells of displacement (rows) and velocity (columns) of ") +
+               (u.closure ? "forces without a name that were fitted (closure)" : "what the baseline leaves") +
+               "; harmonics of what the baseline leaves over the phase of the motion, level: noise alone, 95 %"}};
+}
+
 }  // namespace
 
 json to_json(const ExperimentDesign& design) {
@@ -153,9 +177,14 @@ json to_json(const Discovery& d) {
   for (const auto& r : d.rivals) out["rivals"].push_back(rival(r));
   out["final"] = model(d.final, d.final_train, d.final_test);
   out["final"]["gap_fit"] = number(d.gap_fit);
-  if (d.closure) {
-    out["closure"] = model(d.closure->model, d.closure->train, d.closure->test);
-    out["closure"]["meaning"] = "the baseline with forces without a name, fitted: what is missing may be simulated so";
+  if (d.unknown) {
+    out["unknown_force"] = unknown_force(*d.unknown);
+    if (const auto& closure = d.unknown->closure) {
+      out["closure"] = model(closure->model, closure->train, closure->test);
+      out["closure"]["force_between_samples"] = closure->interpolation;
+      out["closure"]["meaning"] =
+          "the baseline with forces without a name, fitted: what is missing may be simulated so";
+    }
   }
   out["noise_floor"] = {{"gap_train", number(d.final_train.floor)},
                         {"gap_test", number(d.final_test.floor)},

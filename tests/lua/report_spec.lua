@@ -117,6 +117,32 @@ spec.case("what was named and its rivals are compared by their fits", function()
   spec.contains(read "contested/report.html", ("the final model's is %.3g"):format(data.final.gap_fit))
 end)
 
+--- The cubic coefficient of a force over y and v, beside what is linear in y: of its slopes to two displacements, where the
+--- velocity is least.
+local function cubic_part(shape)
+  local y_values, force = shape.y:list(), shape.force[#shape.force // 2]:list()
+  local a, b = 15, 21  -- of 24 cells from side to side
+  return (force[b] / y_values[b] - force[a] / y_values[a]) / (y_values[b] ^ 2 - y_values[a] ^ 2)
+end
+
+spec.case("an unknown force has a shape, harmonics and a model to simulate", function()
+  local found = discover(k*y + c*v, { "coulomb_friction" }, "unknown")
+  local data, page = found.data, read "unknown/report.html"
+  spec.equal(data.verdict, "unknown-effect")
+  local harmonics = data.unknown_force.harmonics
+  spec.equal(harmonics[2].order, 1)
+  assert(harmonics[2].amplitude > harmonics[2].level and harmonics[3].amplitude < harmonics[3].level, "a cubic spring is odd")
+  assert(data.closure.gap_test < 1.1 * data.noise_floor.gap_test, found.sentence)
+  spec.near(cubic_part(found.unknown_force), named.data.final.parameters.cubic_stiffness_k3.value, 1e9)
+  spec.equal(data.unknown_force.of, "closure")
+  spec.equal(#data.unknown_force.force, #found.unknown_force.y)
+  spec.equal(lunid.load(spec.folder .. "/unknown/closure.lua"):equation(), found.closure:equation())
+  spec.contains(page, found.closure:equation())
+  spec.contains(page, ("<td class=\"n\">%.3g</td>"):format(harmonics[2].amplitude))
+  spec.equal(numbers("unknown", "unknown_force")[1][2], "map")
+  assert(named.unknown_force == nil and named.closure == nil, "a name was found")
+end)
+
 spec.case("the page draws its figures itself, from numbers that lie inside, and asks for nothing", function()
   local page = read "named/report.html"
   local _, charts = page:gsub('<div class="lunid%-figure">', "")

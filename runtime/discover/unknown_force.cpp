@@ -1,0 +1,78 @@
+#include "discover/unknown_force.hpp"
+
+#include <cmath>
+
+#include "discover/baseline.hpp"
+#include "discover/between_samples.hpp"
+#include "discover/gap.hpp"
+#include "discover/locate.hpp"
+#include "discover/residual_maps.hpp"
+
+namespace lunid {
+
+namespace {
+
+Candidate with_forces(const Study& study, const Closure& closure) {
+  Candidate out = compile(study, closure.system->model(), {});
+  out.fit = fit_trajectory(*out.system, closure.fit.theta, study.train, full_fit(study, 40));
+  return out;
+}
+
+/// The generic forces beside the model: as they were asked for at once, or one by one, by the left-out gap. The study
+/// is left with the force read as they tell: what was chosen beside a poor model says little.
+std::optional<Candidate> fitted_forces(Study& study, const Round& round) {
+  const Closure& at_once = round.left.closure;
+  if (!round.left.seen || !at_once.system || !std::isfinite(at_once.fit.cost)) return {};
+  set_interpolation(study, study.guesses.front());
+  Candidate baseline = round.found.chosen;
+  fit(study, baseline, full_fit(study, 40));
+  const Closure grown = grow_closure(study, baseline, round.found.whitening, at_once.place);
+  Candidate out = with_forces(study, at_once);
+  if (grown.system != baseline.system) {
+    Candidate one_by_one = with_forces(study, grown);
+    run_left_out(study, out);
+    run_left_out(study, one_by_one);
+    if (one_by_one.left_out_gap < out.left_out_gap) out = std::move(one_by_one);
+  }
+  rechoose_interpolation(study, out, [&](Interpolation kind) -> const Study& {
+    set_interpolation(study, kind);
+    return study;
+  });
+  out.fit = fit_trajectory(*out.system, out.fit.theta, study.train, full_fit(study, 40));
+  return out;
+}
+
+std::vector<UnknownForce::Harmonic> harmonics_of(const ResidualRows& rows) {
+  std::vector<UnknownForce::Harmonic> out;
+  if (!rows.force.allFinite()) return out;
+  const ResidualMaps maps = map_residual(rows);
+  const BinnedMap& map = maps.map("harmonic");
+  for (Eigen::Index k = 0; k < map.value.size(); ++k) out.push_back({map.value[k], map.level[k]});
+  return out;
+}
+
+}  // namespace
+
+UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place) {
+  const Candidate& baseline = round.found.chosen;
+  UnknownForce out;
+  out.harmonics = harmonics_of(residual_rows(study, baseline, baseline, place));
+  ResidualMap map = residual_map(study, baseline, baseline, place);
+  Study own = study;
+  if (const std::optional<Candidate> forces = fitted_forces(own, round); forces && forces->ran()) {
+    const Gap test = pool_gap(runs(own, *forces, own.test), 0);
+    const Gap before = pool_gap(runs(study, baseline, study.test, false), 0);
+    if (test.value < before.value) {
+      out.closure = {fitted(*forces), pool_gap(runs(own, *forces, own.full), 0), test,
+                     study.imposed ? "none: the motion is imposed" : to_string(own.interpolation)};
+      map = residual_map(own, baseline, *forces, place);
+      map.before -= map.after;
+    }
+  }
+  out.y = std::move(map.y);
+  out.v = std::move(map.v);
+  out.force = std::move(map.before);
+  return out;
+}
+
+}  // namespace lunid
