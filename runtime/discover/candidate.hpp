@@ -44,8 +44,12 @@ struct Candidate {
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
-  /// Parameters and first values of internal states: all that a fit may use to explain noise.
-  int unknowns() const { return parameters() + system->states() - 2 * system->degrees(); }
+  /// First values of internal states, in every run that was fitted.
+  int first_values() const {
+    return (system->states() - 2 * system->degrees()) * static_cast<int>(std::max<std::size_t>(1, fit.segments.size()));
+  }
+  /// All that a fit may use to explain noise.
+  int unknowns() const { return parameters() + first_values(); }
   bool ran() const { return std::isfinite(fit.cost); }
   const Eigen::VectorXd& best_theta() const { return ran() ? fit.theta : starts.front(); }
   /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit, or

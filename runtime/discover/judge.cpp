@@ -111,11 +111,14 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   if (plain.cost <= tolerable_loss * squared_error(candidate.fit)) candidate.fit = std::move(plain);
 }
 
-double bic(const Candidate& c, double log_likelihood, double rows) {
-  return -2 * log_likelihood + c.parameters() * std::log(rows);
+double price_of_unknowns(const Candidate& c, double rows) {
+  const double runs = static_cast<double>(std::max<std::size_t>(1, c.fit.segments.size()));
+  return 0.5 * (c.parameters() * std::log(rows) + c.first_values() * std::log(std::max(1.0, rows / runs)));
 }
 
-double bic(const Candidate& c) { return bic(c, c.log_likelihood, static_cast<double>(c.innovations.size())); }
+double bic(const Candidate& c) {
+  return 2 * (price_of_unknowns(c, static_cast<double>(c.innovations.size())) - c.log_likelihood);
+}
 
 double improvement_p_value(const Candidate& smaller, const Candidate& larger, double smaller_cost, double larger_cost,
                            double rows) {
@@ -224,7 +227,7 @@ double vuong_z(const Candidate& a, const Candidate& b) {
       0.5 * (std::log(variance_b / variance_a) + b.innovations.array().square() / variance_b -
              a.innovations.array().square() / variance_a)
                 .matrix();
-  const double correction = 0.5 * (a.parameters() - b.parameters()) * std::log(n);
+  const double correction = price_of_unknowns(a, n) - price_of_unknowns(b, n);
   const double variance = long_run_variance(view(difference));
   if (!(variance > 0)) return 0;
   return (difference.sum() - correction) / std::sqrt(n * variance);

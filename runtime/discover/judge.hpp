@@ -30,8 +30,10 @@ Eigen::VectorXd join(const std::vector<Eigen::VectorXd>& parts);
 /// left_out, left_out_gap (leave_out.cpp).
 void run_left_out(const Study& study, Candidate& candidate);
 
-/// Schwarz' criterion (1978, Ann. Statist. 6, 461) of a candidate with this likelihood on so many rows; of its own.
-double bic(const Candidate& c, double log_likelihood, double rows);
+/// What a candidate's unknowns take off its log likelihood on so many rows, as in Schwarz' criterion (1978, Ann.
+/// Statist. 6, 461): half a parameter's logarithm of all rows, and half of those of a run for each first value of an
+/// internal state there. Of hundreds of short runs these are more than the parameters.
+double price_of_unknowns(const Candidate& c, double rows);
 double bic(const Candidate& c);
 
 /// p-value that `larger` (more parameters, same whitening) is no better than `smaller`: F-test on the whitened costs,

@@ -55,7 +55,7 @@ bool linearise(const Study& study, const System& system, const VectorXd& theta, 
   const std::size_t records = study.train.size();
   std::vector<MatrixXd> parts(at.residual.size());
   std::vector<VectorXd> residual(at.residual.size());
-  std::vector<Index> state_of_record;
+  out.state_of_record.clear();
   Index rows = 0, columns = theta.size();
   for (std::size_t r = 0; r < records; ++r) {
     const std::vector<MatrixXd> jacobians = slopes(study, system, theta, at, r);
@@ -73,9 +73,10 @@ bool linearise(const Study& study, const System& system, const VectorXd& theta, 
         whitened.col(j) = column;
       }
     }
-    state_of_record.push_back(columns);
+    out.state_of_record.push_back(columns);
     columns += parts[r].cols() - theta.size();
   }
+  out.state_of_record.push_back(columns);
   out.row_of_record.clear();
   for (const MatrixXd& part : parts) {
     out.row_of_record.push_back(rows);
@@ -88,9 +89,31 @@ bool linearise(const Study& study, const System& system, const VectorXd& theta, 
     const Index first = out.row_of_record[s], n = parts[s].rows(), states = parts[s].cols() - theta.size();
     out.residual.segment(first, n) = residual[s];
     out.columns.block(first, 0, n, theta.size()) = parts[s].leftCols(theta.size());
-    out.columns.block(first, state_of_record[s % records], n, states) = parts[s].rightCols(states);
+    out.columns.block(first, out.state_of_record[s % records], n, states) = parts[s].rightCols(states);
   }
   return true;
+}
+
+void project_first_states(Linearised& linear) {
+  const std::size_t records = linear.state_of_record.size() - 1;
+  const Index parameters = linear.state_of_record.front();
+  MatrixXd all(linear.residual.size(), parameters + 1);  // the residual behind the columns
+  all << linear.columns.leftCols(parameters), linear.residual;
+  for (std::size_t r = 0; r < records; ++r) {
+    const Index first = linear.state_of_record[r], count = linear.state_of_record[r + 1] - first;
+    std::vector<Index> rows;
+    for (std::size_t s = r; s + 1 < linear.row_of_record.size(); s += records)
+      for (Index i = linear.row_of_record[s]; i < linear.row_of_record[s + 1]; ++i) rows.push_back(i);
+    if (count == 0 || rows.empty()) continue;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(linear.columns(rows, Eigen::seqN(first, count)));
+    qr.setThreshold(1e-7);
+    MatrixXd turned = qr.householderQ().adjoint() * all(rows, Eigen::all);
+    turned.topRows(qr.rank()).setZero();
+    all(rows, Eigen::all) = qr.householderQ() * turned;
+  }
+  linear.columns = all.leftCols(parameters);
+  linear.residual = all.rightCols(1);
+  linear.state_of_record.assign(records + 1, parameters);
 }
 
 void hold_and_scale(const Model& model, const FitResult& fit, MatrixXd& columns) {

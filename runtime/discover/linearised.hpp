@@ -10,12 +10,17 @@ struct Linearised {
   /// First row of each record, of each record's second output and so on, as residuals of a fit have them; behind them
   /// the number of rows
   std::vector<Eigen::Index> row_of_record;
+  std::vector<Eigen::Index> state_of_record;  ///< first column of each record's first state; behind them the number
 };
 
 /// Of `system` at theta, with the first states and the residual of `at`; states and parameters that `at` lacks are
 /// zero. False where it cannot be run.
 bool linearise(const Study& study, const System& system, const Eigen::VectorXd& theta, const FitResult& at,
                const Whitening& whitening, Linearised& out);
+
+/// Takes what the first states can do out of the residual and of the parameters' columns, record by record, and drops
+/// their columns: of hundreds of short runs these are far more than the parameters.
+void project_first_states(Linearised& linear);
 
 /// Sets the columns of parameters that are fixed, or held by a bound in `fit`, to zero, and the rest to length one.
 void hold_and_scale(const Model& model, const FitResult& fit, Eigen::MatrixXd& columns);

@@ -20,6 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double ridge = 1e-9;  ///< on columns of length one
+constexpr Eigen::Index fewest_blocks = 20, most_blocks = 1000;
 
 /// Sums over each block of a finalist's linearised problem.
 struct Finalist {
@@ -39,8 +40,8 @@ class Resampler {
  public:
   Resampler(const Study& study, const SearchResult& found)
       : study_(study), tried_(found.grown.tried), chosen_(found.chosen) {
-    add(found.baseline, found.whitening);
-    if (!found.chosen.choices.empty()) add(found.chosen, found.whitening);
+    can_be_told_ = add(found.baseline, found.whitening);
+    if (!found.chosen.choices.empty()) can_be_told_ = add(found.chosen, found.whitening) && can_be_told_;
     // What likelihood alone prefers was refused by runs over left-out blocks, which a resample does not make again.
     const auto refused = [&](const Candidate& c) {
       return !found.chosen.choices.empty() && !not_rejected(study, found.chosen, c, tried_);
@@ -49,7 +50,7 @@ class Resampler {
       if (c.ran() && c.innovations.size() > 0 && !refused(c)) add(c, found.whitening);
   }
 
-  bool possible() const { return finalists_.size() > 1 && blocks_.size() >= 10; }
+  bool possible() const { return can_be_told_ && finalists_.size() > 1 && blocks_.size() >= 10; }
 
   /// The name that a resample gives.
   std::string name(std::uint64_t draw) const {
@@ -68,17 +69,19 @@ class Resampler {
   }
 
  private:
-  void add(const Candidate& candidate, const Whitening& whitening) {
+  /// False where its run cannot be had to first order.
+  bool add(const Candidate& candidate, const Whitening& whitening) {
     Linearised linear;
     if (!candidate.ran() ||
         !linearise(study_, *candidate.system, candidate.whitened.theta, candidate.whitened, whitening, linear))
-      return;
+      return false;
+    project_first_states(linear);
     hold_and_scale(candidate.system->model(), candidate.whitened, linear.columns);
     Finalist out;
     out.candidate = &candidate;
     const auto whole = static_cast<Index>(linear.residual.size());
-    const Index length =
-        std::clamp<Index>(bootstrap_block(study_) / whitening.average, 1, std::max<Index>(1, whole / 20));
+    const Index length = std::clamp<Index>(bootstrap_block(study_) / whitening.average, 1 + whole / most_blocks,
+                                           std::max<Index>(1 + whole / most_blocks, whole / fewest_blocks));
     std::vector<Index> sizes;
     for (std::size_t r = 0; r + 1 < linear.row_of_record.size(); ++r)
       for (Index first = linear.row_of_record[r]; first + length <= linear.row_of_record[r + 1]; first += length) {
@@ -91,6 +94,7 @@ class Resampler {
       }
     blocks_ = std::move(sizes);
     finalists_.push_back(std::move(out));
+    return true;
   }
 
   Drawn refit(const Finalist& f, const std::vector<std::size_t>& drawn, double rows) const {
@@ -118,7 +122,7 @@ class Resampler {
     return out;
   }
 
-  int parameters(std::size_t i) const { return finalists_[i].candidate->parameters(); }
+  double price(std::size_t i, double rows) const { return price_of_unknowns(*finalists_[i].candidate, rows); }
 
   const Choices& choices(std::size_t i) const { return finalists_[i].candidate->choices; }
 
@@ -133,7 +137,7 @@ class Resampler {
     const VectorXd difference = all[a].log_likelihood - all[b].log_likelihood;
     const double mean = difference.mean();
     const double variance = (difference.array() - mean).square().sum();
-    const double correction = 0.5 * (parameters(a) - parameters(b)) * std::log(rows);
+    const double correction = price(a, rows) - price(b, rows);
     return variance > 0 ? (difference.sum() - correction) / std::sqrt(variance) : 0;
   }
 
@@ -144,9 +148,9 @@ class Resampler {
 
   std::size_t choose(const std::vector<Drawn>& all, double rows) const {
     std::size_t best = 1;
-    const auto price = [&](std::size_t i) { return bic(*finalists_[i].candidate, all[i].log_likelihood.sum(), rows); };
+    const auto cost = [&](std::size_t i) { return price(i, rows) - all[i].log_likelihood.sum(); };
     for (std::size_t i = 1; i < all.size(); ++i)
-      if (price(i) < price(best)) best = i;
+      if (cost(i) < cost(best)) best = i;
     std::size_t pick = best;
     const double alpha = study_.options->alpha;
     for (std::size_t i = 1; i < all.size(); ++i) {
@@ -174,6 +178,7 @@ class Resampler {
   const Study& study_;
   int tried_;
   const Candidate& chosen_;
+  bool can_be_told_ = false;         ///< the baseline and the chosen set are finalists
   std::vector<Finalist> finalists_;  ///< the baseline first
   std::vector<Index> blocks_;        ///< rows of each
 };

@@ -74,6 +74,22 @@ TEST(DiscoveryOfChaos, ANameWhoseFitIsLostIsHeardAgainInShortRuns) {
   EXPECT_LT(d.final_test.value, 1.5 * d.final_test.floor);
 }
 
+/// An entry with a memory has one more value in each of some hundred runs, which follow noise.
+TEST(DiscoveryOfChaos, ValuesInEveryShortRunAreNoBetterName) {
+  const Model model = baseline("k*y + c*v", 1);
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  Effect other = testing::entry(*model.pool, "cubic_and_memory", "memory_k3*y^3", {testing::row("memory_k3")});
+  const Expr z = model.pool->state("memory_z");
+  other.variants = {model.pool->parameter("memory_k3") * pow(model.pool->channel("y"), 3) + z};
+  other.states = {{z, parse(*model.pool, "-0.3*memory_z"), 0, {}, {}}};
+  catalogue.push_back(other);
+  const Discovery d = discover(model, catalogue, {between_wells(0.2, 3, 3000)}, {between_wells(0.2, 4, 1500)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_GT(d.records[0].runs, 40);
+  EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
+}
+
 /// The test refutes nothing by a run that noise has led astray.
 TEST(DiscoveryOfChaos, OfTheTestRecordAloneTakesNoNameBack) {
   const Discovery d = found_between(between_wells(0.4, 1, 700), between_wells(0.4, 2, 3000));

@@ -1,10 +1,13 @@
 // When a set of effects is rejected against another.
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
+
 #include <cmath>
 
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "discover/linearised.hpp"
 #include "discover/naming.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/verdict.hpp"
@@ -309,6 +312,32 @@ TEST(Naming, EndsWhereASetIsItsOwnRival) {
   ASSERT_EQ(found.chosen.name(), "cubic_stiffness");
   found.rivals.push_back(found.chosen);
   EXPECT_EQ(bootstrap_naming(study, found, 20).of("cubic_stiffness"), 20);
+}
+
+/// Two outputs of three records: the rows of a record's second output stand behind those of all first ones.
+TEST(Linearised, WithoutFirstStatesLeavesTheSameParametersAndMisfit) {
+  constexpr Eigen::Index rows = 12, outputs = 2, records = 3, parameters = 2, states = 3;
+  Philox random(5, 1);
+  Linearised linear;
+  linear.columns.setZero(outputs * records * rows, parameters + records * states);
+  linear.residual = Eigen::VectorXd::NullaryExpr(linear.columns.rows(), [&](Eigen::Index) { return random.normal(); });
+  for (Eigen::Index s = 0; s < outputs * records; ++s) {
+    linear.row_of_record.push_back(s * rows);
+    for (Eigen::Index i = s * rows; i < (s + 1) * rows; ++i) {
+      for (Eigen::Index j = 0; j < parameters; ++j) linear.columns(i, j) = random.normal();
+      for (Eigen::Index j = 0; j < states; ++j)
+        linear.columns(i, parameters + s % records * states + j) = j == 2 ? 0 : random.normal();  // a state not seen
+    }
+  }
+  linear.row_of_record.push_back(linear.columns.rows());
+  for (Eigen::Index r = 0; r <= records; ++r) linear.state_of_record.push_back(parameters + r * states);
+  const Eigen::VectorXd all = linear.columns.completeOrthogonalDecomposition().solve(linear.residual);
+  const double misfit = (linear.residual - linear.columns * all).squaredNorm();
+  project_first_states(linear);
+  ASSERT_EQ(linear.columns.cols(), parameters);
+  const Eigen::VectorXd own = linear.columns.householderQr().solve(linear.residual);
+  EXPECT_LT((own - all.head(parameters)).norm(), 1e-12);
+  EXPECT_NEAR((linear.residual - linear.columns * own).squaredNorm(), misfit, 1e-12);
 }
 
 }  // namespace
