@@ -66,6 +66,18 @@ int window(lua_State* L) {
   return 1;
 }
 
+/// record:pieces() -> { record, ... }
+int pieces(lua_State* L) {
+  std::vector<Record> parts = check<Record>(L, 1).pieces();
+  lua_newtable(L);
+  lua_Integer i = 0;
+  for (Record& part : parts) {
+    push<Record>(L, std::move(part));
+    lua_rawseti(L, -2, ++i);
+  }
+  return 1;
+}
+
 /// record:column "y", or "t"
 int column(lua_State* L) {
   const Record& record = check<Record>(L, 1);
@@ -198,7 +210,8 @@ int get(lua_State* L) {
     if (lua_isnil(L, -1)) {
       throw InputError(
           "a record has no '" + key +
-          "' (fields: name rows dt start duration channels warnings history; methods: window column save with_noise "
+          "' (fields: name rows dt start duration channels warnings history; methods: window pieces column save "
+          "with_noise "
           "derive filter detrend decimate resample align integrate spectrum transfer spectrogram envelope cycles noise "
           "summary)");
     }
@@ -214,7 +227,8 @@ int to_string(lua_State* L) {
 }  // namespace
 
 void open_records(lua_State* L) {
-  static constexpr Entry methods[] = {{"window", guarded<window>}, {"column", guarded<column>}};
+  static constexpr Entry methods[] = {
+      {"window", guarded<window>}, {"pieces", guarded<pieces>}, {"column", guarded<column>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Record>(L, methods, meta);
   static constexpr Entry functions[] = {{"read", guarded<read>},

@@ -89,6 +89,7 @@ Record read_container(const std::string& path, const ReadOptions& options) {
   if (channels.empty()) fail(path, "expected a vector of numbers beside the time");
   Record record(path, base.t0, base.dt, std::move(channels));
   for (std::string& warning : warnings) record.warn(std::move(warning));
+  record.note_gaps(base.gaps);
   return has_motion(record) ? derive_motion(record) : record;
 }
 

@@ -62,6 +62,7 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   }
   Record record(path, base.t0, base.dt, std::move(channels));
   for (std::string& warning : warnings) record.warn(std::move(warning));
+  record.note_gaps(base.gaps);
   return has_motion(record) ? derive_motion(record) : record;
 }
 

@@ -106,7 +106,37 @@ Record Record::with(Channel channel) const {
   Record result(name_, start(), dt_, std::move(channels));
   result.warnings_ = warnings_;
   result.history_ = history_;
+  result.gaps_ = gaps_;
   return result;
+}
+
+std::vector<Record> Record::pieces(Eigen::Index least) const {
+  const double end = start() + duration(), slack = 1e-6 * dt_;
+  std::vector<std::pair<double, double>> parts;
+  double from = start();
+  for (const auto& [before, after] : gaps_) {
+    if (after <= from || before >= end) continue;
+    parts.push_back({from, before});
+    from = after;
+  }
+  if (parts.empty()) return {*this};
+  parts.push_back({from, end});
+  std::vector<Record> out;
+  Eigen::Index left_out = 0;
+  for (const auto& [first, last] : parts) {
+    const auto rows = static_cast<Eigen::Index>(std::floor((last - first + slack) / dt_)) + 1;
+    if (rows < least)
+      left_out += std::max<Eigen::Index>(0, rows);
+    else
+      out.push_back(window(first, last));
+    if (out.size() > 1) out.back().warnings_.clear();  // said once
+  }
+  if (out.empty())
+    throw InputError("gaps leave no part of " + std::to_string(least) + " rows and more", {name_}, Fault::data);
+  if (left_out > 0)
+    out.front().warn(std::to_string(left_out) + " rows in parts of fewer than " + std::to_string(least) +
+                     " rows between gaps are left out");
+  return out;
 }
 
 }  // namespace lunid

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "expr/error.hpp"
@@ -55,6 +56,13 @@ class Record {
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
   const std::vector<std::string>& history() const { return history_; }  ///< what was done to it since it was read
   void note(std::string text) { history_.push_back(std::move(text)); }
+  /// Times on either side of rows that were missing and are interpolated [s].
+  void note_gaps(std::vector<std::pair<double, double>> gaps) { gaps_ = std::move(gaps); }
+
+  /// The parts between gaps of three rows and more that were interpolated, where motion and force are invented; those
+  /// of fewer than `least` rows are left out, with a warning. The record itself where there is no such gap. Throws
+  /// InputError (Fault::data) where no part is that long.
+  std::vector<Record> pieces(Eigen::Index least = 50) const;
 
   /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the
   /// record has.
@@ -70,6 +78,7 @@ class Record {
   Eigen::Index first_ = 0, count_ = 0;
   std::shared_ptr<const std::vector<Channel>> channels_;
   std::vector<std::string> warnings_, history_;
+  std::vector<std::pair<double, double>> gaps_;
 };
 
 /// "t=time" or "y=disp [mm]" or "F=load (kN)": channel, header in the file, unit (optional).

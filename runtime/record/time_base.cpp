@@ -153,7 +153,9 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
     throw InputError("time has too few rows to resample: " + number(even_rows) + " steps of " + number(step) +
                          " s between the first and the last stamp, but " + std::to_string(t.size()) + " rows",
                      {path}, Fault::data);
-  const TimeBase even{t[0], step, static_cast<Eigen::Index>(std::min(even_rows, 1e15)), true};
+  TimeBase even{t[0], step, static_cast<Eigen::Index>(std::min(even_rows, 1e15)), true};
+  for (const std::size_t row : gaps)
+    if (t[row] - t[row - 1] > 3.5 * step) even.gaps.push_back({t[row - 1], t[row]});
   if (!gaps.empty()) {
     const std::size_t row = gaps[0];
     const double missing = std::round((t[row] - t[row - 1]) / step) - 1;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "record/csv_table.hpp"
@@ -13,6 +14,7 @@ struct TimeBase {
   double t0 = 0, dt = 1;
   Eigen::Index rows = 0;
   bool resampled = false;  ///< the rows are not the file's: use resample()
+  std::vector<std::pair<double, double>> gaps{};  ///< stamps on either side of three missing rows and more [s]
 };
 
 /// The even time base of stamps t [s]. Rounded stamps are even time. Adds warnings; throws InputError

@@ -81,6 +81,17 @@ spec.case("an uneven time base: refused, and resampled when asked", function()
   spec.contains(said, "verdict")
 end)
 
+spec.case("a record with a gap is cut there, and no run goes through what was not measured", function()
+  record("gap.csv", 900, function(i, cells) return (i < 400 or i >= 423) and cells or nil end)
+  local said, code = spec.lunid 'discover gap.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --resample --out cut'
+  spec.equal(code, 0)
+  spec.contains(said, "gap.csv: train, 280 rows")  -- the last 30 % of each piece are held out
+  spec.contains(said, "gap.csv: train, 333 rows")
+  spec.contains(said, "named      cubic_stiffness")
+  local _, notes = said:gsub("23 rows are missing before t = 4.23 s: interpolated", "")
+  spec.equal(notes, 1)
+end)
+
 spec.case("a time column that runs backwards", function()
   record("back.csv", 100, function(i, cells)
     if i == 50 then cells[1] = "0.1" end

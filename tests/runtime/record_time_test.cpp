@@ -98,6 +98,33 @@ TEST(Time, AGapIsFilledWhenAsked) {
   EXPECT_EQ(record.warnings()[0], "line 202: gap: 2 rows are missing before t = 2.02 s: interpolated");
 }
 
+/// Rows 202 to 211, 230 and 240 to 399 are lost: between the gaps nothing is invented.
+TEST(Time, PiecesOfARecordHoldNoRowThatWasMissing) {
+  std::vector<double> t = even(600, 0.01);
+  t.erase(t.begin() + 240, t.begin() + 400);
+  t.erase(t.begin() + 230);  // one row is interpolated well
+  t.erase(t.begin() + 202, t.begin() + 212);
+  const TextFile file(with_stamps(t, "%.2f"));
+  const Record record = read_csv(file.path(), {{}, true});
+  ASSERT_EQ(record.rows(), 600);
+  const std::vector<Record> all = record.pieces(20);
+  ASSERT_EQ(all.size(), 3u);
+  const std::pair<double, Eigen::Index> expected[] = {{0, 202}, {2.12, 28}, {4, 200}};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    EXPECT_NEAR(all[k].start(), expected[k].first, 1e-12);
+    EXPECT_EQ(all[k].rows(), expected[k].second);
+    for (Eigen::Index i = 0; i < all[k].rows(); ++i)
+      EXPECT_NEAR(all[k]["y"][static_cast<std::size_t>(i)], std::sin(2 * M_PI * all[k].time(i)), 1.5e-5);
+  }
+  const std::vector<Record> long_ones = record.window(1, 5.99).pieces();
+  ASSERT_EQ(long_ones.size(), 2u);
+  EXPECT_NEAR(long_ones[0].start(), 1, 1e-12);
+  EXPECT_EQ(long_ones[0].warnings().back(), "28 rows in parts of fewer than 50 rows between gaps are left out");
+  EXPECT_TRUE(long_ones[1].warnings().empty());  // what reading found is said once
+  EXPECT_EQ(record.window(0, 2).pieces().size(), 1u);
+  EXPECT_THROW(record.pieces(300), InputError);
+}
+
 TEST(Time, SmallJitterIsEvenTimeWithAWarning) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal(0, 0.01);  // 1 % of the step, below the 2 % that are let pass
