@@ -400,10 +400,10 @@ int get(lua_State* L) {
     luaL_getmetafield(L, 1, "__methods");
     lua_getfield(L, -1, key.c_str());
     if (lua_isnil(L, -1)) {
-      throw InputError("a discovery has no '" + key +
-                       "' (fields: verdict sentence model baseline closure unknown_force effects rivals warnings "
-                       "same_experiment data "
-                       "json output seconds comparisons map forces; methods: save next_experiment)");
+      throw InputError(
+          "a discovery has no '" + key +
+          "' (fields: verdict sentence model baseline closure unknown_force effects rivals warnings "
+          "same_experiment data json output seconds comparisons map forces; methods: save next_experiment)");
     }
   }
   return 1;

@@ -211,9 +211,8 @@ int get(lua_State* L) {
       throw InputError(
           "a record has no '" + key +
           "' (fields: name rows dt start duration channels warnings history; methods: window pieces column save "
-          "with_noise "
-          "derive filter detrend decimate resample align integrate spectrum transfer spectrogram envelope cycles noise "
-          "summary)");
+          "with_noise derive filter detrend decimate resample align integrate spectrum transfer spectrogram envelope "
+          "cycles noise summary)");
     }
   }
   return 1;

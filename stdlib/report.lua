@@ -218,7 +218,7 @@ local function unknown_section(found)
     "<p>Amplitudes of the force that the baseline leaves unexplained, over the phase of the motion:</p>",
     harmonic_table(data.unknown_force.harmonics) }
   if not data.closure then
-    lines[#lines + 1] = "<p>Forces of y and v without a name that were fitted to it did not lower the gap on the test record: "
+    lines[#lines + 1] = "<p>No forces of y and v without a name lower the gap on the test record: "
       .. "there is no model of it to simulate.</p>"
     return table.concat(lines, "\n")
   end

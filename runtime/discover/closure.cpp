@@ -261,7 +261,7 @@ FitResult fit_forces(const Study& study, const Candidate& candidate, const Syste
 /// does. What a poor model shows of a force at first is not all of it: the run is another one.
 std::shared_ptr<const System> with_further_forces(const Study& study, const Candidate& fitted,
                                                   const Whitening& whitening, const std::optional<Place>& place,
-                                                  std::size_t most = all_forces) {
+                                                  std::size_t most) {
   Generic generic = generic_at(study, fitted, place);
   test(study, fitted, whitening, generic);
   if (!std::isfinite(generic.left)) return {};
@@ -312,14 +312,6 @@ std::optional<std::size_t> least_told(const Candidate& c, std::size_t first) {
   return out;
 }
 
-}  // namespace
-
-void fit_closure(const Study& study, const Candidate& candidate, const Whitening& whitening, Closure& closure) {
-  closure.fit = fit_forces(study, candidate, *closure.system);
-}
-
-namespace {
-
 /// Adds forces along the closure's own run, so many at a time, while that lowers the cost.
 void add_forces(const Study& study, const Whitening& whitening, int rounds, std::size_t at_a_time, Closure& closure) {
   for (int i = 0; i < rounds && !is_followed(study, closure.fit); ++i) {
@@ -354,6 +346,10 @@ void shorten(const Study& study, int parameters, Closure& closure) {
 }
 
 }  // namespace
+
+void fit_closure(const Study& study, const Candidate& candidate, Closure& closure) {
+  closure.fit = fit_forces(study, candidate, *closure.system);
+}
 
 void refine_closure(const Study& study, const Whitening& whitening, Closure& closure) {
   add_forces(study, whitening, 2, all_forces, closure);

@@ -22,7 +22,7 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
 
 /// Fits the model with its generic forces on the trajectory, from the candidate's parameters or from what the force
 /// along the motion says of all: a nonparametric closure that can be simulated. Changes the pool: main thread only.
-void fit_closure(const Study& study, const Candidate& candidate, const Whitening& whitening, Closure& closure);
+void fit_closure(const Study& study, const Candidate& candidate, Closure& closure);
 
 /// Where a fitted closure is not down to the sensor's noise, further forces are asked for along its own run, twice at
 /// most, and kept where they lower the cost by a tenth. Changes the pool: main thread only.

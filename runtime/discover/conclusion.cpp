@@ -246,7 +246,7 @@ class Conclusion {
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
     if (out_.verdict == "unknown-effect" && found.chosen.ran()) {
       progress_("fit forces without a name", 0.98);
-      out_.unknown = unknown_force(study_, round_, place);
+      out_.unknown = unknown_force(study_, round_, place, out_.map, out_.final_test);
     }
     out_.sentence = sentence(study_, round_, out_);
   }

@@ -86,7 +86,7 @@ Candidate follower(const Stage& stage, std::optional<Place>& place) {
   Closure closure = test_closure(stage.study, judged, whitening);
   if (closure.place) place = closure.place;
   if (!closure.system || !(closure.p_value < 0.01)) return stage.baseline;
-  fit_closure(stage.study, judged, whitening, closure);
+  fit_closure(stage.study, judged, closure);
   if (!(closure.fit.cost < stage.baseline.fit.cost)) return stage.baseline;
   Candidate out = compile(stage.study, closure.system->model(), {});
   out.fit = std::move(closure.fit);

@@ -53,17 +53,17 @@ std::vector<UnknownForce::Harmonic> harmonics_of(const ResidualRows& rows) {
 
 }  // namespace
 
-UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place) {
+UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place,
+                           const ResidualMap& left, const Gap& test) {
   const Candidate& baseline = round.found.chosen;
   UnknownForce out;
   out.harmonics = harmonics_of(residual_rows(study, baseline, baseline, place));
-  ResidualMap map = residual_map(study, baseline, baseline, place);
+  ResidualMap map = left;
   Study own = study;
   if (const std::optional<Candidate> forces = fitted_forces(own, round); forces && forces->ran()) {
-    const Gap test = pool_gap(runs(own, *forces, own.test), 0);
-    const Gap before = pool_gap(runs(study, baseline, study.test, false), 0);
-    if (test.value < before.value) {
-      out.closure = {fitted(*forces), pool_gap(runs(own, *forces, own.full), 0), test,
+    const Gap with = pool_gap(runs(own, *forces, own.test), 0);
+    if (with.value < test.value) {
+      out.closure = {fitted(*forces), pool_gap(runs(own, *forces, own.full), 0), with,
                      study.imposed ? "none: the motion is imposed" : to_string(own.interpolation)};
       map = residual_map(own, baseline, *forces, place);
       map.before -= map.after;

@@ -7,6 +7,8 @@ namespace lunid {
 /// Of a round whose verdict is unknown-effect; with several coordinates at a place. Generic forces are refined along
 /// their own run where that lowers the left-out gap, and left out where they do not lower the gap on the test records,
 /// which choose nothing else. Changes the pool: main thread only.
-UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place);
+/// `left`: the map of what the baseline leaves there; `test`: its gap on the test records.
+UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place,
+                           const ResidualMap& left, const Gap& test);
 
 }  // namespace lunid

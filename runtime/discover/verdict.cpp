@@ -48,7 +48,7 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   left.gap = pool_gap(train, 0);
   left.closure = test_closure(study, c, whitening);
   if (!(left.closure.p_value < study.options->alpha / 10)) return left;
-  fit_closure(study, c, whitening, left.closure);
+  fit_closure(study, c, left.closure);
   if (!c.choices.empty()) refine_closure(study, whitening, left.closure);
   if (!std::isfinite(left.closure.fit.cost)) return left;
   const Gap& now = left.gap;
