@@ -316,6 +316,12 @@ void push_rivals(lua_State* L, const Discovery& found) {
   }
 }
 
+/// { y = "m", v = "m/s", a = "m/s^2", F = "N" }
+void push_units(lua_State* L, const Units& units) {
+  lua_newtable(L);
+  for (const char* channel : {"y", "v", "a", "F"}) set_text(L, channel, units.of(channel));
+}
+
 /// What lunid.design_experiment takes where a study says nothing else.
 void push_options(lua_State* L, const ExperimentOptions& o) {
   lua_newtable(L);
@@ -327,6 +333,8 @@ void push_options(lua_State* L, const ExperimentOptions& o) {
   set_number(L, "rate", o.rate);
   set_number(L, "noise", o.noise);
   set_text(L, "measured", o.measured);
+  push_units(L, o.units);
+  lua_setfield(L, -2, "units");
 }
 
 /// discovery.json, without the time that it took: the same run gives the same bits.
@@ -354,7 +362,7 @@ void push_unknown_force(lua_State* L, const Discovery& found) {
 }
 
 /// Fields verdict, sentence, model, baseline, closure, unknown_force, data (discovery.json as a table), json (its
-/// text), comparisons, map.
+/// text), units, comparisons, map.
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
@@ -374,6 +382,8 @@ int get(lua_State* L) {
     push_json(L, data_of(found));
   else if (key == "json")
     push_text(L, data_of(found).dump(1) + "\n");
+  else if (key == "units")
+    push_units(L, found.units);
   else if (key == "output")
     push_text(L, found.output);
   else if (key == "seconds")
@@ -403,7 +413,7 @@ int get(lua_State* L) {
       throw InputError(
           "a discovery has no '" + key +
           "' (fields: verdict sentence model baseline closure unknown_force effects rivals warnings "
-          "same_experiment data json output seconds comparisons map forces; methods: save next_experiment)");
+          "same_experiment data json units output seconds comparisons map forces; methods: save next_experiment)");
     }
   }
   return 1;

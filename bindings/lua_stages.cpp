@@ -61,6 +61,20 @@ void push_candidate(lua_State* L, const ExperimentDesign& design, const Experime
   lua_setfield(L, -2, "pairs");
 }
 
+/// { y = "m", v = "m/s", a = "m/s^2", F = "N" }, where the field is there.
+Units read_units(lua_State* L, int index) {
+  Units units;
+  if (lua_getfield(L, index, "units") == LUA_TTABLE) {
+    const int table = lua_gettop(L);
+    units.y = string_field(L, table, "y").value_or(units.y);
+    units.v = string_field(L, table, "v").value_or(units.v);
+    units.a = string_field(L, table, "a").value_or(units.a);
+    units.force = string_field(L, table, "F").value_or(units.force);
+  }
+  lua_pop(L, 1);
+  return units;
+}
+
 ExperimentOptions read_experiment(lua_State* L, int index) {
   ExperimentOptions o;
   o.limits.force = number_field(L, index, "force").value_or(0);
@@ -71,6 +85,7 @@ ExperimentOptions read_experiment(lua_State* L, int index) {
   o.rate = number_field(L, index, "rate").value_or(0);
   o.noise = number_field(L, index, "noise").value_or(0);
   o.measured = string_field(L, index, "measured").value_or("y");
+  o.units = read_units(L, index);
   o.seed = runtime(L).seed;
   o.threads = runtime(L).threads;
   for (const FunctionPtr& function : runtime(L).pool()->functions())

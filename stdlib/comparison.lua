@@ -107,8 +107,8 @@ function ways.equation_error(given, model)
   one_coordinate(given, model, "equation_error")
   local record = cut(given.record, given.window, "the record")
   local target = core.channel "F" - model.mass*core.channel "a"
-  return { record = record, mode = "equation_error", quantity = tostring(model.mass) == "0" and "F" or "F - m*a", unit = "N",
-    measured = core.evaluate(record, target, "compare"), predicted = core.evaluate(record, model.restoring, "compare") }
+  return { record = record, mode = "equation_error", quantity = tostring(model.mass) == "0" and "F" or "F - m*a",
+    unit = sources.unit_in(record, "F") or "N", measured = core.evaluate(record, target, "compare"), predicted = core.evaluate(record, model.restoring, "compare") }
 end
 
 function ways.imposed_motion(given, model)

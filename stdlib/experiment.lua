@@ -123,6 +123,7 @@ next.excitation:save "next.csv"]],
   limits.rate = choose(given, "rate", same, 20 * limits.to)
   limits.noise = choose(given, "noise", same)
   limits.measured = given.measured or same.measured or "y"
+  limits.units = same.units
   return experiment.wrap(core.design_experiment(models, names, limits))
 end)
 

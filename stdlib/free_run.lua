@@ -1,6 +1,7 @@
 -- What `lunid simulate` shows and writes of a free run.
 local core = require "lunid.core"
 local figures = require "lunid.figures"
+local sources = require "lunid.figures.sources"
 local output = require "lunid.output"
 
 local free_run = {}
@@ -30,7 +31,7 @@ function free_run.report(model, record, run, from)
     table.insert(series, 1, { x = record:column "t", y = record:column "y", label = "measured", role = "measured" })
   end
   local figure = figures.make { panels = { { x = { name = "time", unit = "s" },
-    y = { name = "displacement", unit = "m" }, series = series } } }
+    y = sources.axis("y", sources.unit_in(record, "y")), series = series } } }
   local good, message = pcall(core.render_figure, figure, output.place "figures/run.png")
   print(("%-11s%s, %s%s"):format("", path, output.shown "results.json", good and ", " .. output.shown "figures/run.png" or ""))
   if not good then print(("%-11sno figure: %s"):format("note", message)) end

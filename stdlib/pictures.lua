@@ -6,17 +6,8 @@ local sources = require "lunid.figures.sources"
 local pictures = {}
 
 local time = { name = "time", unit = "s" }
-local displacement = { name = "displacement", unit = "m" }
-local velocity = { name = "velocity", unit = "m/s" }
-
-local output_axes = { y = displacement, v = { name = "velocity", unit = "m/s" },
-  a = { name = "acceleration", unit = "m/s^2" }, F = { name = "force", unit = "N" } }
---- What the gap is about: of several coordinates "displacement y2".
-local function output_axis(comparison)
-  local output = comparison.output
-  local axis = output_axes[output:sub(1, 1)]
-  return #output > 1 and { name = axis.name .. " " .. output, unit = axis.unit } or axis
-end
+--- The axis of a channel in the unit of the records.
+local function axis(found, channel) return sources.axis(channel, found.units[channel:sub(1, 1)]) end
 
 --- "free run", or what stands in its place where the motion is imposed.
 local function run_words(found) return found.model.imposed_motion and "along the motion" or "free run" end
@@ -66,7 +57,7 @@ local function run_panel(found, comparison, limits)
       role = model.role, style = model.style }
   end
   return { title = limits and "where the baseline is worst" or "",
-    x = { name = "time", unit = "s", min = limits and limits.from, max = limits and limits.to }, y = output_axis(comparison),
+    x = { name = "time", unit = "s", min = limits and limits.from, max = limits and limits.to }, y = axis(found, comparison.output),
     series = series }
 end
 
@@ -77,7 +68,7 @@ local function error_panel(found, comparison)
     series[#series + 1] = { x = comparison.t, y = minus(comparison.measured, model.values),
       label = "error, " .. model.label, role = model.role }
   end
-  return { title = "whole record", x = time, y = output_axis(comparison), series = series }
+  return { title = "whole record", x = time, y = axis(found, comparison.output), series = series }
 end
 
 local function residual_panel(found, comparison)
@@ -86,7 +77,7 @@ local function residual_panel(found, comparison)
     series[#series + 1] = { x = comparison.t, y = inner(model.values, ends), label = "left by the " .. model.label,
       role = model.role }
   end
-  return { title = "force along the measured motion", x = time, y = { name = "unexplained force", unit = "N" },
+  return { title = "force along the measured motion", x = time, y = { name = "unexplained force", unit = found.units.F },
     series = series }
 end
 
@@ -153,11 +144,11 @@ local function largest(rows)
   return most
 end
 
-local function map_panel(map, rows, title, most, what)
+local function map_panel(found, map, rows, title, most, what)
   local where = map.place ~= "" and " " .. map.place or ""
-  return { title = title, x = { name = displacement.name .. where, unit = displacement.unit },
-    y = { name = velocity.name .. where, unit = velocity.unit }, map = { x = map.y, y = map.v, z = rows,
-    colour = { name = what or "unexplained force", unit = "N", min = most and -most, max = most } } }
+  return { title = title, x = { name = "displacement" .. where, unit = found.units.y },
+    y = { name = "velocity" .. where, unit = found.units.v }, map = { x = map.y, y = map.v, z = rows, colour = { name = what or "unexplained force", unit = found.units.F,
+      min = most and -most, max = most } } }
 end
 
 --- Both maps side by side, in one range of colours; one map where nothing was added to the baseline.
@@ -165,8 +156,8 @@ function pictures.residual_map(found)
   local map = found.map
   local most = math.max(largest(map.before), largest(map.after))
   most = most > 0 and most or nil
-  local panels = { map_panel(map, map.before, "baseline", most) }
-  if #found.effects > 0 then panels[2] = map_panel(map, map.after, "final model", most) end
+  local panels = { map_panel(found, map, map.before, "baseline", most) }
+  if #found.effects > 0 then panels[2] = map_panel(found, map, map.after, "final model", most) end
   return row_of(panels)
 end
 
@@ -186,7 +177,7 @@ local function add_unknown_force(list, found)
   if not shape or #shape.y < 2 or #shape.v < 2 then return end
   local most = largest(shape.force)
   list[#list + 1] = { name = "unknown_force", figure = figures.make(row_of {
-      map_panel({ y = shape.y, v = shape.v, place = found.map.place }, shape.force, "", most > 0 and most or nil, "missing force") }),
+      map_panel(found, { y = shape.y, v = shape.v, place = found.map.place }, shape.force, "", most > 0 and most or nil, "missing force") }),
     caption = "The force that is missing, as fitted forces without a name (closure.lua) have it along the motion of the "
       .. "training records. Hatched: no data." }
 end
@@ -194,7 +185,7 @@ end
 -- ---- the named effects against the record ----
 
 --- What the named formulas are functions of: over these the effect is drawn.
-local function variables(effects)
+local function variables(found, effects)
   local seen = {}
   for _, effect in ipairs(effects) do
     local formula = effect.family == "sensor" and "" or effect.formula  -- the fault of a channel is no force
@@ -204,14 +195,14 @@ local function variables(effects)
   end
   local hidden = seen.z  -- its force depends on the past: over displacement and velocity it is a loop
   local list = {}
-  if seen.y or hidden then list[#list + 1] = { "y", displacement } end
-  if seen.v or hidden then list[#list + 1] = { "v", velocity } end
+  if seen.y or hidden then list[#list + 1] = { "y", axis(found, "y") } end
+  if seen.v or hidden then list[#list + 1] = { "v", axis(found, "v") } end
   if seen.t or #list == 0 then list[#list + 1] = { "t", time } end
   return list
 end
 
-local function force_panel(x, variable, measured, named)
-  return { x = variable[2], y = { name = "force", unit = "N" }, series = {
+local function force_panel(found, x, variable, measured, named)
+  return { x = variable[2], y = axis(found, "F"), series = {
     { x = x, y = measured, label = "left by the rest of the final model", role = "residual", style = "points" },
     { x = x, y = named, label = "named effect", role = "effect", style = "points" } } }
 end
@@ -221,8 +212,8 @@ local function forces_at_places(found)
   local panels, ends = {}, lead_in(found.comparisons[1])
   for i, force in ipairs(found.forces) do
     local effect = found.effects[i]
-    for _, variable in ipairs(largest { force.named } > 0 and variables { effect } or {}) do
-      local panel = force_panel(force[variable[1]], variable, inner(plus(force.left, force.named), ends), force.named)
+    for _, variable in ipairs(largest { force.named } > 0 and variables(found, { effect }) or {}) do
+      local panel = force_panel(found, force[variable[1]], variable, inner(plus(force.left, force.named), ends), force.named)
       panel.title = effect.label
       panels[#panels + 1] = panel
     end
@@ -244,7 +235,7 @@ function pictures.named_force(found)
   if largest { train.named_force } == 0 then return nil end
   local measured = inner(plus(train.residual_after, train.named_force), lead_in(train))
   local panels = {}
-  for _, variable in ipairs(variables(found.effects)) do panels[#panels + 1] = force_panel(train[variable[1]], variable, measured, train.named_force) end
+  for _, variable in ipairs(variables(found, found.effects)) do panels[#panels + 1] = force_panel(found, train[variable[1]], variable, measured, train.named_force) end
   return row_of(panels)
 end
 

@@ -199,15 +199,18 @@ local function naming_section(data)
     .. html_table({ "named", "resamples" }, rows)
 end
 
+--- " [N]"
+local function in_unit(unit) return " [" .. escape(unit) .. "]" end
+
 --- Amplitudes of the unexplained force over the phase of the motion.
-local function harmonic_table(harmonics)
+local function harmonic_table(harmonics, unit)
   if #harmonics == 0 then return "" end
   local rows = {}
   for i, each in ipairs(harmonics) do
     local seen = each.amplitude and each.level and each.amplitude > each.level
     rows[i] = { ("%d"):format(each.order), number(each.amplitude), number(each.level), seen and "yes" or "" }
   end
-  return html_table({ "harmonic", "amplitude [N]", "noise alone stays below [N]", "above it" }, rows)
+  return html_table({ "harmonic", "amplitude" .. unit, "noise alone stays below" .. unit, "above it" }, rows)
 end
 
 --- Of an unknown effect: the harmonics of its force, and the model that follows it without a name.
@@ -216,7 +219,7 @@ local function unknown_section(found)
   if not data.unknown_force then return "" end
   local lines = { "<h3>What its force looks like</h3>",
     "<p>Amplitudes of the force that the baseline leaves unexplained, over the phase of the motion:</p>",
-    harmonic_table(data.unknown_force.harmonics) }
+    harmonic_table(data.unknown_force.harmonics, in_unit(data.units.F)) }
   if not data.closure then
     lines[#lines + 1] = "<p>No forces of y and v without a name lower the gap on the test record: "
       .. "there is no model of it to simulate.</p>"
@@ -260,8 +263,8 @@ local function next_section(data)
       number(c.motion), number(c.separation, c.reason), number(c.expected_z, c.reason) }
   end
   return "<h2>What to measure next</h2><p>" .. escape(design.sentence) .. ".</p>"
-    .. html_table({ "excitation", "", design.candidates[1].force and "largest force [N]" or "largest displacement [m]",
-      "largest motion [m]", "separation", "expected z" }, rows)
+    .. html_table({ "excitation", "", design.candidates[1].force and "largest force" .. in_unit(data.units.F)
+      or "largest displacement" .. in_unit(data.units.y), "largest motion" .. in_unit(data.units.y), "separation", "expected z" }, rows)
     .. '<p class="small">Separation: what is left between the motions of <code>' .. table.concat(each(design.rivals, escape), "</code> and <code>")
     .. "</code> after each has fitted its parameters to the other's, in standard deviations of the noise ("
     .. number(design.noise) .. "), over " .. number(design.duration) .. " s at " .. number(design.rate)

@@ -51,7 +51,8 @@ local function units_of(record)
     local channel = record and record.channels[name]
     return channel and channel.unit ~= "" and channel.unit or otherwise
   end
-  local length, force = unit("y", "m"), unit("F", "N")
+  local length = unit("y", "m")
+  local force = unit("F", length == "rad" and "N m" or "N")
   local mass = length == "m" and force == "N" and "kg" or length == "rad" and force == "N m" and "kg m^2"
     or force .. " s^2/" .. length
   return length, force, mass

@@ -66,9 +66,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
   const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
   if (!(*high > *low))
     throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
-                         (measured[0] == 'y'   ? "m"
-                          : measured[0] == 'v' ? "m/s"
-                                               : "m/s^2") +
+                         units_of(record, "y" + measured.substr(1)).of(measured) +
                          " in every row); nothing can be learned from a record without motion",
                      where, Fault::data);
 }
@@ -76,7 +74,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
 Channel no_force(const std::string& name, const Record& record) {
   Channel force;
   force.name = force.source = name;
-  force.unit = "N";
+  force.unit = record.has("y") && record.channel("y").unit == "rad" ? "N m" : "N";
   force.values = Eigen::VectorXd::Zero(record.rows());
   return force;
 }

@@ -129,26 +129,6 @@ std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eige
   return out;
 }
 
-/// "N s/m" where y is an angle and F a moment: "N m s/rad".
-std::string unit_on(const Record& record, const std::string& unit) {
-  const auto stands_for = [&](const std::string& word) {
-    const std::string channel = word == "N" ? "F" : word == "m" ? "y" : "";
-    if (channel.empty() || !record.has(channel) || record.channel(channel).unit.empty()) return word;
-    return record.channel(channel).unit;
-  };
-  std::string out, word;
-  for (const char c : unit + " ") {
-    if (std::isalpha(static_cast<unsigned char>(c))) {
-      word += c;
-      continue;
-    }
-    out += stands_for(word) + c;
-    word.clear();
-  }
-  out.pop_back();
-  return out;
-}
-
 /// The baseline with the chosen effects added.
 Model extend(const Study& study, const Model& baseline, const Choices& choices,
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
@@ -262,8 +242,9 @@ Candidate compile(const Study& study, const Model& baseline, const Choices& choi
   Candidate candidate;
   candidate.choices = choices;
   Model model = extend(study, baseline, choices, candidate.shown);
+  const Units units = study.units();
   for (std::size_t i = baseline.parameters.size(); i < model.parameters.size(); ++i)
-    model.parameters[i].unit = unit_on(study.full.front(), model.parameters[i].unit);
+    model.parameters[i].unit = in_units(units, model.parameters[i].unit);
   candidate.linear = linear_parameters(model);
   candidate.margins = margins_of(choices, model);
   candidate.seen_by_force = can_be_undone(model) && !model.delay.valid();

@@ -151,6 +151,7 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
   out.closure.place = place;
   Model model = candidate.system->model();
   out.features = generic_forces(study, model, place);
+  const Units units = study.units();
   for (std::size_t j = 0; j < out.features.size(); ++j) {
     if (listed && std::ranges::find(*listed, j) == listed->end()) continue;
     const auto& state = out.features[j].state;
@@ -162,6 +163,7 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
     Parameter row;
     row.name = name;
     row.value = 0;
+    row.unit = units.force;
     model.parameters.push_back(row);
   }
   out.closure.system = std::make_shared<const System>(complete(std::move(model)));

@@ -68,6 +68,7 @@ std::string by_nameless_forces(const Discovery& out) {
 void design_next(const Study& study, const SearchResult& found, Discovery& out) {
   const ExperimentOptions options = same_experiment(study);
   out.same_experiment = options;
+  out.units = options.units;
   out.same_experiment.cancelled = nullptr;  // it outlives the run
   const bool driven = study.imposed || options.limits.force > 0;
   if (out.verdict != "ambiguous" || !driven || study.forces.size() > 1) return;

@@ -159,6 +159,7 @@ struct Discovery {
   std::vector<Removable> removable;   ///< terms of the baseline that these records do not need
   ExperimentDesign experiment;        ///< what would tell an ambiguous class apart; else empty
   ExperimentOptions same_experiment;  ///< limits, rate and noise as these records had them
+  Units units;                        ///< of all forces and motions here, as the records have them
   std::string output = "y";           ///< what free runs are held against: y, or v or a alone; F with imposed motion
   double run_length = 0;  ///< [s] of the free runs, where those over whole records are lost to noise; else 0
   /// Where those over the whole test records alone are: what the names were held against there.

@@ -35,10 +35,10 @@ struct Answer {
 
 std::span<const double> view(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-Channel channel(const std::string& name, VectorXd values, double noise, Interpolation between) {
+Channel channel(const Units& units, const std::string& name, VectorXd values, double noise, Interpolation between) {
   Channel c;
   c.name = c.source = name;
-  c.unit = name[0] == 'F' ? "N" : name[0] == 'y' ? "m" : name[0] == 'v' ? "m/s" : "m/s^2";
+  c.unit = units.of(name);
   c.values = std::move(values);
   c.noise = noise;
   c.between = between;
@@ -94,8 +94,8 @@ class Designer {
   // ---- runs ----
   Record drive(const ExcitationShape& shape, double level) const {
     const VectorXd values = level * shape.values;
-    if (!imposed_) return Record(shape.words, 0, base_.dt, {channel("F", values, 0, shape.between)});
-    return derive_motion(Record(shape.words, 0, base_.dt, {channel("y", values, 0, shape.between)}));
+    if (!imposed_) return Record(shape.words, 0, base_.dt, {channel(options_.units, "F", values, 0, shape.between)});
+    return derive_motion(Record(shape.words, 0, base_.dt, {channel(options_.units, "y", values, 0, shape.between)}));
   }
 
   Answer answer(const Rival& rival, const Record& driven) const {
@@ -119,7 +119,8 @@ class Designer {
     for (int i = 0; i < model.degrees(); ++i) {
       const auto add = [&](char quantity, VectorXd values) {
         const double noise = options_.measured[0] == quantity ? options_.noise : 0;
-        channels.push_back(channel(model.channel(quantity, i), std::move(values), noise, Interpolation::cubic));
+        channels.push_back(
+            channel(options_.units, model.channel(quantity, i), std::move(values), noise, Interpolation::cubic));
       };
       add('y', shown(*rival.system, view(rival.theta), run, model.channel('y', i)));
       add('v', run.x.col(2 * i + 1));
@@ -134,7 +135,8 @@ class Designer {
     VectorXd force = imposed_force(*rival.system, view(rival.theta), driven);
     out.completed = force.allFinite();
     if (!out.completed) out.cause = "the force is not finite along this motion";
-    if (out.completed) out.record = driven.with(channel("F", std::move(force), options_.noise, Interpolation::cubic));
+    if (out.completed)
+      out.record = driven.with(channel(options_.units, "F", std::move(force), options_.noise, Interpolation::cubic));
     return out;
   }
 
@@ -276,8 +278,10 @@ std::string number(double x) {
 }
 
 std::string level_of(const ExperimentDesign& design, const ExperimentCandidate& c) {
-  return number(c.level) + (c.excitation.has("F") ? " N" : " m") +
-         (c.excitation.has("F") && design.options.limits.force > 0 ? ", motion up to " + number(c.peak) + " m" : "");
+  const Units& units = design.options.units;
+  const std::string drive = number(c.level) + " " + (c.excitation.has("F") ? units.force : units.y);
+  if (!c.excitation.has("F") || !(design.options.limits.force > 0)) return drive;
+  return drive + ", motion up to " + number(c.peak) + " " + units.y;
 }
 
 }  // namespace
@@ -331,8 +335,10 @@ std::string to_terminal(const ExperimentDesign& design) {
   std::string out = "rivals     ";
   for (std::size_t i = 0; i < design.rivals.size(); ++i) out += (i ? " | " : "") + design.rivals[i];
   char line[256];
+  const Units& units = design.options.units;
+  const std::string force = design.best().excitation.has("F") ? "force [" + units.force + "]" : "";
   std::snprintf(line, sizeof line, "\n%-18s %10s %10s %11s %11s  %s\n", "excitation", "separation", "expected z",
-                design.best().excitation.has("F") ? "force [N]" : "", "motion [m]", "what");
+                force.c_str(), ("motion [" + units.y + "]").c_str(), "what");
   out += line;
   for (const auto& c : design.candidates) {
     if (!c.remark.empty() && c.pairs.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "discover/experiment_family.hpp"
+#include "discover/units.hpp"
 #include "simulate/model.hpp"
 
 namespace lunid {
@@ -24,6 +25,7 @@ struct ExperimentOptions {
   double rate = 0;             ///< [Hz], at least eight rows in a period of limits.to
   std::string measured = "y";  ///< of each coordinate: its displacement y, velocity v or acceleration a
   double noise = 0;            ///< standard deviation of what is measured [SI] (imposed motion: force [N]), > 0
+  Units units;                 ///< of the models' motion and force, for messages
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
   const std::atomic<bool>* cancelled = nullptr;

@@ -352,8 +352,7 @@ const BinnedMap& ResidualMaps::map(std::string_view over) const {
 ResidualMaps map_residual(const ResidualRows& rows) {
   ResidualMaps out;
   const double n = static_cast<double>(rows.force.size());
-  const BinnedMap y = over_channel(rows, "y", rows.y, rows.y_unit),
-                  v = over_channel(rows, "v", rows.v, rows.y_unit + "/s");
+  const BinnedMap y = over_channel(rows, "y", rows.y, rows.units.y), v = over_channel(rows, "v", rows.v, rows.units.v);
   VectorXd noise = without_means(rows, y, v);
   fill_plane(rows, out, noise);
   out.rms = rows.force.norm() / std::sqrt(n);
@@ -364,7 +363,7 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   out.maps.push_back(rms_map(rows, "time", "s", rows.t, rows.t.minCoeff(), rows.t.maxCoeff(), windows, power));
   out.maps.push_back(y);
   out.maps.push_back(v);
-  out.maps.push_back(rms_map(rows, "amplitude", rows.y_unit, amplitude, 0, std::max(amplitude.maxCoeff(), 1e-300),
+  out.maps.push_back(rms_map(rows, "amplitude", rows.units.y, amplitude, 0, std::max(amplitude.maxCoeff(), 1e-300),
                              amplitude_cells, power));
   out.maps.push_back(harmonic_map(rows));
   out.maps.push_back(frequency_map(rows, noise));
@@ -409,12 +408,7 @@ ResidualRows residual_rows(const Study& study, const Candidate& candidate, const
   out.omega = study.omega;
   out.block = bootstrap_block(study);
   out.seed = study.options->seed;
-  const auto unit = [&](const std::string& name, const char* otherwise) {
-    const std::string& given = study.full.front().channel(name).unit;
-    return given.empty() ? std::string(otherwise) : given;
-  };
-  out.y_unit = unit(study.channel('y', 0), "m");
-  out.force_unit = unit(study.forces.front(), "N");
+  out.units = study.units();
   return out;
 }
 

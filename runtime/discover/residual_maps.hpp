@@ -12,7 +12,7 @@ struct ResidualRows {
   double dt = 1, omega = 0;                 ///< time step, dominant angular frequency
   Eigen::Index block = 1;                   ///< rows over which the noise may be correlated
   std::uint64_t seed = 1;
-  std::string y_unit = "m", force_unit = "N";
+  Units units;
 };
 
 /// One map: values over bins of a quantity.

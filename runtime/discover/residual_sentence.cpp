@@ -116,7 +116,7 @@ std::string changes(const SlowTime& slow) {
 }  // namespace
 
 std::string sentence_of(const ResidualMaps& maps, const ResidualRows& rows) {
-  const std::string size = "rms " + quantity(maps.rms, rows.force_unit);
+  const std::string size = "rms " + quantity(maps.rms, rows.units.force);
   if (!maps.above_noise) return size + ", nothing above its noise";
   const BinnedMap &y = maps.map("y"), &v = maps.map("v");
   const BinnedMap& main = y.share >= v.share ? y : v;
@@ -136,9 +136,9 @@ std::string unseen(const ResidualMaps& maps, const ResidualRows& rows) {
   char share[64];
   std::snprintf(share, sizeof share, "; %.0f %% of the phase plane within",
                 100.0 * static_cast<double>(empty) / static_cast<double>(maps.plane.count.size()));
-  return "y below " + quantity(rows.y.minCoeff(), rows.y_unit) + " and above " +
-         quantity(rows.y.maxCoeff(), rows.y_unit) + ", |v| above " +
-         quantity(rows.v.cwiseAbs().maxCoeff(), rows.y_unit + "/s") + share;
+  return "y below " + quantity(rows.y.minCoeff(), rows.units.y) + " and above " +
+         quantity(rows.y.maxCoeff(), rows.units.y) + ", |v| above " +
+         quantity(rows.v.cwiseAbs().maxCoeff(), rows.units.v) + share;
 }
 
 }  // namespace lunid

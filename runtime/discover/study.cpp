@@ -161,7 +161,7 @@ Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
 /// those of the smoothed column: with one coordinate its k and c take that up, with several modes nothing does, and it
 /// would look like a missing spring.
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
-  auto channel = [](const std::string& name, const char* unit, Eigen::VectorXd values) {
+  auto channel = [](const std::string& name, const std::string& unit, Eigen::VectorXd values) {
     Channel c;
     c.name = c.source = name;
     c.unit = unit;
@@ -169,11 +169,11 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     c.derived = true;
     return c;
   };
-  const char* const units[] = {"m", "m/s", "m/s^2"};
+  const Units units = study.units();
   const int known = study.measured == "y" ? 0 : study.measured == "v" ? 1 : 2;
   std::vector<Channel> channels;
   for (const std::string& force : study.forces)
-    channels.push_back(channel(force, "N", savitzky_golay(record[force], record.dt(), 0, kernel)));
+    channels.push_back(channel(force, units.force, savitzky_golay(record[force], record.dt(), 0, kernel)));
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string names[] = {study.channel('y', i), study.channel('v', i), study.channel('a', i)};
     const auto smoothed = [&](int rank, int derivative) {
@@ -182,19 +182,20 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     for (int rank = 0; rank < 3; ++rank) {
       const int order = std::max(0, rank - known);
       if (study.degrees() == 1)
-        channels.push_back(channel(names[rank], units[rank], smoothed(std::min(rank, known), order)));
+        channels.push_back(channel(names[rank], units.of(names[rank]), smoothed(std::min(rank, known), order)));
       else
-        channels.push_back(
-            channel(names[rank], units[rank], differences(smoothed(std::min(rank, known), 0), record.dt(), order)));
+        channels.push_back(channel(names[rank], units.of(names[rank]),
+                                   differences(smoothed(std::min(rank, known), 0), record.dt(), order)));
     }
   }
   for (const std::string& name : side_channels(record))
-    channels.push_back(
-        channel(name, record.channel(name).unit.c_str(), savitzky_golay(record[name], record.dt(), 0, kernel)));
+    channels.push_back(channel(name, record.channel(name).unit, savitzky_golay(record[name], record.dt(), 0, kernel)));
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
 std::string Study::channel(char quantity, int coordinate) const { return model.channel(quantity, coordinate); }
+
+Units Study::units() const { return units_of(full.front(), channel('y', 0), forces.front()); }
 
 std::vector<std::string> Study::outputs() const {
   if (imposed) return {"F"};
@@ -385,6 +386,7 @@ ExperimentOptions same_experiment(const Study& study) {
   constexpr double most_rows = 6000;
   out.duration = std::max(std::min(time, most_rows * dt), 5 / out.limits.from);
   out.measured = study.measured;
+  out.units = study.units();
   out.noise = std::max(study.sensor_noise(), 1e-6 * study.measured_std());
   out.seed = study.options->seed;
   out.threads = study.options->threads;

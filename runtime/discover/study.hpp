@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "discover/discover.hpp"
+#include "discover/units.hpp"
 #include "simulate/fit.hpp"
 #include "statistics/moments.hpp"
 #include "statistics/statistics.hpp"
@@ -37,6 +38,7 @@ struct Study {
   /// What free runs are held against, one channel for each coordinate.
   std::vector<std::string> outputs() const;
   const std::string output() const { return outputs().front(); }
+  Units units() const;  ///< of the first training record and its first coordinate
   /// Of the outputs of a record: the noise of the first over their own. All pooled numbers are of weighted outputs.
   std::vector<double> weights(const Record& record) const;
   double measured_std() const;                                          ///< of the outputs, over the training records

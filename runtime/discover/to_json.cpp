@@ -169,6 +169,7 @@ json to_json(const Discovery& d) {
                               {"duration", r.seconds},
                               {"rate", r.rate},
                               {"runs", r.runs}});
+  out["units"] = {{"y", d.units.y}, {"v", d.units.v}, {"a", d.units.a}, {"F", d.units.force}};
   out["baseline"] = model(d.baseline, d.baseline_train, d.baseline_test);
   out["baseline"]["first_guess"] = parameters(d.baseline_before);
   out["effects"] = json::array();

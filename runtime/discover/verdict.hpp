@@ -50,8 +50,8 @@ bool leaves_motion_open(const Study& study, const Gap& gap);
 /// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
 bool is_series(const Choices& names);
 
-/// Two springs and stops at one place that leave what noise does not of the training records, and close less than 99.8 %
-/// of the squared excess over left-out blocks (`closed`).
+/// Two springs and stops at one place that leave what noise does not of the training records, and close less than 99.8
+/// % of the squared excess over left-out blocks (`closed`).
 bool is_loose_series(const Choices& names, const Gap& train, double closed);
 
 /// `train`: the model's runs over the training records.

@@ -13,7 +13,7 @@ namespace lunid {
 struct TimeBase {
   double t0 = 0, dt = 1;
   Eigen::Index rows = 0;
-  bool resampled = false;  ///< the rows are not the file's: use resample()
+  bool resampled = false;                         ///< the rows are not the file's: use resample()
   std::vector<std::pair<double, double>> gaps{};  ///< stamps on either side of three missing rows and more [s]
 };
 

@@ -5,8 +5,6 @@ local schema = require "lunid.schema"
 local sources = require "lunid.figures.sources"
 local types = schema.types
 
-local displacement = { name = "displacement", unit = "m" }
-local velocity = { name = "velocity", unit = "m/s" }
 local time = { name = "time", unit = "s" }
 
 local discovery = types.is("discovery", "lunid.discover")
@@ -58,16 +56,17 @@ local function largest(panels)
   return most > 0 and most or nil
 end
 
---- Panels with one range of colours.
-local function alike(panels)
+--- Panels with one range of colours, in the unit of the force.
+local function alike(panels, unit)
   local most = largest(panels)
   for _, panel in ipairs(panels) do
-    panel.map.colour = { name = "unexplained force", unit = "N", min = most and -most, max = most }
+    panel.map.colour = { name = "unexplained force", unit = unit, min = most and -most, max = most }
   end
   return panels
 end
 
-local function map_panel(t, y, v, residual, given)
+local function map_panel(t, y, v, residual, given, unit)
+  local displacement, velocity = sources.axis("y", unit.y), sources.axis("v", unit.v)
   local over_time = given.over == "time"
   local map = over_time and binned(t, y, residual, 2*given.cells, given.cells, 1)
     or binned(y, v, residual, given.cells, given.cells, given.least_count)
@@ -77,10 +76,10 @@ end
 --- The training record of a discovery, before and after.
 local function of_discovery(found, given)
   local c = found.comparisons[1]
-  local panels = { map_panel(c.t, c.y, c.v, c.residual_before, given) }
+  local panels = { map_panel(c.t, c.y, c.v, c.residual_before, given, found.units) }
   panels[1].title = "baseline"
   if #found.effects > 0 then
-    panels[2] = map_panel(c.t, c.y, c.v, c.residual_after, given)
+    panels[2] = map_panel(c.t, c.y, c.v, c.residual_after, given, found.units)
     panels[2].title = "final model"
   end
   return panels
@@ -105,18 +104,20 @@ figures.define({
   },
   example = [[lunid.figure.residual_map(found):save "map.png"]],
 }, function(given)
-  local panels
+  local panels, unit
   if given.discovery then
     if given.over == "phase_plane" then return require("lunid.pictures").residual_map(given.discovery) end
-    panels = of_discovery(given.discovery, given)
+    panels, unit = of_discovery(given.discovery, given), given.discovery.units
   elseif given.record and given.model then
     local record, model = given.record, given.model
     if #model.states > 0 then
       figures.fail("residual_map", "model: it has internal states, which no record shows; give the residual as a column")
     end
     local force = core.channel "F" - model.mass*core.channel "a" - model.restoring
+    unit = {}
+    for _, name in ipairs { "y", "v", "F" } do unit[name] = sources.unit_in(record, name) end
     panels = { map_panel(record:column "t", record:column "y", record:column "v",
-      core.evaluate(record, force, "figure.residual_map"), given) }
+      core.evaluate(record, force, "figure.residual_map"), given, unit) }
   elseif given.residual and given.y and given.v then
     local rows = {}
     for i = 1, #given.residual do rows[i] = i end
@@ -125,11 +126,11 @@ figures.define({
         figures.fail("residual_map", ("%s: expected %d numbers as in residual, got %d"):format(name, #given.residual, #given[name]))
       end
     end
-    panels = { map_panel(given.t or core.column(rows), given.y, given.v, given.residual, given) }
+    panels = { map_panel(given.t or core.column(rows), given.y, given.v, given.residual, given, {}) }
   else
     figures.fail("residual_map", "expected a discovery, a record and its model, or columns residual, y and v")
   end
-  return { columns = #panels, panels = alike(panels), share_y = true }
+  return { columns = #panels, panels = alike(panels, unit and unit.F or "N"), share_y = true }
 end)
 
 -- ---- a discovery step by step ----

@@ -23,9 +23,15 @@ function sources.axis(channel, unit)
   return { name = name, unit = unit or units[letter] or "" }
 end
 
+--- The unit that a record has a channel in; nil where it says none.
+function sources.unit_in(record, name)
+  local channel = record.channels[name]
+  return channel and channel.unit ~= "" and channel.unit or nil
+end
+
 local function of_record(record, where)
   return { label = record.name, role = "measured", style = "line", kind = "record", object = record,
-    unit = function(name) return record.channels[name] and record.channels[name].unit end,
+    unit = function(name) return sources.unit_in(record, name) end,
     column = function(name)
       if name ~= "t" and not record.channels[name] then
         local names = {}

@@ -143,6 +143,28 @@ spec.case("an unknown force has a shape, harmonics and a model to simulate", fun
   assert(named.unknown_force == nil and named.closure == nil, "a name was found")
 end)
 
+--- The record with its displacement as an angle and its force as a moment: the same numbers.
+local function turned(name)
+  return lunid.read("../data/" .. name, { time = "t", displacement = "y [mrad]", force = "F [kN m]" })
+end
+
+spec.case("a shaft's report has moments in N m and angles in rad", function()
+  local found = lunid.discover { model = lunid.model { mass = 49, restoring = lunid.parameter "k"*y + lunid.parameter "c"*v },
+    train = turned "spring_multisine.csv", test = turned "spring_sweep.csv", catalogue = { "coulomb_friction" } }
+  found:save(spec.folder .. "/shaft")
+  local data, page = found.data, read "shaft/report.html"
+  local units = data.units
+  spec.equal(table.concat({ units.y, units.v, units.a, units.F }, " "), "rad rad/s rad/s^2 N m")
+  spec.contains(read "shaft/figures/residual_map.csv",
+    "x: displacement [rad]; y: velocity [rad/s]; z: unexplained force [N m]")
+  spec.contains(read "shaft/figures/history_test_1.csv", "y: displacement [rad]")
+  spec.contains(page, "<th>amplitude [N m]</th>")
+  spec.equal(data.closure.parameters.closure_5.unit, "N m")
+  for _, file in ipairs { "report.html", "figures/unknown_force.csv", "figures/history_train_1.csv" } do
+    assert(not read("shaft/" .. file):find "%[m%]" and not read("shaft/" .. file):find "%[N%]", file)
+  end
+end)
+
 spec.case("the page draws its figures itself, from numbers that lie inside, and asks for nothing", function()
   local page = read "named/report.html"
   local _, charts = page:gsub('<div class="lunid%-figure">', "")

@@ -95,8 +95,8 @@ TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
   EXPECT_EQ(d.verdict, "unknown-effect");
 }
 
-/// Under a chirp y*abs(v) is nearly abs(y)*y, which closes 99 % of the squared gap. Along that model's run generic forces
-/// follow part of what it leaves, along the run with these the rest.
+/// Under a chirp y*abs(v) is nearly abs(y)*y, which closes 99 % of the squared gap. Along that model's run generic
+/// forces follow part of what it leaves, along the run with these the rest.
 TEST(Patchwork, OfOneNameIsSeenByForcesThatAreAskedForAgain) {
   for (const std::uint64_t seed : {35001, 35002}) {
     const truth::Scale& scale = truth::scale_named("metre");
