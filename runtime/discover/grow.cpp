@@ -86,8 +86,7 @@ class Grower {
         if (!c.degenerate()) out_.sets.push_back(c);
       if (!better && !masked) break;
       best = level.front();
-      parents = parents_among(level);
-      std::erase_if(parents, [](const Candidate& c) { return c.choices.size() > 1 && many_states(c.choices); });
+      parents = parents_of(std::move(level));
       if (parents.empty()) break;
     }
     sort_by_cost(out_.sets);
@@ -106,8 +105,12 @@ class Grower {
     if (!after.ran()) return false;
     if (!before.ran()) return true;
     if (closes_nearly_all(before, after)) return false;
-    return rms(after) < (1 - required_gain(study_, gap(after))) * rms(before) &&
-           (1 - required_gain(study_, 0)) * rms(after) > study_.sensor_noise();  // else nothing could be named
+    return rms(after) < (1 - required_gain(study_, gap(after))) * rms(before) && !is_whole(after);
+  }
+
+  /// Beside it nothing more could be named.
+  bool is_whole(const Candidate& c) const {
+    return c.ran() && !c.degenerate() && (1 - required_gain(study_, 0)) * rms(c) <= study_.sensor_noise();
   }
 
   /// Two effects may be needed where one alone leaves the error above the sensor's noise, and may be the simpler words
@@ -127,6 +130,17 @@ class Grower {
   }
 
   double gap(const Candidate& c) const { return rms(c) / study_.measured_std(); }
+
+  /// What others are added to. Where single effects leave no more than the noise, with many parameters, sets of others
+  /// are sought that have fewer.
+  std::vector<Candidate> parents_of(std::vector<Candidate> level) {
+    for (const Candidate& c : level)
+      if (is_whole(c)) fewest_ = std::min(fewest_, c.added());
+    std::erase_if(level, [&](const Candidate& c) { return is_whole(c) || c.added() + 1 >= fewest_; });
+    std::vector<Candidate> parents = parents_among(level);
+    std::erase_if(parents, [](const Candidate& c) { return c.choices.size() > 1 && many_states(c.choices); });
+    return parents;
+  }
 
   // ---- the catalogue along the motion ----
   void make_shapes() {
@@ -188,6 +202,7 @@ class Grower {
     for (std::size_t k = 0; k < parents.size(); ++k)
       for (const auto& shape : shapes_) {
         if (holds(parents[k].choices, shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
+        if (parents[k].added() + shape.linear.size() >= fewest_) continue;
         add_offer(offers, parents[k], spaces[k], shape);
       }
     const auto each = [&](const std::vector<std::size_t>& list, const std::function<void(Offer&)>& job) {
@@ -618,6 +633,7 @@ class Grower {
     for (const auto& fault : faults_) {
       if (holds(parent.choices, fault.choice.effect) || is_known(parent, fault.choice)) continue;
       if (!goes_with(parent.choices, fault.choice)) continue;
+      if (parent.added() + fault.choice.effect->parameters.size() >= fewest_) continue;
       Choices set = parent.choices;
       set.push_back(fault.choice);
       found.push_back(compile(study_, model_, set));
@@ -751,6 +767,7 @@ class Grower {
   /// where one missing effect makes free runs drift so far that another does not show in them (friction under a
   /// constant force, without a spring): there the force as it is says more than the force as the trajectory feels it.
   static std::vector<Candidate> parents_among(const std::vector<Candidate>& sorted) {
+    if (sorted.empty()) return {};
     std::vector<Candidate> parents(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(beam, std::ssize(sorted)));
     for (std::size_t richness = 1; richness <= force_beam; ++richness) {
       const Candidate* best = nullptr;
@@ -783,7 +800,8 @@ class Grower {
   const std::function<void(const std::string&, double)>& progress_;
   const Proposer proposer_, plain_;
   const ProposalFits fits_;
-  const int per_size_;  ///< proposals of one number of parameters that are run
+  const int per_size_;             ///< proposals of one number of parameters that are run
+  std::size_t fewest_ = SIZE_MAX;  ///< parameters of a single effect that leaves no more than the noise
   struct ChannelFault {
     Choice choice;
     std::vector<Guess> guesses;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/parallel.hpp"
+
 namespace lunid {
 
 FitOptions fixed_fit(const Study& study, int iterations, double tolerance, int substeps) {
@@ -64,21 +66,24 @@ void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::Ve
   if (all_linear(shape) || many_states(shape)) return;
   const auto& table = c.system->model().parameters;
   const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
-  const std::size_t step = (shape.guesses.size() + most - 1) / most;
-  for (std::size_t g = 0; g < shape.guesses.size(); g += step) {
-    const Guess& guess = shape.guesses[g];
+  const std::size_t step = std::max<std::size_t>(1, (shape.guesses.size() + most - 1) / most);
+  std::vector<FitResult> others((shape.guesses.size() + step - 1) / step);
+  parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
+    const auto g = static_cast<std::size_t>(i);
     Eigen::VectorXd start = from;
     for (Eigen::Index j = before; j < start.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);
-      if (!c.linear[k]) start[j] = guessed(table[k], guess);
+      if (!c.linear[k]) start[j] = guessed(table[k], shape.guesses[g * step]);
     }
-    FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
+    others[g] = fit_near(study_, c, start, iterations, coarse_substeps(c));
+  });
+  for (FitResult& other : others)
     if (other.cost < c.fit.cost) c.fit = std::move(other);
-  }
 }
 
 void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
-  if (!c.ran() || !c.degenerate() || !parent.ran()) return;
+  if (c.guesses_tried || !c.ran() || !c.degenerate() || !parent.ran()) return;
+  c.guesses_tried = true;
   Eigen::VectorXd from = Eigen::VectorXd::Zero(c.parameters());
   from.head(parent.parameters()) = parent.fit.theta;
   try_guesses(c, shape, from);
