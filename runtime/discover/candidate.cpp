@@ -160,16 +160,6 @@ std::size_t Candidate::added() const {
   return count;
 }
 
-std::string name_of(const Choices& choices) {
-  std::string text;
-  for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
-  return text.empty() ? "baseline" : text;
-}
-
-bool holds_name(const std::vector<Choices>& sets, const std::string& name) {
-  return std::ranges::any_of(sets, [&](const Choices& set) { return name_of(set) == name; });
-}
-
 std::vector<std::uint8_t> linear_parameters(const Model& model) {
   std::vector<Expr> forces;
   for (int i = 0; i < model.degrees(); ++i) {

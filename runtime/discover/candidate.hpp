@@ -1,26 +1,18 @@
 #pragma once
 // A candidate model: the baseline with some effects of the catalogue, its start read off the data, and its fit.
+#include <algorithm>
 #include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "discover/choices.hpp"
 #include "discover/study.hpp"
 
 namespace lunid {
 
 /// Substeps per sample of internal states where the force alone is looked at.
 inline constexpr int start_substeps = 2;
-
-struct Choice {
-  const Effect* effect = nullptr;
-  int variant = 0;
-  friend bool operator==(const Choice&, const Choice&) = default;
-};
-using Choices = std::vector<Choice>;
-/// "coulomb_friction + constant_force"; "baseline" of none.
-std::string name_of(const Choices& choices);
-bool holds_name(const std::vector<Choices>& sets, const std::string& name);
 
 struct Candidate {
   Choices choices;
@@ -59,6 +51,12 @@ struct Candidate {
   std::size_t added() const;  ///< parameters of the effects, the last of the model's
   std::string name() const { return name_of(choices); }
 };
+
+/// The candidate of this set among them; null where there is none.
+auto find_in(auto& candidates, const Choices& set) -> decltype(candidates.data()) {
+  const auto at = std::ranges::find_if(candidates, [&](const Candidate& c) { return same(c.choices, set); });
+  return at != candidates.end() ? &*at : nullptr;
+}
 
 /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
 double priced(const Candidate& c);

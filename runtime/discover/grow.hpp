@@ -21,13 +21,4 @@ struct Grown {
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
            const Grown& known, const std::function<void(const std::string&, double)>& progress);
 
-bool holds(const Choices& set, const Effect* effect);
-bool same(Choices a, Choices b);
-/// Every choice of `part` is in `whole`, with its variant.
-bool within(const Choices& part, const Choices& whole);
-/// Related by special_case_of, either way: the simpler is named without doubt.
-bool related(const Choices& a, const Choices& b);
-/// As many entries, each that of `special` or one of which it is a special case.
-bool is_general_form(const Choices& general, const Choices& special);
-
 }  // namespace lunid

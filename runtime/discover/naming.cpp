@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "discover/choice.hpp"
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
+#include "discover/ties.hpp"
 #include "record/random.hpp"
 #include "statistics/statistics.hpp"
 

@@ -1,6 +1,7 @@
 #pragma once
 // What an entry would explain, told before any free run: its force along the measured motion against the force that a
 // parent leaves open.
+#include <algorithm>
 #include <map>
 #include <optional>
 
@@ -56,6 +57,9 @@ class PlacedScales {
 
 /// Free runs of such an entry cost more than those of all others together.
 inline bool many_states(std::size_t states) { return states > 4; }
+inline bool many_states(const Choices& set) {
+  return std::ranges::any_of(set, [](const Choice& c) { return many_states(c.effect->states.size()); });
+}
 inline bool many_states(const Shape& shape) { return many_states(shape.system->model().states.size()); }
 
 /// Compares forces as the trajectory feels them: behind the receptance of the linear system.

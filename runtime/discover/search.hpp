@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "discover/choice.hpp"
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
+#include "discover/ties.hpp"
 
 namespace lunid {
 

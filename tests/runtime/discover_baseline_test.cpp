@@ -40,7 +40,7 @@ TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
   const Parameter& k3 = d.effects[0].parameters.front();
   EXPECT_NEAR(k3.value, 0.1, 4 * k3.std);
-  EXPECT_EQ(k3.unit, "N/rad^3");
+  EXPECT_EQ(k3.unit, "N m/rad^3");  // no force, but an angle: moments
   EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <deque>
 
-#include "discover/choice.hpp"
 #include "discover/search.hpp"
+#include "discover/ties.hpp"
 #include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
 

@@ -1,4 +1,4 @@
-#include "discover/choice.hpp"
+#include "discover/ties.hpp"
 
 #include <algorithm>
 

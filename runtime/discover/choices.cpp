@@ -1,0 +1,61 @@
+#include "discover/choices.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace lunid {
+
+std::string name_of(const Choices& choices) {
+  std::string text;
+  for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
+  return text.empty() ? "baseline" : text;
+}
+
+bool holds_name(const std::vector<Choices>& sets, const std::string& name) {
+  return std::ranges::any_of(sets, [&](const Choices& set) { return name_of(set) == name; });
+}
+
+Choices with(Choices set, const Choice& more) {
+  set.push_back(more);
+  return set;
+}
+
+bool holds(const Choices& set, const Effect* effect) {
+  return std::any_of(set.begin(), set.end(), [&](const Choice& c) { return c.effect == effect; });
+}
+
+bool same(Choices a, Choices b) {
+  const auto order = [](const Choice& x, const Choice& y) {
+    return std::make_pair(x.effect, x.variant) < std::make_pair(y.effect, y.variant);
+  };
+  std::sort(a.begin(), a.end(), order);
+  std::sort(b.begin(), b.end(), order);
+  return a == b;
+}
+
+bool is_among(const std::vector<Choices>& sets, const Choices& set) {
+  return std::ranges::any_of(sets, [&](const Choices& c) { return same(c, set); });
+}
+
+bool within(const Choices& part, const Choices& whole) {
+  return std::all_of(part.begin(), part.end(),
+                     [&](const Choice& x) { return std::find(whole.begin(), whole.end(), x) != whole.end(); });
+}
+
+bool related(const Choices& a, const Choices& b) {
+  const auto are = [](const Choice& x, const Choice& y) {
+    return x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect);
+  };
+  return std::ranges::any_of(
+      a, [&](const Choice& x) { return std::ranges::any_of(b, [&](const Choice& y) { return are(x, y); }); });
+}
+
+bool is_general_form(const Choices& general, const Choices& special) {
+  const auto is_covered = [&](const Choice& s) {
+    return std::ranges::any_of(
+        general, [&](const Choice& g) { return s.effect == g.effect || s.effect->is_special_case(*g.effect); });
+  };
+  return general.size() == special.size() && std::ranges::all_of(special, is_covered);
+}
+
+}  // namespace lunid

@@ -1,0 +1,33 @@
+#pragma once
+// Sets of entries of the catalogue, and how two of them stand to each other.
+#include <string>
+#include <vector>
+
+#include "discover/effect.hpp"
+
+namespace lunid {
+
+struct Choice {
+  const Effect* effect = nullptr;
+  int variant = 0;
+  friend bool operator==(const Choice&, const Choice&) = default;
+};
+using Choices = std::vector<Choice>;
+/// "coulomb_friction + constant_force"; "baseline" of none.
+std::string name_of(const Choices& choices);
+bool holds_name(const std::vector<Choices>& sets, const std::string& name);
+
+/// The set with one more.
+Choices with(Choices set, const Choice& more);
+
+bool holds(const Choices& set, const Effect* effect);
+bool same(Choices a, Choices b);
+bool is_among(const std::vector<Choices>& sets, const Choices& set);
+/// Every choice of `part` is in `whole`, with its variant.
+bool within(const Choices& part, const Choices& whole);
+/// Related by special_case_of, either way: the simpler is named without doubt.
+bool related(const Choices& a, const Choices& b);
+/// As many entries, each that of `special` or one of which it is a special case.
+bool is_general_form(const Choices& general, const Choices& special);
+
+}  // namespace lunid

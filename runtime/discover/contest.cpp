@@ -1,0 +1,174 @@
+#include "discover/contest.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+#include "discover/places.hpp"
+
+namespace lunid {
+
+namespace {
+
+constexpr double as_good = 1.5;  // times the least squared error: as far as special cases are heard
+constexpr double nearly = 1.15;  // as good, in squared error
+
+class Contest {
+ public:
+  Contest(const Study& study, const Model& model, const Candidate& baseline, const Grown& known, Offers& offers,
+          LevelFits& fits, Grown& out)
+      : study_(study), model_(model), baseline_(baseline), known_(known), offers_(offers), fits_(fits), out_(out) {}
+
+  void run() {
+    std::vector<Choices> contested;
+    for (int pass = 0; pass < study_.options->max_effects; ++pass) {
+      std::vector<Candidate> more;
+      for (const Candidate& whole : out_.sets) {
+        if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
+        for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
+      }
+      for (const Candidate* best : best_of_several()) {
+        if (is_among(contested, best->choices)) continue;
+        contested.push_back(best->choices);
+        for (const Choice& old : best->choices) fit_as_simple(*best, old, more);
+      }
+      const bool found = !more.empty();
+      std::ranges::move(more, std::back_inserter(out_.sets));
+      sort_by_cost(out_.sets);
+      if (!found) return;
+    }
+  }
+
+ private:
+  /// The best set, and the best of fewer effects that fits nearly as well: the simpler one may be named.
+  std::vector<const Candidate*> best_of_several() const {
+    std::vector<const Candidate*> out;
+    const Candidate* best = best_below(SIZE_MAX);
+    for (; best; best = best_below(best->choices.size()))
+      if (best->fit.cost < nearly * out_.sets.front().fit.cost) out.push_back(best);
+    return out;
+  }
+
+  /// Of two effects and more, and of fewer than this.
+  const Candidate* best_below(std::size_t most) const {
+    const Candidate* best = nullptr;
+    for (const Candidate& c : out_.sets)
+      if (c.choices.size() > 1 && c.choices.size() < most && (!best || priced(c) < priced(*best))) best = &c;
+    return best;
+  }
+
+  Candidate without(const Candidate& whole, const Choice& old) const {
+    Choices set = whole.choices;
+    std::erase(set, old);
+    const Candidate* known = find_in(out_.sets, set);
+    return set.empty() ? baseline_ : known ? *known : compile(study_, model_, set);
+  }
+
+  /// `more`: sets that are fitted already, beside those of out_, which are fitted once more where they cost more than
+  /// `badly`.
+  std::vector<Offer> offers_beside(const Candidate& rest, const Proposer::Parent& space,
+                                   const std::vector<Candidate>& more, double badly,
+                                   const std::function<bool(const Shape&)>& wanted) {
+    return offers_.beside(rest, space, [&](const Shape& shape) {
+      if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape)) return false;
+      const Choices set = with(rest.choices, shape.choice);
+      if (find_in(more, set)) return false;
+      const Candidate* fitted = find_in(out_.sets, set);
+      const bool again = fitted && fitted->fit.cost > badly && !is_among(heard_again_, set);
+      if (again) heard_again_.push_back(set);
+      return again || (!fitted && !find_in(known_.sets, set));
+    });
+  }
+
+  /// A set that is there already is replaced where it now fits better.
+  void fit_in_place(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
+                    std::vector<Candidate>& more) {
+    if (list.empty()) return;
+    for (Candidate& c : fits_.fit(offers, list, static_cast<int>(offers.front().set().size()))) {
+      if (c.degenerate()) continue;
+      Candidate* known = find_in(out_.sets, c.choices);
+      if (!known)
+        more.push_back(std::move(c));
+      else if (c.fit.cost < known->fit.cost)
+        *known = std::move(c);
+    }
+  }
+
+  /// Beside the other effects as they are in the whole set.
+  void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const auto is_special = [&](const Shape& shape) { return shape.choice.effect->is_special_case(*old.effect); };
+    if (std::ranges::none_of(offers_.shapes(), is_special)) return;
+    Candidate rest = without(whole, old);
+    rest.fit.theta = values_of(rest, {&whole});
+    rest.fit.cost = INFINITY;  // of no run
+    const Proposer::Parent space = offers_.space_of(rest, rest.fit.theta);
+    const double badly = nearly * whole.fit.cost;
+    const std::vector<Offer> offers = offers_beside(rest, space, more, badly, is_special);
+    std::vector<std::size_t> all(offers.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    fit_in_place(offers, all, more);
+    for (const Shape& shape : offers_.shapes())
+      if (is_special(shape) && !holds(rest.choices, shape.choice.effect))
+        fit_as_named(shape, rest.choices, whole, old, badly);
+  }
+
+  /// Where an entry that was fitted badly has the names of its more general form (Fc of friction, k of a spring): from
+  /// that one's values.
+  void fit_as_named(const Shape& shape, const Choices& rest, const Candidate& whole, const Choice& general,
+                    double badly) {
+    const Choices set = with(rest, shape.choice);
+    Candidate* known = find_in(out_.sets, set);
+    if (!known || !(known->fit.cost > badly)) return;
+    Candidate c = compile(study_, model_, set);
+    Eigen::VectorXd start = values_of(c, {known, &whole});
+    const auto& all = c.system->model().parameters;
+    const auto& values = whole.system->model().parameters;
+    for (const Parameter& own : shape.choice.effect->parameters)
+      for (const Parameter& other : general.effect->parameters) {
+        if (own_name(*shape.choice.effect, own.name) != own_name(*general.effect, other.name)) continue;
+        const auto to = std::ranges::find(all, own.name, &Parameter::name) - all.begin();
+        const auto from = std::ranges::find(values, other.name, &Parameter::name) - values.begin();
+        start[to] = whole.fit.theta[from];
+      }
+    c.starts = {start};
+    c.fit = fit_near(study_, c, start, 20, whole.fit.substeps);
+    if (c.ran() && !c.degenerate() && c.fit.cost < known->fit.cost) *known = std::move(c);
+  }
+
+  /// Where the entry that is left out was the spring, the baseline's own has to take over.
+  void fit_part(Candidate& rest, const Candidate& whole) const {
+    rest.fit = fit_near(study_, rest, values_of(rest, {&whole}), 20, whole.fit.substeps);
+    if (rest.ran() || !baseline_.ran()) return;
+    rest.fit = fit_near(study_, rest, values_of(rest, {&whole, &baseline_}), 20, whole.fit.substeps);
+  }
+
+  void fit_as_simple(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const std::size_t own = old.effect->parameters.size();
+    const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own; };
+    if (std::ranges::none_of(offers_.shapes(), is_as_simple)) return;
+    Candidate rest = without(whole, old);
+    if (rest.fit.theta.size() == 0) fit_part(rest, whole);
+    if (!rest.ran()) return;
+    const Proposer::Parent space = offers_.space_of(rest, rest.fit.theta);
+    const std::vector<Offer> offers = offers_beside(rest, space, more, INFINITY, is_as_simple);
+    fit_in_place(offers, offers_.best_on_motion(offers, {}, rest), more);
+  }
+
+  const Study& study_;
+  const Model& model_;
+  const Candidate& baseline_;
+  const Grown& known_;
+  Offers& offers_;
+  LevelFits& fits_;
+  Grown& out_;
+  std::vector<Choices> heard_again_;  ///< special cases that were fitted badly beside a more general form
+};
+
+}  // namespace
+
+void contest_the_best(const Study& study, const Model& model, const Candidate& baseline, const Grown& known,
+                      Offers& offers, LevelFits& fits, Grown& out) {
+  Contest(study, model, baseline, known, offers, fits, out).run();
+}
+
+}  // namespace lunid

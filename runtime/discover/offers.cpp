@@ -1,0 +1,316 @@
+#include "discover/offers.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "discover/judge.hpp"
+#include "discover/linearised.hpp"
+#include "discover/proposal_fits.hpp"
+#include "record/parallel.hpp"
+
+namespace lunid {
+
+namespace {
+
+constexpr int refined = 24;  // proposals whose shape parameters are refined on the force
+constexpr int later_refined = 12;
+constexpr int least_per_size = 3;  // proposals of one number of parameters that are run; of short records more
+constexpr int most_per_size = 9;
+constexpr double rows_of_runs = 12000;  // so many rows are run for the proposals of one number of parameters
+constexpr int first_runs = 4;           // the best proposals that are run in any case
+constexpr int later_runs = 6;           // the same of sets of two and more
+constexpr int heavy_runs = 3;           // beside an entry of many states, which takes no more than one other
+constexpr double as_good = 1.5;  // times the best squared misfit of the force: as far as entries of many states are run
+constexpr double far = 40;       // the same as far as they are refined, and run where no other reaches the noise
+constexpr std::size_t slow_runs = 2;
+constexpr std::size_t runs_by_motion = 3;  // of what the force does not show
+constexpr double near_enough = 0.5;        // of the motion, for that
+
+int runs_per_size(const Study& study) {
+  double rows = 0;
+  for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
+  return static_cast<int>(std::clamp<double>(rows_of_runs / rows, least_per_size, most_per_size));
+}
+
+/// The best proposal at other places: a rival of itself.
+void add_other_places(const std::vector<Offer>& offers, const std::vector<std::size_t>& order,
+                      std::vector<std::size_t>& list) {
+  const Choice& best = offers[list.front()].standing.shape->choice;
+  std::vector<std::optional<Place>> seen;
+  for (const auto i : list)
+    if (const Effect& e = *offers[i].standing.shape->choice.effect; e.name == best.effect->name)
+      seen.push_back(e.place);
+  for (const auto i : order) {
+    const Effect& other = *offers[i].standing.shape->choice.effect;
+    if (other.name != best.effect->name || std::find(seen.begin(), seen.end(), other.place) != seen.end()) continue;
+    seen.push_back(other.place);
+    list.push_back(i);
+  }
+}
+
+/// The misfit of the second best on the force as it is; those are run in any case.
+double plain_limit(const std::vector<Offer>& offers, const std::vector<std::size_t>& order) {
+  std::vector<double> all;
+  for (const auto i : order)
+    if (std::isfinite(offers[i].misfit)) all.push_back(offers[i].misfit);
+  std::sort(all.begin(), all.end());
+  return all.empty() ? -1 : all[std::min<std::size_t>(1, all.size() - 1)];
+}
+
+bool is_told(const Offer& o) { return o.standing.shown && std::isfinite(o.standing.cost); }
+
+}  // namespace
+
+int Offers::as_affordable(int usual) const { return usual * per_size_ / least_per_size; }
+
+Choices Offer::set() const {
+  return with(parent->choices, standing.shape->choice);
+}
+
+Offers::Offers(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
+               const Grown& known, Grown& out)
+    : study_(study),
+      model_(model),
+      baseline_(baseline),
+      known_(known),
+      out_(out),
+      proposer_(study, baseline),
+      plain_(study, baseline, false),
+      per_size_(runs_per_size(study)),
+      scales_(study, baseline) {
+  for (const auto& effect : catalogue) {
+    if (in_baseline(effect)) {
+      out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
+      continue;
+    }
+    for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+      const Choice choice{&effect, variant};
+      if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
+        shapes_.push_back(proposer_.shape(model_, choice, scales_.at(effect.place)));
+      else
+        faults_.push_back({choice, scales_.guesses(choice)});
+    }
+  }
+}
+
+void Offers::run_along_the_motion() {
+  run_shapes([](const Shape& shape) { return !many_states(shape); });
+}
+
+void Offers::run_shapes(const std::function<bool(const Shape&)>& wanted) {
+  parallel_for(static_cast<int>(shapes_.size()), study_.options->threads, [&](int i) {
+    Shape& shape = shapes_[static_cast<std::size_t>(i)];
+    if (wanted(shape)) proposer_.run(shape);
+  });
+}
+
+/// An entry that is an element of the baseline has its names there.
+bool Offers::in_baseline(const Effect& effect) const {
+  for (const Parameter& own : effect.parameters)
+    if (model_.find(own.name)) return true;
+  return std::any_of(effect.states.begin(), effect.states.end(), [&](const InternalState& own) {
+    return std::any_of(model_.states.begin(), model_.states.end(),
+                       [&](const InternalState& known) { return known.symbol.name() == own.symbol.name(); });
+  });
+}
+
+bool Offers::is_known(const Candidate& parent, const Choice& added) const {
+  return find_in(known_.sets, with(parent.choices, added));
+}
+
+const Shape* Offers::shape_of(const Choice& choice) const {
+  const auto at = std::ranges::find_if(shapes_, [&](const Shape& s) { return s.choice == choice; });
+  return at != shapes_.end() ? &*at : nullptr;
+}
+
+void Offers::add(std::vector<Offer>& offers, const Candidate& parent, const Proposer::Parent& space,
+                 const Shape& shape) {
+  offers.push_back({&parent, &space, {}});
+  offers.back().standing.shape = &shape;
+  out_.tried += static_cast<int>(shape.guesses.size());
+}
+
+void Offers::each(std::vector<Offer>& offers, const std::vector<std::size_t>& list,
+                  const std::function<void(Offer&)>& job) const {
+  parallel_for(static_cast<int>(list.size()), study_.options->threads,
+               [&](int i) { job(offers[list[static_cast<std::size_t>(i)]]); });
+}
+
+Offers::Round Offers::beside(const std::vector<Candidate>& parents, std::size_t fewest) {
+  const bool single = parents.front().choices.empty();
+  Round round;
+  round.spaces.resize(parents.size());
+  parallel_for(static_cast<int>(parents.size()), study_.options->threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    round.spaces[k] = space_of(parents[k], parents[k].best_theta());
+  });
+  for (std::size_t k = 0; k < parents.size(); ++k)
+    for (const auto& shape : shapes_) {
+      if (holds(parents[k].choices, shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
+      if (parents[k].added() + shape.linear.size() >= fewest) continue;
+      add(round.all, parents[k], round.spaces[k], shape);
+    }
+  std::vector<std::size_t> order(round.all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  each(round.all, order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
+  if (single) {
+    score_many_states(round.all, order);
+    leave_aside(round.all);
+    const Proposer::Parent space = plain_.parent(parents.front(), parents.front().best_theta());
+    each(round.all, order, [&](Offer& o) { o.misfit = misfit(*o.standing.shape, space); });
+  }
+  std::erase_if(order, [&](std::size_t i) { return !is_told(round.all[i]); });
+  const auto by_cost = [&](std::size_t a, std::size_t b) {
+    return round.all[a].standing.cost < round.all[b].standing.cost;
+  };
+  std::stable_sort(order.begin(), order.end(), by_cost);
+  refine_the_best(round.all, order, single);
+  std::stable_sort(order.begin(), order.end(), by_cost);
+  shortlist(round, order, single);
+  if (single && !round.worth_runs.empty()) add_other_places(round.all, order, round.worth_runs);
+  return round;
+}
+
+std::vector<Offer> Offers::beside(const Candidate& parent, const Proposer::Parent& space,
+                                  const std::function<bool(const Shape&)>& wanted) {
+  std::vector<Offer> offers;
+  for (const Shape& shape : shapes_)
+    if (wanted(shape)) add(offers, parent, space, shape);
+  parallel_for(static_cast<int>(offers.size()), study_.options->threads, [&](int i) {
+    Offer& o = offers[static_cast<std::size_t>(i)];
+    o.standing = proposer_.score(*o.standing.shape, space);
+    if (is_told(o) && !all_linear(*o.standing.shape)) proposer_.refine(o.standing, space, 10);
+  });
+  std::erase_if(offers, [](const Offer& o) { return !is_told(o); });
+  return offers;
+}
+
+/// Entries of many states take longer along the motion than all others together: they are looked at where one of few
+/// states comes near to the best, at the same place.
+void Offers::score_many_states(std::vector<Offer>& offers, const std::vector<std::size_t>& all) {
+  std::vector<std::optional<Place>> near;
+  for (const auto& place : scales_.places())
+    if (memory_comes_near(offers, place)) near.push_back(place);
+  const auto wanted = [&](const Shape& shape) {
+    return many_states(shape) && std::find(near.begin(), near.end(), shape.choice.effect->place) != near.end();
+  };
+  run_shapes(wanted);
+  each(offers, all, [&](Offer& o) {
+    if (wanted(*o.standing.shape)) o.standing = proposer_.score(*o.standing.shape, *o.space);
+  });
+}
+
+bool Offers::memory_comes_near(const std::vector<Offer>& offers, const std::optional<Place>& place) const {
+  double best = INFINITY, memory = INFINITY;
+  const auto hear = [&](double cost, const Effect& effect, bool remembers) {
+    best = std::min(best, cost);
+    if (remembers && effect.place == place) memory = std::min(memory, cost);
+  };
+  for (const auto& o : offers)
+    if (o.standing.shown)
+      hear(o.standing.cost, *o.standing.shape->choice.effect, !o.standing.shape->system->model().states.empty());
+  for (const auto& c : known_.sets) {
+    if (c.choices.size() != 1) continue;
+    const Effect& effect = *c.choices.front().effect;
+    hear(c.force_cost, effect, !effect.states.empty());
+  }
+  return memory <= as_good * best;
+}
+
+/// What an entry without memory would leave of the force itself.
+double Offers::misfit(const Shape& shape, const Proposer::Parent& space) const {
+  if (!shape.system->model().states.empty()) return INFINITY;
+  Shape alone{shape.choice, shape.system, shape.linear, shape.guesses};
+  plain_.run(alone);
+  const Standing standing = plain_.score(alone, space);
+  return standing.shown && std::isfinite(standing.cost) ? standing.cost : INFINITY;
+}
+
+void Offers::leave_aside(const std::vector<Offer>& offers) {
+  for (const auto& o : offers) {
+    if (o.standing.shape->columns.empty()) continue;  // not looked at
+    const std::string name = o.standing.shape->choice.effect->label();
+    const bool other = std::any_of(offers.begin(), offers.end(), [&](const Offer& x) {
+      return x.standing.shown && x.standing.shape->choice.effect == o.standing.shape->choice.effect;
+    });
+    if (!other && (out_.left_aside.empty() || out_.left_aside.back() != name)) out_.left_aside.push_back(name);
+  }
+}
+
+/// Shape parameters of the best proposals; of many states only where they come near, from a first guess that is
+/// coarse.
+void Offers::refine_the_best(std::vector<Offer>& offers, const std::vector<std::size_t>& sorted, bool single) const {
+  std::vector<std::size_t> leaders;
+  for (const auto i : sorted) {
+    const Standing& s = offers[i].standing;
+    const bool too_far = many_states(*s.shape) && s.cost > far * offers[sorted.front()].standing.cost;
+    if (std::ssize(leaders) < (single ? refined : later_refined) && !all_linear(*s.shape) && !too_far)
+      leaders.push_back(i);
+  }
+  each(offers, leaders, [&](Offer& o) { proposer_.refine(o.standing, *o.space, 10); });
+}
+
+/// The best on the force, and the best of each number of parameters: a set with more of them often comes first there
+/// where a simpler one is as good. Simple ones first where the same effect stands twice (its variants). Single effects
+/// of many states that are farther from the best are `slow`: what memory makes of a noisy motion says little.
+void Offers::shortlist(Round& round, const std::vector<std::size_t>& order, bool single) const {
+  std::vector<int> count(9, 0);
+  std::vector<Choices> seen;
+  int heavy = 0;
+  const std::size_t always = single ? first_runs : later_runs;
+  const double plainly = plain_limit(round.all, order);
+  const double best = order.empty() ? INFINITY : round.all[order.front()].standing.cost;
+  for (const std::size_t i : order) {
+    const Offer& o = round.all[i];
+    Choices set = o.set();
+    if (is_among(seen, set)) continue;
+    const auto parameters =
+        std::min<std::size_t>(single ? 4 : 8, o.parent->added() + static_cast<std::size_t>(o.standing.own.size()));
+    const bool gains = o.standing.cost < (1 - 10.0 / static_cast<double>(rows())) * o.space->cost;
+    if (many_states(*o.standing.shape) && o.standing.cost > as_good * best) {
+      if (single && round.slow.size() < slow_runs && o.standing.cost < far * best) round.slow.push_back(i);
+      continue;
+    }
+    if (many_states(o.parent->choices) && ++heavy > heavy_runs) continue;
+    const bool is_first = round.worth_runs.size() < always;
+    if (!is_first && !(o.misfit <= plainly) && !(gains && count[parameters] < (single ? per_size_ : 1))) continue;
+    ++count[parameters];
+    seen.push_back(std::move(set));
+    round.worth_runs.push_back(i);
+  }
+}
+
+std::vector<std::size_t> Offers::best_on_motion(const std::vector<Offer>& offers,
+                                                const std::vector<std::size_t>& fitted, const Candidate& parent,
+                                                bool open) const {
+  if (!parent.ran() || !(rms(parent) < near_enough * study_.measured_std())) return {};
+  if (!open && !is_above_noise(study_, parent)) return {};
+  std::vector<std::size_t> others;
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < offers.size(); ++i) {
+    const Offer& o = offers[i];
+    if (o.parent->choices != parent.choices || !o.standing.shown || o.standing.own.size() == 0) continue;
+    if (!open && !o.standing.shape->choice.effect->states.empty()) continue;
+    if (many_states(*o.standing.shape) || std::find(fitted.begin(), fitted.end(), i) != fitted.end()) continue;
+    others.push_back(i);
+    candidates.push_back(compile(study_, model_, o.set()));
+  }
+  const Whitening whitening = residual_colour(study_, parent);
+  std::vector<double> gains(others.size());
+  parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Standing& s = offers[others[k]].standing;
+    Eigen::VectorXd theta(candidates[k].parameters());
+    theta << parent.fit.theta, s.own;
+    gains[k] = gain_on_motion(study_, whitening, parent, candidates[k], theta).gain;
+  });
+  std::vector<std::size_t> order(others.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return gains[a] > gains[b]; });
+  std::vector<std::size_t> out;
+  for (const std::size_t k : order)
+    if (gains[k] > study_.options->minimum_gain && out.size() < runs_by_motion) out.push_back(others[k]);
+  return out;
+}
+
+}  // namespace lunid
