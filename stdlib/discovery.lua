@@ -3,7 +3,7 @@ local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local models = require "lunid.models"
 local output = require "lunid.output"
-local record_list = require "lunid.record_list"
+local record_runs = require "lunid.record_runs"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -63,15 +63,6 @@ local definition = {
   example = [[local found = lunid.discover { model = model, train = train, test = test }]],
 }
 
---- The records cut at the gaps that were interpolated: a run through one follows a force that nobody measured.
-local function in_pieces(list)
-  local out = {}
-  for _, record in ipairs(list) do
-    for _, piece in ipairs(record:pieces()) do out[#out + 1] = piece end
-  end
-  return out
-end
-
 --- Checks the catalogue, cuts the windows and runs the search.
 local function search(given)
   local entries = catalogue.with_own("discover", given.catalogue, given.effects, given.catalogue or catalogue.names)
@@ -79,9 +70,9 @@ local function search(given)
     given.first = #entries
     for _, entry in ipairs(catalogue.others()) do entries[#entries + 1] = entry end
   end
-  local train = in_pieces(record_list(given.train, given.window))
+  local train = record_runs(given.train, given.window)
   local tested = given.test or given.test_window and given.train
-  local test = tested and in_pieces(record_list(tested, given.test_window)) or {}
+  local test = tested and record_runs(tested, given.test_window) or {}
   return core.discover(given.model, entries, train, test, given)
 end
 

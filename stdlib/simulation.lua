@@ -1,6 +1,7 @@
 -- Free runs, and fits on the trajectory.
 local core = require "lunid.core"
 local record_list = require "lunid.record_list"
+local record_runs = require "lunid.record_runs"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -105,7 +106,7 @@ local fit_trajectory = schema.define({
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "with first guesses and bounds" },
     { "record", types.either(types.is("record", "lunid.read"), types.list(types.is("record", "lunid.read"), 1)),
-      required = true, help = "one record or several" },
+      required = true, help = "one record or several; cut at gaps that were interpolated, but where some parameters are separate" },
     { "window", types.is("window", "lunid.window"), help = "part of the records" },
     { "channels", types.list(types.string, 1),
       help = "the displacements, velocities and accelerations to fit, each weighted by its noise; else of each coordinate "
@@ -130,7 +131,8 @@ local fit_trajectory = schema.define({
   returns = "trajectory_fit",
   example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],
 }, function(given)
-  local fit = core.fit_trajectory(given.model, record_list(given.record, given.window), given)
+  local records = (given.separate and record_list or record_runs)(given.record, given.window)
+  local fit = core.fit_trajectory(given.model, records, given)
   if not fit.summary.converged then
     print(("%s: fit_trajectory: did not converge (%s)"):format(core.place(), fit.summary.stopped))
   end

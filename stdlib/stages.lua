@@ -1,7 +1,7 @@
 -- The stages of discovery one by one: where a model fails, which entries would help, how given sets compare.
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
-local record_list = require "lunid.record_list"
+local record_runs = require "lunid.record_runs"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -44,7 +44,7 @@ local locate = schema.define({
 print(where)
 print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
 }, function(given)
-  local found = core.locate(given.model, record_list(given.record, given.window), { place = given.place })
+  local found = core.locate(given.model, record_runs(given.record, given.window), { place = given.place })
   return schema.object("location", found, nil, function(self)
     local where = {}
     for _, over in ipairs { "time", "y", "v", "amplitude", "harmonic", "frequency" } do
@@ -68,7 +68,7 @@ local propose = schema.define({
   example = [[local list = lunid.propose { model = model, record = train }
 print(list[1].name, list[1].gain)]],
 }, function(given)
-  local found = core.propose(given.model, catalogue.with_own("propose", given.catalogue, given.effects, given.catalogue or catalogue.searched), record_list(given.record, given.window), {})
+  local found = core.propose(given.model, catalogue.with_own("propose", given.catalogue, given.effects, given.catalogue or catalogue.searched), record_runs(given.record, given.window), {})
   local list = found.proposals
   list.model, list.gap, list.warnings = found.model, found.gap, found.warnings
   return schema.object("proposals", list, nil, function(self)
@@ -150,7 +150,7 @@ local rank = schema.define({
   "constant_force" } }, criterion = function(row) return row.model and row.left_out_gap end }
 print(rows[1].name, rows[1].model)]],
 }, function(given)
-  local rows = core.rank_sets(given.model, entries_named(given), sets_of(given), record_list(given.record, given.window), { blocks = given.blocks })
+  local rows = core.rank_sets(given.model, entries_named(given), sets_of(given), record_runs(given.record, given.window), { blocks = given.blocks })
   rows = judge(rows, given.criterion or function() return true end)
   return schema.object("ranking", rows, nil, function(self)
     local text = lines_of(("%-40s %10s %10s %12s %8s"):format("set", "left out", "gap", "log L", "z"), self, function(row)

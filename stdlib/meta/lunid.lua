@@ -284,7 +284,7 @@ function lunid.simulate(fields) end
 ---Refines a model's parameters on the trajectory: least squares between free runs and the measured motion, first states included (these begin at what fits the first rows, then ever more of them, with the parameters as guessed).
 ---@class lunid.fit_trajectory.fields
 ---@field model lunid.model # with first guesses and bounds
----@field record any # one record or several
+---@field record any # one record or several; cut at gaps that were interpolated, but where some parameters are separate
 ---@field window? lunid.window # part of the records
 ---@field channels? table # the displacements, velocities and accelerations to fit, each weighted by its noise; else of each coordinate what was measured: y, or v or a where that alone was
 ---@field separate? table # names of parameters that each record has for itself

@@ -32,6 +32,20 @@ spec.case("separate parameters, one model for each record", function()
 end)
 
 -- Samples that are far off raise what a spectrum shows of noise tenfold; the weight of y beside v must not see that.
+spec.case("a run goes through no gap: what was interpolated there, motion and force, is fitted by nobody", function()
+  local rows, whole = {}, record:column "t":list()
+  local force, motion = record:column "F":list(), record:column "y":list()
+  for i = 1, #whole do
+    if i <= 2000 or i > 2060 then rows[#rows + 1] = ("%.17g,%.17g,%.17g"):format(whole[i], force[i], motion[i]) end
+  end
+  spec.write("gap.csv", "t,F,y\n" .. table.concat(rows, "\n") .. "\n")
+  local cut = lunid.read(spec.folder .. "/gap.csv", { resample = true })
+  local fit = lunid.fit_trajectory { model = model, record = cut, interpolation = "band_limited" }
+  spec.equal(fit.summary.rows, #rows)
+  local row = fit.model.parameters.k3
+  assert(math.abs(row.value - 1.1607e10) < 4*row.std, tostring(fit))
+end)
+
 spec.case("outliers in one channel leave the weights of the channels alone", function()
   local truth = lunid.model { mass = 1, restoring = 2e4*y + 10*v }
   local push = lunid.excitation.multisine { from = 5, to = 60, rms = 60, period = 2, dt = 0.00125, duration = 2, seed = 1 }
