@@ -58,6 +58,13 @@ Parameter within(const std::string& name, double limit) {
   return row;
 }
 
+/// y or v so much earlier: to second and first order in the lag, and at this frequency exactly.
+Expr earlier(Pool& pool, const std::string& channel, Expr lag, double omega) {
+  const Expr y = pool.channel("y"), v = pool.channel("v"), a = pool.channel("a");
+  const Expr sine = pool.apply(Op::sin, {lag * omega}) / omega, cosine = pool.apply(Op::cos, {lag * omega});
+  return channel == "y" ? y + sine * v + (1.0 - cosine) / (omega * omega) * a : cosine * v + sine * a;
+}
+
 }  // namespace
 
 std::optional<Effect> between_samples(const Study& study, const Model& model) {
@@ -72,17 +79,26 @@ std::optional<Effect> between_samples(const Study& study, const Model& model) {
   out.parameters = {within("between_samples_mass", phase * phase / 12 + most_damping * phase),
                     within("between_samples_lag", 0.5 * dt)};
   EffectVariant form = pool.parameter("between_samples_mass") * model.mass * pool.channel("a");
-  form.acts = {{"F", pool.channel("F") + pool.parameter("between_samples_lag") * pool.channel("force_rate")}};
+  const Expr lag = pool.parameter("between_samples_lag");
+  if (study.measured == "a")
+    form.acts = {{"F", pool.channel("F") + lag * pool.channel("force_rate")}};
+  else
+    form.measures = {{study.measured, earlier(pool, study.measured, lag, study.omega)}};
   out.variants.push_back(form);
   return out;
 }
 
-std::string words_of_reading(const Study& study, const Eigen::Vector2d& parameters) {
+std::string words_of_reading(const Study& study, const Reading& reading) {
   char words[100];
-  const double mass = 100 * parameters[0], samples = parameters[1] / study.full.front().dt();
+  const double mass = 100 * reading.parameters[0], samples = reading.parameters[1] / study.full.front().dt();
   std::snprintf(words, sizeof words, "%.2g of a sample %s, and a mass that is %.2g %% %s", std::abs(samples),
                 samples > 0 ? "earlier" : "later", std::abs(mass), mass < 0 ? "less" : "more");
-  return words;
+  if (reading.as_studied) return words;
+  const std::string between = reading.between == Interpolation::hold     ? "held"
+                              : reading.between == Interpolation::linear ? "straight"
+                              : reading.between == Interpolation::cubic  ? "curved"
+                                                                         : "band-limited";
+  return between + " between its samples, " + words;
 }
 
 }  // namespace lunid

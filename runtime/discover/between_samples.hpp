@@ -21,12 +21,19 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
 /// A part of the force that a controller holds while the rest goes on: held less straight, -kappa y - delta v is to
 /// second order in the sampling interval dt the force kappa dt/2 v + (delta dt/2 + kappa dt^2/12) a. As an entry it is
 /// a change of the mass of either sign, by (omega dt)^2/12 + omega dt/10 at most (kappa up to the stiffness that holds
-/// the mass, delta up to a tenth of critical damping), and a lag of the force below half a sample. What is no better
-/// than these is not named. None where the motion is imposed, several coordinates move or no force acts. Grows the
-/// pool: main thread only.
+/// the mass, delta up to a tenth of critical damping), and a lag of the force (or, which is the same, of the motion
+/// that is measured) below half a sample. What is no better than these is not named. None where the motion is imposed,
+/// several coordinates move or no force acts. Grows the pool: main thread only.
 std::optional<Effect> between_samples(const Study& study, const Model& model);
 
-/// "0.31 of a sample earlier, and a mass that is 0.9 % more" of the entry's parameters.
-std::string words_of_reading(const Study& study, const Eigen::Vector2d& parameters);
+struct Reading {
+  Eigen::Vector2d parameters;  ///< of the entry: part of the mass, lag [s]
+  Interpolation between;
+  bool as_studied = true;  ///< the study reads the force between its samples so
+};
+
+/// "0.31 of a sample earlier, and a mass that is 0.9 % more"; "band-limited between its samples, ..." where the study
+/// reads it otherwise.
+std::string words_of_reading(const Study& study, const Reading& reading);
 
 }  // namespace lunid

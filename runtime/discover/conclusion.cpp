@@ -162,7 +162,9 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone) ", out.final_test.value,
                   out.final_test.floor);
     return text + std::string("is gone where the force is read ") + found.reading +
-           ": what a force may do between its samples, such as a controller's part that is held; no effect is named";
+           ": what a force may do between its samples, such as a controller's part that is held, or channels that are "
+           "read "
+           "a part of a sample apart; no effect is named";
   }
   if (out.verdict == "nothing-missing") {
     std::snprintf(text, sizeof text,

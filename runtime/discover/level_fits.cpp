@@ -84,7 +84,8 @@ void LevelFits::add_faults(const Candidate& parent, std::size_t fewest, std::vec
   std::vector<Candidate> found;
   std::vector<std::vector<Guess>> guesses;
   for (const auto& fault : offers_.faults()) {
-    if (holds(parent.choices, fault.choice.effect) || find_in(known_.sets, with(parent.choices, fault.choice))) continue;
+    if (holds(parent.choices, fault.choice.effect) || find_in(known_.sets, with(parent.choices, fault.choice)))
+      continue;
     if (!goes_with(parent.choices, fault.choice)) continue;
     if (parent.added() + fault.choice.effect->parameters.size() >= fewest) continue;
     found.push_back(compile(study_, model_, with(parent.choices, fault.choice)));
@@ -158,9 +159,8 @@ std::vector<std::size_t> LevelFits::to_the_end(const std::vector<Candidate>& sor
 void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
   const std::span<const Candidate> best(sorted.data(), std::min<std::size_t>(led_out, sorted.size()));
   const auto is_simpler_than_the_best = [&](const Candidate& c) {
-    return std::ranges::any_of(best, [&](const Candidate& b) {
-      return c.choices.front().effect->is_special_case(*b.choices.front().effect);
-    });
+    return std::ranges::any_of(
+        best, [&](const Candidate& b) { return c.choices.front().effect->is_special_case(*b.choices.front().effect); });
   };
   std::vector<std::size_t> list;
   for (std::size_t i = 0; i < sorted.size(); ++i)

@@ -10,8 +10,8 @@ namespace lunid {
 
 class LevelFits {
  public:
-  /// `out`: the sets that were grown before; what of the channels' faults was tried and left aside is noted there. Holds
-  /// references to all.
+  /// `out`: the sets that were grown before; what of the channels' faults was tried and left aside is noted there.
+  /// Holds references to all.
   LevelFits(const Study& study, const Model& model, const Candidate& baseline, const Offers& offers, const Grown& known,
             Grown& out)
       : study_(study),

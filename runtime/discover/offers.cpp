@@ -63,9 +63,7 @@ bool is_told(const Offer& o) { return o.standing.shown && std::isfinite(o.standi
 
 int Offers::as_affordable(int usual) const { return usual * per_size_ / least_per_size; }
 
-Choices Offer::set() const {
-  return with(parent->choices, standing.shape->choice);
-}
+Choices Offer::set() const { return with(parent->choices, standing.shape->choice); }
 
 Offers::Offers(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
                const Grown& known, Grown& out)

@@ -1,6 +1,6 @@
 #pragma once
-// Which entries of the catalogue are worth free runs beside a fitted set: told by what each makes of the force along the
-// measured motion.
+// Which entries of the catalogue are worth free runs beside a fitted set: told by what each makes of the force along
+// the measured motion.
 #include <cmath>
 #include <functional>
 #include <optional>

@@ -298,21 +298,31 @@ class Search {
 
   /// What the smaller set would do with a force that is read otherwise between its samples is no worse than the larger.
   bool is_between_samples(const Candidate& without, const Candidate& with) const {
-    const std::optional<Candidate> c = with_reading(without, with.fit.substeps);
-    return c && !fits_worse(study_, *c, with);
+    const auto is_as_good = [&](const Candidate& c) { return !fits_worse(study_, c, with); };
+    return find_reading(without, with.fit.substeps, is_as_good).has_value();
   }
 
-  std::optional<Candidate> with_reading(const Candidate& of, int substeps) const {
-    const std::optional<Effect> reading = between_samples(study_, model_);
-    if (!reading || !goes_with(of.choices, {&*reading, 0})) return {};
-    Choices set = of.choices;
-    set.push_back({&*reading, 0});
-    Candidate c = compile(study_, model_, set);
+  /// The first reading that does: under the force's present interpolation, which may stand for a part of a lag (a held
+  /// force is half a sample late), and, where that takes most of the set's squared error, under the others.
+  std::optional<Reading> find_reading(const Candidate& of, int substeps,
+                                      const std::function<bool(const Candidate&)>& does) const {
+    constexpr double most = 0.5;
+    const std::optional<Effect> effect = between_samples(study_, model_);
+    if (!effect || !goes_with(of.choices, {&*effect, 0})) return {};
+    Candidate c = compile(study_, model_, with(of.choices, {&*effect, 0}));
     c.starts = {values_of(c, {&of})};
-    c.fit = fit_near(study_, c, c.starts.front(), 20, substeps);
-    judge(study_, c, result_.whitening);
-    if (!c.ran()) return {};
-    return c;
+    Study study = study_;
+    for (const Interpolation kind : {study_.interpolation, Interpolation::linear, Interpolation::cubic,
+                                     Interpolation::band_limited, Interpolation::hold}) {
+      const bool present = kind == study_.interpolation;
+      if (present && c.fit.theta.size() > 0) continue;
+      set_interpolation(study, kind);
+      c.fit = fit_near(study, c, c.starts.front(), 20, substeps);
+      judge(study, c, result_.whitening);
+      if (c.ran() && does(c)) return Reading{c.fit.theta.tail<2>(), kind, present};
+      if (present && !(c.fit.cost < most * of.fit.cost)) return {};
+    }
+    return {};
   }
 
   /// Where nothing is named and something is left: whether a reading of the force takes nearly all of it.
@@ -320,10 +330,12 @@ class Search {
     constexpr double nearly_all = 0.95, at_noise = 1.1;
     const Candidate& baseline = result_.baseline;
     if (!baseline.ran() || !(rms_error(baseline.fit) > at_noise * study_.sensor_noise())) return;
-    const std::optional<Candidate> c = with_reading(baseline, baseline.fit.substeps);
     const double y = study_.measured_std();
-    if (c && closed_share(rms_error(baseline.fit) / y, rms_error(c->fit) / y, study_.noise_gap()) > nearly_all)
-      result_.reading = words_of_reading(study_, c->fit.theta.tail(2));
+    const auto takes_all = [&](const Candidate& c) {
+      return closed_share(rms_error(baseline.fit) / y, rms_error(c.fit) / y, study_.noise_gap()) > nearly_all;
+    };
+    if (const auto reading = find_reading(baseline, baseline.fit.substeps, takes_all))
+      result_.reading = words_of_reading(study_, *reading);
   }
 
   /// The chosen set without each of its effects, fitted and judged (from the field where it is there).

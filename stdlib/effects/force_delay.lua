@@ -11,7 +11,7 @@ return function(effect)
       return guesses
     end,
     range = function(scale)  -- less than a sample is told from nothing but what the force does between its samples
-      return { tau = { scale.interval, scale.interval + 6 / scale.omega } }
+      return { tau = { 0.5 * scale.interval, scale.interval + 6 / scale.omega } }
     end,
     passive = true,
     signature = "the phase falls behind in proportion to the frequency, the amplitude stays; at one frequency it is damping "

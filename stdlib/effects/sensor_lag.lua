@@ -14,7 +14,7 @@ return function(effect)
       return guesses
     end,
     range = function(scale)  -- less than a sample is told from nothing but what the force does between its samples
-      return { tau = { scale.interval, scale.interval + 10 / scale.omega } }
+      return { tau = { 0.5 * scale.interval, scale.interval + 10 / scale.omega } }
     end,
     passive = true,
     signature = "the phase falls behind and the amplitude falls as the frequency rises; looks like damping of either sign",

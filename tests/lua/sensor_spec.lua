@@ -49,9 +49,10 @@ end
 local function record(seed, scale, fault, noise_db)
   local displacement = motion(seed, fault.k3 or 0, fault.friction or 0)
   if fault.lag then displacement = lagged(displacement, fault.lag) end
-  local dt, ys, fs, ahead = spacing / scale.omega, {}, {}, math.floor((fault.delay or 0) / (spacing / finer) + 0.5)
-  for i = 1, rows do
-    local at = (i - 1) * finer + 1
+  local every = fault.every or 1  -- rows of 32 in a period
+  local dt, ys, fs, ahead = every * spacing / scale.omega, {}, {}, math.floor((fault.delay or 0) / (spacing / finer) + 0.5)
+  for i = 1, rows // every do
+    local at = (i - 1) * every * finer + 1
     local x = (fault.gain or 1) * displacement[at] + (fault.offset or 0) + (fault.trend or 0) * (i - 1) / rows
     if fault.clip then x = math.max(-fault.clip, math.min(x, fault.clip)) end
     ys[i] = x * scale.length
@@ -66,11 +67,11 @@ local tried = { "cubic_stiffness", "constant_force", "coulomb_friction", "one_si
   "base_motion", "rotating_unbalance", "force_gain", "force_delay", "sensor_lag", "displacement_offset", "sensor_drift", "sensor_gain",
   "clipping" }
 
-local function discover(scale_name, fault, noise_db, restoring)
+local function discover(scale_name, fault, noise_db, restoring, catalogue)
   local scale = scales[scale_name]
   local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
   return lunid.discover { model = lunid.model { mass = scale.mass, restoring = restoring or k*y + c*v },
-    train = record(1, scale, fault, noise_db), test = record(2, scale, fault, noise_db), catalogue = tried, max_effects = 2,
+    train = record(1, scale, fault, noise_db), test = record(2, scale, fault, noise_db), catalogue = catalogue or tried, max_effects = 2,
     out = ("found_%s_%g"):format(scale_name, noise_db) }, scale
 end
 
@@ -82,6 +83,12 @@ local function expect(found, name, parameter, truth)
   local row = effect.parameters[parameter]
   spec.near(row.value, truth, 4 * row.std)
   return effect
+end
+
+local function names_of(found)
+  local names = {}
+  for i, effect in ipairs(found.effects) do names[i] = effect.name end
+  return table.concat(names, " + ")
 end
 
 -- ---- faults are named, and the physics behind them ----
@@ -110,6 +117,22 @@ spec.case("a force that acts later than its channel says", function()
     spec.contains(found.model:equation(), "F(t - force_delay_tau)")
     local c = found.model.parameters.c
     spec.near(c.value, 0.08 * scale.mass * scale.omega, 4 * c.std)
+  end
+end)
+
+spec.case("a delay of less than a sample has its name beside a spring", function()
+  local found, scale = discover("large", { k3 = 0.05, delay = 10 * spacing / finer }, 46)
+  spec.equal(names_of(found), "cubic_stiffness + force_delay")
+  local tau = found.data.final.parameters.force_delay_tau
+  spec.near(tau.value, 10 * spacing / finer / scale.omega, 4 * tau.std)
+end)
+
+spec.case("channels that are read a part of a sample apart are no physics", function()
+  for _, parts in ipairs { -7, 7 } do
+    local found = discover("small", { delay = parts * spacing / finer, every = 2 }, 60, nil,
+      { "added_mass", "hidden_mode", "cubic_stiffness", "force_gain", "sensor_gain", "force_delay", "sensor_lag", "maxwell_relaxation" })
+    spec.equal(found.verdict .. ": " .. names_of(found), "nothing-missing: ")
+    spec.contains(found.sentence, "is gone where the force is read")
   end
 end)
 
