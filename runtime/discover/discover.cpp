@@ -476,8 +476,10 @@ class Spine {
   /// test records took back) which these records do not deny.
   bool something_is_missing(const Round& round, bool patched = false) const {
     if (!round.found.reading.empty()) return false;
+    const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
     const bool open =
-        leaves_motion_open(study_, round.gap(round.train)) || leaves_motion_open(study_, round.gap(runs_.before_test));
+        leaves_motion_open(study_, train) ||
+        (leaves_motion_open(study_, test) && !hangs_on_parameters(study_, round.found.baseline, train, test));
     return open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
   }
 

@@ -210,6 +210,18 @@ double beyond_parameters(const Study& study, const Candidate& model, double gap)
   return std::sqrt(std::max(0.0, gap * gap - 9 * spread * spread));
 }
 
+}  // namespace
+
+bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test) {
+  constexpr double followed = 1.5;  // times the floor
+  if (!leaves_motion_open(study, test) || !(train.value < followed * train.floor)) return false;
+  Gap beyond = test;
+  beyond.value = beyond_parameters(study, model, test.value);
+  return !leaves_motion_open(study, beyond);
+}
+
+namespace {
+
 bool surely_lowers(const Study& study, double p_value, const std::vector<FreeRun>& before,
                    const std::vector<FreeRun>& after) {
   return lowers_the_gap(study, before, after) && p_value < 0.2;

@@ -46,6 +46,9 @@ bool far_from_the_floor(const Gap& gap, double least);
 /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
 /// Less is enough in free decays, where no force is there to be known badly.
 bool leaves_motion_open(const Study& study, const Gap& gap);
+/// A model that follows the training records leaves no more open on the test than three deviations of its parameters
+/// make of it there: a sweep through a jump hangs on a damping that the training records show to a percent.
+bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test);
 
 /// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
 bool is_series(const Choices& names);
