@@ -350,7 +350,9 @@ TEST(DiscoveryRounds, WhatATestLeavesMayHangOnParameters) {
   };
   off.fit.theta[0] *= 1.01;
   const Gap test = pool_gap(runs(study, off, study.test, false), 0);
-  const Gap followed{0.01, 0.01}, open{0.02, 0.01};
+  Gap followed, open;
+  followed.value = followed.floor = open.floor = 0.01;
+  open.value = 0.02;
   ASSERT_GT(test.value, 0.2);
   deviation(0.01);
   EXPECT_TRUE(hangs_on_parameters(study, off, followed, test));
