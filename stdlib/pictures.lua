@@ -147,7 +147,8 @@ end
 local function map_panel(found, map, rows, title, most, what)
   local where = map.place ~= "" and " " .. map.place or ""
   return { title = title, x = { name = "displacement" .. where, unit = found.units.y },
-    y = { name = "velocity" .. where, unit = found.units.v }, map = { x = map.y, y = map.v, z = rows, colour = { name = what or "unexplained force", unit = found.units.F,
+    y = { name = "velocity" .. where, unit = found.units.v },
+    map = { x = map.y, y = map.v, z = rows, colour = { name = what or "unexplained force", unit = found.units.F,
       min = most and -most, max = most } } }
 end
 

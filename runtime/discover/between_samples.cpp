@@ -93,7 +93,7 @@ std::string words_of_reading(const Study& study, const Reading& reading) {
   const double mass = 100 * reading.parameters[0], samples = reading.parameters[1] / study.full.front().dt();
   std::snprintf(words, sizeof words, "%.2g of a sample %s, and a mass that is %.2g %% %s", std::abs(samples),
                 samples > 0 ? "earlier" : "later", std::abs(mass), mass < 0 ? "less" : "more");
-  if (reading.as_studied) return words;
+  if (reading.between == study.interpolation) return words;
   const std::string between = reading.between == Interpolation::hold     ? "held"
                               : reading.between == Interpolation::linear ? "straight"
                               : reading.between == Interpolation::cubic  ? "curved"

@@ -29,7 +29,6 @@ std::optional<Effect> between_samples(const Study& study, const Model& model);
 struct Reading {
   Eigen::Vector2d parameters;  ///< of the entry: part of the mass, lag [s]
   Interpolation between;
-  bool as_studied = true;  ///< the study reads the force between its samples so
 };
 
 /// "0.31 of a sample earlier, and a mass that is 0.9 % more"; "band-limited between its samples, ..." where the study

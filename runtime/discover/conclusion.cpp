@@ -166,11 +166,10 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
            "read a part of a sample apart; no effect is named";
   }
   if (out.verdict == "nothing-missing") {
-    const bool loose = hangs_on_parameters(study, found.chosen, out.final_train, out.final_test);
     std::snprintf(text, sizeof text, "; what is left (gap %.2g on test, %.2g from noise alone) is %s",
                   out.final_test.value, out.final_test.floor,
-                  loose ? "no more than three deviations of the parameters make of that record"
-                        : "removed by no such force in free runs");
+                  round.loose_test ? "no more than three deviations of the parameters make of that record"
+                                   : "removed by no such force in free runs");
     const bool rough = out.final_test.value > 1.5 * out.final_test.floor;
     std::string said = "no effect of the catalogue and no generic force of the motion lowers the left-out gap ";
     if (!round.withdrawn.empty())

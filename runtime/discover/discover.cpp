@@ -474,12 +474,11 @@ class Spine {
 
   /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the
   /// test records took back) which these records do not deny.
-  bool something_is_missing(const Round& round, bool patched = false) const {
+  bool something_is_missing(Round& round, bool patched = false) const {
     if (!round.found.reading.empty()) return false;
     const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
-    const bool open =
-        leaves_motion_open(study_, train) ||
-        (leaves_motion_open(study_, test) && !hangs_on_parameters(study_, round.found.baseline, train, test));
+    round.loose_test = hangs_on_parameters(study_, round.found.baseline, train, test);
+    const bool open = leaves_motion_open(study_, train) || (leaves_motion_open(study_, test) && !round.loose_test);
     return open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
   }
 

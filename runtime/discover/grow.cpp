@@ -14,8 +14,7 @@ namespace {
 
 constexpr int beam = 2;                // sets that grow by one more effect for their free run
 constexpr std::size_t force_beam = 3;  // and for what they explain of the force, one each of 1, 2 and more parameters
-constexpr double explained =
-    0.999;  // share of the squared error that an entry of many states closes: no other is added
+constexpr double explained = 0.999;    // of the squared error, by an entry of many states: no other is added beside it
 
 class Grower {
  public:
@@ -145,8 +144,7 @@ class Grower {
   }
 
   static void take_from_force(const Candidate& c, std::vector<Candidate>& parents) {
-    if (std::any_of(parents.begin(), parents.end(), [&](const Candidate& p) { return same(p.choices, c.choices); }))
-      return;
+    if (find_in(parents, c.choices)) return;
     parents.push_back(c);
     parents.back().fit.theta = c.starts.front();
   }

@@ -31,8 +31,7 @@ void sort_by_cost(std::vector<Candidate>& sets) {
 std::vector<Candidate> once_each(std::vector<Candidate> sorted) {
   std::vector<Candidate> out;
   for (Candidate& c : sorted)
-    if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) { return same(o.choices, c.choices); }))
-      out.push_back(std::move(c));
+    if (!find_in(out, c.choices)) out.push_back(std::move(c));
   return out;
 }
 

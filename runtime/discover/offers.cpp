@@ -69,7 +69,6 @@ Offers::Offers(const Study& study, const Model& model, const Candidate& baseline
                const Grown& known, Grown& out)
     : study_(study),
       model_(model),
-      baseline_(baseline),
       known_(known),
       out_(out),
       proposer_(study, baseline),

@@ -85,7 +85,6 @@ class Offers {
 
   const Study& study_;
   const Model& model_;
-  const Candidate& baseline_;
   const Grown& known_;
   Grown& out_;
   const Proposer proposer_, plain_;

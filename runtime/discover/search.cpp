@@ -159,7 +159,7 @@ class Search {
     std::erase(set, old);
     if (!goes_with(set, other)) return;
     set.push_back(other);
-    if (std::ranges::any_of(field, [&](const Candidate& c) { return same(c.choices, set); })) return;
+    if (find_in(field, set)) return;
     Candidate c = compile(study_, model_, set);
     c.starts = {values_of(c, {&as_in, &whole})};
     c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
@@ -311,16 +311,19 @@ class Search {
     if (!effect || !goes_with(of.choices, {&*effect, 0})) return {};
     Candidate c = compile(study_, model_, with(of.choices, {&*effect, 0}));
     c.starts = {values_of(c, {&of})};
-    Study study = study_;
-    for (const Interpolation kind : {study_.interpolation, Interpolation::linear, Interpolation::cubic,
-                                     Interpolation::band_limited, Interpolation::hold}) {
-      const bool present = kind == study_.interpolation;
-      if (present && c.fit.theta.size() > 0) continue;
-      set_interpolation(study, kind);
+    const auto judged_as = [&](const Study& study) {
       c.fit = fit_near(study, c, c.starts.front(), 20, substeps);
       judge(study, c, result_.whitening);
-      if (c.ran() && does(c)) return Reading{c.fit.theta.tail<2>(), kind, present};
-      if (present && !(c.fit.cost < most * of.fit.cost)) return {};
+      return c.ran() && does(c);
+    };
+    if (judged_as(study_)) return Reading{c.fit.theta.tail<2>(), study_.interpolation};
+    if (!(c.fit.cost < most * of.fit.cost)) return {};
+    Study other = study_;
+    for (const Interpolation kind :
+         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
+      if (kind == study_.interpolation) continue;
+      set_interpolation(other, kind);
+      if (judged_as(other)) return Reading{c.fit.theta.tail<2>(), kind};
     }
     return {};
   }

@@ -26,6 +26,7 @@ struct Round {
   Left left;
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
   std::string verdict, withdrawn;
+  bool loose_test = false;  ///< nothing is named, and what is left on the test records hangs on the parameters
   Interpolation interpolation = Interpolation::linear;  ///< of the force between its samples, under which it was made
   std::shared_ptr<Round> displaced;                     ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
@@ -53,8 +54,8 @@ bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& 
 /// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
 bool is_series(const Choices& names);
 
-/// Two springs and stops at one place that leave what noise does not of the training records, and close less than 99.8
-/// % of the squared excess over left-out blocks (`closed`).
+/// Two springs and stops at one place that leave what noise does not of the training records, and close less than
+/// 99.8 % of the squared excess over left-out blocks (`closed`).
 bool is_loose_series(const Choices& names, const Gap& train, double closed);
 
 /// `train`: the model's runs over the training records.

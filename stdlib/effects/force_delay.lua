@@ -10,7 +10,7 @@ return function(effect)
       for i, part in ipairs { 0.3, 0.05, 1.2 } do guesses[i] = { tau = scale.interval + part / scale.omega } end
       return guesses
     end,
-    range = function(scale)  -- less than a sample is told from nothing but what the force does between its samples
+    range = function(scale)  -- less than half a sample is told from nothing but what the force does between its samples
       return { tau = { 0.5 * scale.interval, scale.interval + 6 / scale.omega } }
     end,
     passive = true,

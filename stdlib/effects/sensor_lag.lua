@@ -13,7 +13,7 @@ return function(effect)
       for i, part in ipairs { 0.05, 0.2, 0.6 } do guesses[i] = { tau = scale.interval + part / scale.omega } end
       return guesses
     end,
-    range = function(scale)  -- less than a sample is told from nothing but what the force does between its samples
+    range = function(scale)  -- less than half a sample is told from nothing but what the force does between its samples
       return { tau = { 0.5 * scale.interval, scale.interval + 10 / scale.omega } }
     end,
     passive = true,

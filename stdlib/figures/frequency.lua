@@ -1,6 +1,7 @@
 -- Figures over frequency: spectra, spectrograms, coherence, transfer functions, frequency responses.
 local core = require "lunid.core"
 local figures = require "lunid.figures"
+local sources = require "lunid.figures.sources"
 local schema = require "lunid.schema"
 local types = schema.types
 
@@ -11,7 +12,7 @@ local function as_list(value) return getmetatable(value) and { value } or value 
 
 local function squared(unit) return unit == "" and "1/Hz" or figures.grouped(unit) .. "^2/Hz" end
 
-local function unit_of(each, channel) return each.channels[channel] and each.channels[channel].unit or "" end
+local function unit_of(each, channel) return sources.unit_in(each, channel) or "" end
 
 -- ---- spectra ----
 
