@@ -139,6 +139,8 @@ std::vector<EffectVariant> read_variants(lua_State* L) {
   std::vector<EffectVariant> variants;
   with_field(L, -1, "variants",
              [&] { for_each(L, -1, [&](lua_Integer) { variants.emplace_back(check_value(L, -1).expr); }); });
+  const std::vector<std::string> formulas = strings_field(L, -1, "formulas");
+  for (std::size_t i = 0; i < variants.size(); ++i) variants[i].formula = formulas.at(i);
   with_field(L, -1, "maps", [&] {
     for_each(L, -1, [&](lua_Integer i) {
       EffectVariant& variant = variants.at(static_cast<std::size_t>(i - 1));
@@ -161,7 +163,6 @@ Effect read_effect(lua_State* L) {
   Effect effect;
   effect.name = string_field(L, -1, "name").value_or("");
   effect.family = string_field(L, -1, "family").value_or("");
-  effect.formula = string_field(L, -1, "formula").value_or("");
   effect.signature = string_field(L, -1, "signature").value_or("");
   effect.sentence = string_field(L, -1, "sentence").value_or("");
   effect.source = string_field(L, -1, "source").value_or("");

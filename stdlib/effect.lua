@@ -77,6 +77,29 @@ local function forms_of(given)
   return forms
 end
 
+--- A formula for each form.
+local function formulas_of(where, given, forms)
+  if type(given) == "table" and #given ~= #forms then
+    schema.fail(where, ("formula: expected one, or %d as there are forms, got %d"):format(#forms, #given))
+  end
+  local formulas = {}
+  for i, each in ipairs(forms) do
+    formulas[i] = type(given) == "table" and given[i] or given
+      or (each.channel and each.channel .. " -> " or "") .. tostring(each.form)
+  end
+  return formulas
+end
+
+--- Each formula once.
+local function words_of(formulas)
+  local texts, seen = {}, {}
+  for _, text in ipairs(formulas) do
+    if not seen[text] then texts[#texts + 1] = text end
+    seen[text] = true
+  end
+  return table.concat(texts, "; or ")
+end
+
 --- A condition "Fs >= Fc" as its two sides.
 local function condition(where, text)
   local left, right = text:match "^(.-)>=(.*)$"
@@ -110,14 +133,15 @@ return schema.define({
     { "name", types.string, required = true, help = "snake_case, as results will call it" },
     { "family", types.choice(families), required = true, help = "kind of physics" },
     { "contribution", types.either(text_or_expression, types.list(text_or_expression, 1)), unit = "N",
-      help = "what it adds to the restoring force, as text or expression; a list: its mirror images" },
+      help = "what it adds to the restoring force, as text or expression; a list: its forms, such as mirror images" },
     { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
       .. "a list: the forms that it may have" },
     { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
       .. "and of force_rate, the rate of that; affine in F" },
     { "delay", text_or_expression, unit = "s", help = "by which the force acts later than its channel says" },
-    { "formula", types.string, help = "as an engineer writes it; else the text of the first contribution" },
+    { "formula", types.either(types.string, types.list(types.string, 1)),
+      help = "as an engineer writes it, one for all forms or one for each; else the text of each contribution" },
     { "parameters", types.list(types.table, 1), required = true,
       help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess" },
     { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit = }" },
@@ -165,6 +189,7 @@ return schema.define({
   given.maps = maps
   given.state_values = {}
   for i, state in ipairs(states) do given.state_values[i] = core.state(state) end
-  given.formula = given.formula or (forms[1].channel and forms[1].channel .. " -> " or "") .. tostring(forms[1].form)
+  given.formulas = formulas_of(where, given.formula, forms)
+  given.formula = words_of(given.formulas)
   return schema.object("effect", given, nil, function(self) return self.name .. "  " .. self.formula end, element.make)
 end)

@@ -10,6 +10,7 @@ namespace lunid {
 struct Choice {
   const Effect* effect = nullptr;
   int variant = 0;
+  const EffectVariant& form() const { return effect->variants[static_cast<std::size_t>(variant)]; }
   friend bool operator==(const Choice&, const Choice&) = default;
 };
 using Choices = std::vector<Choice>;

@@ -265,7 +265,7 @@ class Conclusion {
       NamedEffect named;
       named.name = effect.name;
       named.family = effect.family;
-      named.formula = formula_at(effect.formula, effect.place);
+      named.formula = formula_at(found.order[i].form().formula, effect.place);
       named.sentence = effect.sentence;
       named.label = effect.label();
       if (effect.place) named.place = motion_of(*effect.place);

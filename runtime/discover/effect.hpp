@@ -34,6 +34,7 @@ using Ranges = std::map<std::string, std::pair<double, double>>;
 
 /// One form of an entry: what it adds to the restoring force, or what a channel shows because of it.
 struct EffectVariant {
+  std::string formula;                     ///< as an engineer writes it, e.g. "Fc*sign(v)"
   Expr force;                              ///< empty: none
   std::vector<ChannelMap> measures, acts;  ///< as Model has them, for the channels y and F
   Expr delay;                              ///< as Model has it; empty: none
@@ -57,7 +58,6 @@ struct Effect {
   std::optional<Place>
       place;  ///< with several coordinates: where its forms, names and states are those of (places.hpp)
   std::string family;
-  std::string formula;  ///< as an engineer writes it, e.g. "Fc*sign(v)"
   /// Contribution to f, and its mirror images or signs where the entry has some (one_sided_stop), or the channels whose
   /// sensor may be at fault. At least one. States that a variant does not lead to are not part of it.
   std::vector<EffectVariant> variants;

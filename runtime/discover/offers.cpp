@@ -82,7 +82,7 @@ Offers::Offers(const Study& study, const Model& model, const Candidate& baseline
     }
     for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
       const Choice choice{&effect, variant};
-      if (effect.variants[static_cast<std::size_t>(variant)].force.valid())
+      if (choice.form().force.valid())
         shapes_.push_back(proposer_.shape(model_, choice, scales_.at(effect.place)));
       else
         faults_.push_back({choice, scales_.guesses(choice)});

@@ -143,17 +143,19 @@ Effect of_channel(const Model& model, const Effect& effect, char measured) {
   const std::pair<Expr, Expr> motion[] = {{model.pool->channel("y"), model.pool->channel(std::string(1, measured))}};
   const int seconds = measured == 'a' ? 2 : 1;
   Effect out = effect;
-  for (EffectVariant& variant : out.variants)
+  for (EffectVariant& variant : out.variants) {
     for (auto& [channel, map] : variant.measures) {
       channel = std::string(1, measured);
       map = substitute(map, motion);
     }
+    variant.formula = in_words(variant.formula, [&](const std::string& word, bool) {
+      return word == "y" ? std::string(1, measured) : word;
+    });
+  }
   for (InternalState& z : out.states)
     for (Expr* part : {&z.rate, &z.min, &z.max})
       if (part->valid()) *part = substitute(*part, motion);
   for (Parameter& p : out.parameters) p.unit = per_seconds(p.unit, seconds);
-  out.formula = in_words(out.formula,
-                         [&](const std::string& word, bool) { return word == "y" ? std::string(1, measured) : word; });
   out.sentence = in_words(out.sentence, [&](const std::string& word, bool) -> std::string {
     return word != "displacement" ? word : measured == 'a' ? "acceleration" : "velocity";
   });

@@ -156,12 +156,9 @@ void add_variant(Model& model, const Effect& effect, int variant) {
 }
 
 bool goes_with(const Choices& set, const Choice& more) {
-  const auto form = [](const Choice& c) -> const EffectVariant& {
-    return c.effect->variants[static_cast<std::size_t>(c.variant)];
-  };
-  const auto delays = [&](const Choice& c) { return form(c).delay.valid(); };
-  const auto holds_rate = [&](const Choice& c) {
-    return std::ranges::any_of(form(c).acts, [](const ChannelMap& acting) {
+  const auto delays = [](const Choice& c) { return c.form().delay.valid(); };
+  const auto holds_rate = [](const Choice& c) {
+    return std::ranges::any_of(c.form().acts, [](const ChannelMap& acting) {
       return depends_on(acting.map, acting.map.pool().channel("force_rate"));
     });
   };

@@ -65,15 +65,15 @@ bool is_twin(const Model& baseline, const Effect& effect, const Parameter& param
 }
 
 /// A formula without some of its numbers; as it was where it is no expression.
-std::string formula_without(const Effect& effect, const std::vector<std::string>& names) {
+std::string formula_without(const Effect& effect, const std::string& text, const std::vector<std::string>& names) {
   Pool pool;
   try {
     Replacements zero;
-    const Expr formula = parse(pool, effect.formula);
+    const Expr formula = parse(pool, text);
     for (const std::string& name : names) zero.emplace_back(pool.parameter(own_name(effect, name)), pool.constant(0));
     return to_text(substitute(formula, zero));
   } catch (const InputError&) {
-    return effect.formula;
+    return text;
   }
 }
 
@@ -91,9 +91,11 @@ Effect without_twins(const Model& baseline, const Effect& effect) {
   if (names.empty() || names.size() == effect.parameters.size()) return effect;
   Effect out = effect;
   std::erase_if(out.parameters, [&](const Parameter& p) { return std::ranges::find(names, p.name) != names.end(); });
-  for (EffectVariant& variant : out.variants) variant.force = substitute(variant.force, zero);
+  for (EffectVariant& variant : out.variants) {
+    variant.force = substitute(variant.force, zero);
+    variant.formula = formula_without(effect, variant.formula, names);
+  }
   for (Expr& margin : out.margins) margin = substitute(margin, zero);
-  out.formula = formula_without(effect, names);
   return out;
 }
 

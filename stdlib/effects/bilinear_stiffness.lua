@@ -8,7 +8,6 @@ return function(effect)
     name = "bilinear_stiffness",
     family = "stiffness",
     contribution = { "dk*max(y - y0, 0)", "dk*min(y + y0, 0)" },
-    formula = "dk*max(y - y0, 0), or its mirror image",
     parameters = { { "dk", unit = "N/m" }, { "y0", unit = "m" } },
     guess = function(scale, variant)
       local low, high = reach(scale, variant)

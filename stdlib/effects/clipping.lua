@@ -4,7 +4,7 @@ return function(effect)
     family = "sensor",
     measures = { { y = "min(max(y, -level), level)" }, { y = "min(y, level)" }, { y = "max(y, -level)" } },
     any_motion = true,
-    formula = "y measured = min(max(y, -level), level), or one side of it",
+    formula = { "y measured = min(max(y, -level), level)", "y measured = min(y, level)", "y measured = max(y, -level)" },
     parameters = { { "level", min = 0, unit = "m" } },
     guess = function(scale, variant)
       local peak = variant == 2 and scale.y_max or variant == 3 and -scale.y_min or math.max(scale.y_max, -scale.y_min)

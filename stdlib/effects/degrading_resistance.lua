@@ -12,8 +12,8 @@ return function(effect)
     name = "degrading_resistance",
     family = "soil",
     contribution = { ("Ru*z/(exp(-%s) + %s*2*%s/((1 + %s)*%s))"):format(x, work, half, half, x), "r" },
-    formula = "R*z, R = Ru*(rinf + (1 - rinf)*exp(-N/Nc)), N the work done in slip; dz/dt = v/q, held within -1 <= "
-      .. "z <= 1; or r, dr/dt = Ru/q*v, held within -R <= r <= R",
+    formula = { "R*z, R = Ru*(rinf + (1 - rinf)*exp(-N/Nc)), N the work done in slip; dz/dt = v/q, held within -1 <= z <= 1",
+      "z, dz/dt = Ru/q*v, held within -R <= z <= R, R = Ru*(rinf + (1 - rinf)*exp(-N/Nc)), N the work done in slip" },
     parameters = { { "Ru", min = 0, unit = "N" }, { "q", min = 0, unit = "m" }, { "rinf", min = 0, max = 1 },
       { "Nc", min = 0, unit = "N m" } },
     states = {

@@ -7,7 +7,7 @@ return function(effect)
     name = "impact_hunt_crossley",
     family = "stiffness",
     contribution = { "k*max(y - g, 0)^n*max(1 + c*v, 0)", "-k*max(-y - g, 0)^n*max(1 - c*v, 0)" },
-    formula = "k*d^n*max(1 + c*dd/dt, 0), d = max(y - g, 0), or its mirror image",
+    formula = { "k*d^n*max(1 + c*dd/dt, 0), d = max(y - g, 0)", "-k*d^n*max(1 + c*dd/dt, 0), d = max(-y - g, 0)" },
     parameters = { { "k", min = 0, unit = "N/m^n" }, { "c", min = 0, unit = "s/m" }, { "n", min = 1, max = 4 },
       { "g", unit = "m" } },
     guess = function(scale, variant)

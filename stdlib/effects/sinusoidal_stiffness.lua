@@ -4,7 +4,6 @@ return function(effect)
     name = "sinusoidal_stiffness",
     family = "stiffness",
     contribution = { "k*sin(p*y)", "k*cos(p*y)" },
-    formula = "k*sin(p*y), or k*cos(p*y) for cogging; both for cogging at any phase",
     parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" } },
     guess = function(scale)
       local guesses = {}
@@ -17,6 +16,7 @@ return function(effect)
     passive = true,
     signature = "odd in y (the cosine even), even in v; odd harmonics; no loop; waves that repeat over the displacement",
     sentence = "the force repeats over the displacement, as of a pendulum, of magnets or of a motor's cogging",
+    note = "cogging is the cosine, at any phase both",
     confusers = { "cubic_stiffness", "saturating_stiffness", "quintic_stiffness" },
     source = "Nayfeh and Mook 1979, Nonlinear Oscillations, chapter 2 (pendulum); "
       .. "Hanselman 2006, Brushless Permanent Magnet Motor Design (cogging)",

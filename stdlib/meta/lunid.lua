@@ -122,12 +122,12 @@ function lunid.state(fields) end
 ---@class lunid.effect.fields
 ---@field name string # snake_case, as results will call it
 ---@field family "stiffness"|"damping"|"friction"|"hysteresis"|"soil"|"inertia"|"extra_dof"|"time_variation"|"input"|"sensor" # kind of physics
----@field contribution? any # what it adds to the restoring force, as text or expression; a list: its mirror images
+---@field contribution? any # what it adds to the restoring force, as text or expression; a list: its forms, such as mirror images
 ---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
 ---@field any_motion? boolean # what it measures of y holds of v or a too, where one of these was recorded
 ---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
 ---@field delay? any # by which the force acts later than its channel says
----@field formula? string # as an engineer writes it; else the text of the first contribution
+---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess
 ---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit = }
 ---@field requires? table # what holds between parameters, as "Fs >= Fc"

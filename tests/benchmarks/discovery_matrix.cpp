@@ -284,6 +284,7 @@ std::vector<Setting> short_settings(const Plan& plan) {
   };
   add("cubic_hardening", 0, 30);
   add("bouc_wen", 2, 40);
+  add("bouc_wen_stiffening", 1, 40);
   add("coulomb_friction", 1, 40);
   add("one_sided_stop", 2, 30);
   add("null_linear", 2, 20);

@@ -337,6 +337,18 @@ spec.case("bouc_wen at n = 1: exponentials on loading and unloading", function()
   end
 end)
 
+spec.case("bouc_wen that stiffens as it is loaded, n = 1: exponentials", function()
+  local k, zy, rho, A = 200, 0.02, 0.8, 0.03
+  local record = record_of(A*(1 - lunid.cos(2*pi*t))/2, 1, 1e-3)
+  local force = force_of(effects.bouc_wen { k = k, zy = zy, rho = rho, n = 1, variant = 2 }, record)
+  local at, top, s = record:column "y", zy*(math.exp(A/zy) - 1), (2*rho + 1)/zy
+  for i = 1, 501, 10 do spec.near(force[i], k*zy*(math.exp(at[i]/zy) - 1), 1e-5) end
+  for i = 501, 1001, 10 do
+    local z = ((1 + s*top)*math.exp(s*(at[i] - A)) - 1)/s
+    if z > 0 then spec.near(force[i], k*z, 1e-5) end
+  end
+end)
+
 spec.case("lugre_friction: sliding evenly it is g(v), and stiff at first", function()
   local s0, s1, Fc, Fs, vs = 4000, 5, 1.5, 2.2, 0.1
   for _, speed in ipairs { 0.02, 0.1, 0.5 } do

@@ -22,9 +22,9 @@ inline Effect entry(Pool& pool, const std::string& name, const std::string& forc
   Effect effect;
   effect.name = name;
   effect.family = "test";
-  effect.formula = force;
   for (const auto& p : parameters) pool.parameter(p.name);
   effect.variants.push_back(parse(pool, force));
+  effect.variants.back().formula = force;
   effect.parameters = std::move(parameters);
   return effect;
 }

@@ -73,7 +73,7 @@ TEST(Noise, OfAShortRecordStays) {
 
 Effect swing(Pool& pool) {
   Effect effect = entry(pool, "swing", "(swing_beta*y^2 - swing_mu)*v", {row("swing_mu"), row("swing_beta")});
-  effect.formula = "(beta*y^2 - mu)*v";
+  effect.variants[0].formula = "(beta*y^2 - mu)*v";
   return effect;
 }
 
@@ -83,7 +83,7 @@ TEST(Twins, AreOneNumberWithTheBaselinesOwn) {
   ASSERT_EQ(left.parameters.size(), 1u);
   EXPECT_EQ(left.parameters[0].name, "swing_beta");
   EXPECT_EQ(to_text(left.variants[0].force), "swing_beta*y^2*v");
-  EXPECT_EQ(left.formula, "beta*y^2*v");
+  EXPECT_EQ(left.variants[0].formula, "beta*y^2*v");
 }
 
 TEST(Twins, OfACoefficientThatWasFittedWellWithinItsBoundsAreOneNumberToo) {

@@ -139,7 +139,7 @@ Record limited_accelerometer(double level, std::uint64_t seed) {
 
 Effect limit(Pool& pool) {
   Effect effect = sensor(pool, "clipping", "min(y, clipping_level)", {testing::row("clipping_level", 0)});
-  effect.formula = "y measured = min(y, level)";
+  effect.variants[0].formula = "y measured = min(y, level)";
   effect.parameters.front().unit = "m";
   effect.guess = [](const RecordScales& scale, int) {
     return std::vector<Guess>{{{"clipping_level", scale.y_max}}, {{"clipping_level", 0.9 * scale.y_max}}};

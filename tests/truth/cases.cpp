@@ -85,6 +85,16 @@ std::vector<Case> single_effects() {
         {"bouc_wen", "rho", 0.7, 0, 0, 0},
         {"bouc_wen", "n", 1, 0, 0, 0}},
        with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.7, p.bouc_gamma = 0.3; })},
+      // beta + gamma < 0, as in the benchmark of Noel and Schoukens 2016
+      {"bouc_wen_stiffening",
+       Kind::effect,
+       linear,
+       {"bouc_wen"},
+       {stiffness("bouc_wen", "k", 0.5, 1),
+        {"bouc_wen", "zy", 4, 0, 1, 0},
+        {"bouc_wen", "rho", 2.6, 0, 0, 0},
+        {"bouc_wen", "n", 1, 0, 0, 0}},
+       with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.65, p.bouc_gamma = -0.9; })},
   };
 }
 
