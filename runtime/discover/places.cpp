@@ -148,9 +148,8 @@ Effect of_channel(const Model& model, const Effect& effect, char measured) {
       channel = std::string(1, measured);
       map = substitute(map, motion);
     }
-    variant.formula = in_words(variant.formula, [&](const std::string& word, bool) {
-      return word == "y" ? std::string(1, measured) : word;
-    });
+    variant.formula = in_words(
+        variant.formula, [&](const std::string& word, bool) { return word == "y" ? std::string(1, measured) : word; });
   }
   for (InternalState& z : out.states)
     for (Expr* part : {&z.rate, &z.min, &z.max})

@@ -106,6 +106,10 @@ bool is_loose_series(const Choices& names, const Gap& train, double closed) {
   return springs_among(names) > 1 && train.value > 1.5 * train.floor && closed < most_closed(names);
 }
 
+bool is_patchwork(const Choices& names, const Gap& train, double closed) {
+  return names.size() > 1 && far_from_the_floor(train, little_open) && closed < most_closed(names);
+}
+
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
@@ -142,6 +146,10 @@ void decide(const Study& study, Round& round) {
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
   } else if (round.left.material && closed < most_closed(names)) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
+    round.train = runs(study, found.chosen, study.full);
+    round.verdict = "unknown-effect";
+  } else if (is_patchwork(names, round.gap(round.train), closed)) {
+    withdraw(round, "nearest, but several forces that leave this far above the noise follow another one");
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
