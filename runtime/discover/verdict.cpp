@@ -106,10 +106,6 @@ bool is_loose_series(const Choices& names, const Gap& train, double closed) {
   return springs_among(names) > 1 && train.value > 1.5 * train.floor && closed < most_closed(names);
 }
 
-bool is_patchwork(const Choices& names, const Gap& train, double closed) {
-  return names.size() > 1 && far_from_the_floor(train, little_open) && closed < most_closed(names);
-}
-
 bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
@@ -121,6 +117,23 @@ bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, cons
   const double first = pool_gap(before, 0).value, last = pool_gap(after, 0).value;
   return !std::isfinite(first) || last < (1 - 0.5 * study.options->minimum_gain) * first;
 }
+
+namespace {
+
+/// Several names that leave the training records far above their noise, of which none closes most of what all close:
+/// another force, followed.
+bool is_patchwork(const Study& study, const Round& round, double closed) {
+  const SearchResult& found = round.found;
+  const Gap after = round.gap(round.train);
+  if (found.steps.size() < 2 || !far_from_the_floor(after, little_open) || closed >= most_closed(found.chosen.choices))
+    return false;
+  const auto share_closed = [&, before = pool_gap(runs(study, found.baseline, study.full, false), 0).value](
+                                double gap) { return closed_share(before, gap, after.floor); };
+  const double first = pool_gap(runs(study, found.steps.front(), study.full, false), 0).value;
+  return share_closed(first) < 0.8 * share_closed(after.value);
+}
+
+}  // namespace
 
 void decide(const Study& study, Round& round) {
   SearchResult& found = round.found;
@@ -148,7 +161,7 @@ void decide(const Study& study, Round& round) {
     withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
-  } else if (is_patchwork(names, round.gap(round.train), closed)) {
+  } else if (is_patchwork(study, round, closed)) {
     withdraw(round, "nearest, but several forces that leave this far above the noise follow another one");
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";

@@ -41,10 +41,6 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,
                           bool floor = true);
 
-/// Several names that leave the training records far above their noise, and close less of the squared excess over
-/// left-out blocks (`closed`) than is asked of names that stand beside a small repeatable force: another one, followed.
-bool is_patchwork(const Choices& names, const Gap& train, double closed);
-
 /// Three floors and more, and no less than `least`.
 bool far_from_the_floor(const Gap& gap, double least);
 

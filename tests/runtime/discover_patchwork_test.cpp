@@ -60,6 +60,26 @@ TEST(Patchwork, OfOneNameIsSeenByTheForceItLeaves) {
   }
 }
 
+/// A loop that stiffens as it is loaded is followed by a spring that does and a friction that yields, down to a fifth
+/// of the gap.
+TEST(Patchwork, OfTwoNamesFarAboveTheNoiseIsNoExplanation) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  const Model model = baseline("k*y + c*v", scale.mass);
+  Pool& pool = *model.pool;
+  std::vector<Effect> catalogue = small_catalogue(pool);
+  const Expr z = pool.state("z");
+  Effect dahl = testing::entry(pool, "dahl_friction", "s*z", {testing::row("s", 0), testing::row("Fc", 0)});
+  dahl.states.push_back({z, parse(pool, "v - s*abs(v)*z/Fc"), 0, {}, {}});
+  dahl.guess = [](const RecordScales& scales, int) {
+    return std::vector<Guess>{{{"s", scales.stiffness}, {"Fc", scales.force_std}}};
+  };
+  catalogue.push_back(dahl);
+  const Discovery d =
+      testing::discover_case(model, catalogue, testing::records_of("bouc_wen_stiffening", scale, 40, 61000));
+  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_TRUE(d.effects.empty());
+}
+
 TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
   truth::Physics physics;
   physics.k2 = 0.6;
