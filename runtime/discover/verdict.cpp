@@ -277,6 +277,12 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
   if (patchwork && left.gap.value < 1.3 * left.gap.floor)
     return "fitted the training records down to their noise by several forces, but not the test record";
+  if (names == 1 && left.gap.value < 1.3 * left.gap.floor && last.value > 3 * last.floor) {
+    Gap beyond = last;
+    beyond.value = beyond_parameters(study, round.found.chosen, last.value);
+    if (far_from_the_floor(beyond, little_open))
+      return "fitted the training records down to their noise, but not the test record";
+  }
   if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";

@@ -74,8 +74,11 @@ TEST(Patchwork, OfTwoNamesFarAboveTheNoiseIsNoExplanation) {
     return std::vector<Guess>{{{"s", scales.stiffness}, {"Fc", scales.force_std}}};
   };
   catalogue.push_back(dahl);
-  const Discovery d =
-      testing::discover_case(model, catalogue, testing::records_of("bouc_wen_stiffening", scale, 40, 61000));
+  truth::Case loop = truth::case_named("bouc_wen_stiffening");
+  loop.physics.bouc_k = 0.5;
+  truth::RecordOptions options;
+  options.seed = 61000;
+  const Discovery d = testing::discover_case(model, catalogue, truth::make_records(loop, scale, options));
   EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
   EXPECT_TRUE(d.effects.empty());
 }

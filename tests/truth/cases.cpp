@@ -90,11 +90,11 @@ std::vector<Case> single_effects() {
        Kind::effect,
        linear,
        {"bouc_wen"},
-       {stiffness("bouc_wen", "k", 0.5, 1),
+       {stiffness("bouc_wen", "k", 0.38, 1),
         {"bouc_wen", "zy", 4, 0, 1, 0},
         {"bouc_wen", "rho", 2.6, 0, 0, 0},
         {"bouc_wen", "n", 1, 0, 0, 0}},
-       with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.65, p.bouc_gamma = -0.9; })},
+       with([](Physics& p) { p.bouc_k = 0.38, p.bouc_beta = 0.65, p.bouc_gamma = -0.9; })},
   };
 }
 

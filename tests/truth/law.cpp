@@ -14,7 +14,13 @@ Law of_motion(std::function<double(double, double)> force, std::function<double(
 
 Law of_time(std::function<double(double, double, double)> force) {
   Law law;
+  law.ages = true;
   law.force = [force](double tau, double x, double v, const double*) { return force(tau, x, v); };
+  return law;
+}
+
+Law that_ages(Law law) {
+  law.ages = true;
   return law;
 }
 
@@ -185,6 +191,7 @@ Law plug(double mass, double k, double limit) {
 Law recovery(double k, double first, double last, double tau) {
   Law law;
   law.states = 2;  // force, what is still to recover
+  law.ages = true;
   law.start = {0, 1};
   const auto limit = [=](double left) { return last + (first - last) * left; };
   law.force = [=](double, double, double, const double* z) { return std::clamp(z[0], -limit(z[1]), limit(z[1])); };

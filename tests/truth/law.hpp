@@ -14,6 +14,8 @@ struct Law {
   std::function<void(double tau, double x, double v, const double* z, double* rate)> rate;
   std::function<void(double x, double v, double* z)> settle;  ///< brings the states within their limits, after a step
   std::function<double(double x, double v)> mass;             ///< beside the oscillator's 1
+  bool ages =
+      false;  ///< with time, or what it went through: training and test records begin with it new, unlike a run-up
   std::function<double(double x, double v)> jump;  ///< the force jumps where its sign changes: a step is split there
 };
 
@@ -21,6 +23,7 @@ namespace laws {
 
 Law of_motion(std::function<double(double x, double v)> force, std::function<double(double x, double v)> jump = {});
 Law of_time(std::function<double(double tau, double x, double v)> force);
+Law that_ages(Law law);
 /// A mass that depends on the motion, and the force that comes with it.
 Law inertia(std::function<double(double x, double v)> mass, std::function<double(double x, double v)> force);
 /// c D^p x: a dense sum of relaxations (Yuan and Agrawal 2002) from far below to far above the motion.

@@ -96,7 +96,8 @@ Columns make_record(const Physics& given, const Scale& scale, const Signal& sign
                     const RecordOptions& options) {
   const double spacing = scale.omega() * scale.dt();
   const bool decays = options.excited == Excited::decay;
-  const int early = decays ? 0 : static_cast<int>(std::lround(warm_up / spacing));
+  const bool is_new = decays || (given.law && given.law->ages);
+  const int early = is_new ? 0 : static_cast<int>(std::lround(warm_up / spacing));
   const int rows = options.rows + early;
   // What the controller takes from the motion acts as damping of its own; the recorded force holds it.
   Physics physics = given;
