@@ -410,9 +410,11 @@ class Spine {
   }
 
   /// Names are taken back that had taken the place of common ones on the training records: where the test records bear
-  /// those out whole, and they leave less there than what would stand, they are the answer after all.
+  /// those out whole, and they leave less there than what would stand, they are the answer after all; not where they
+  /// leave far more of the training records than what is taken back.
   bool leave_the_common(Round& round, const std::string& fault, std::size_t stand) {
     if (!round.displaced) return false;
+    const double followed = round.gap(round.train).value;
     Ground as_found = ground();
     Round common = std::move(*round.displaced);
     round.displaced.reset();
@@ -425,7 +427,8 @@ class Spine {
     const double open = stand == 0
                             ? INFINITY
                             : round.gap(runs(as_found.study, round.found.steps[stand - 1], as_found.study.test)).value;
-    if (!common.names() || !refuted(study_, common, p_value, before, after).empty() ||
+    const bool follows = common.gap(common.train).value < 3 * followed;
+    if (!common.names() || !follows || !refuted(study_, common, p_value, before, after).empty() ||
         steps_that_help(study_, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
       stand_on(std::move(as_found));
       return false;

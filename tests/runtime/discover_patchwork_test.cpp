@@ -83,6 +83,33 @@ TEST(Patchwork, OfTwoNamesFarAboveTheNoiseIsNoExplanation) {
   EXPECT_TRUE(d.effects.empty());
 }
 
+/// A few swings of a decay do not show that the limit of a slip falls; the long motion of the test does.
+TEST(Patchwork, OfOneNameThatFollowsTheTrainingRecordAloneIsTakenBack) {
+  const truth::Scale& scale = truth::scale_named("milli");
+  const Model model = baseline("k*y + c*v", scale.mass);
+  Pool& pool = *model.pool;
+  std::vector<Effect> catalogue = small_catalogue(pool);
+  const Expr z = pool.state("z");
+  Effect slip = testing::entry(pool, "elastic_slip", "z", {testing::row("ks", 0), testing::row("Fs", 0)});
+  slip.states.push_back({z, parse(pool, "ks*v"), 0, parse(pool, "-Fs"), parse(pool, "Fs")});
+  slip.guess = [](const RecordScales& scales, int) {
+    std::vector<Guess> guesses;
+    for (const double part : {0.03, 0.1, 0.3, 1.0})
+      guesses.push_back({{"ks", scales.stiffness}, {"Fs", part * scales.force_std}});
+    return guesses;
+  };
+  catalogue.push_back(slip);
+  truth::RecordOptions options;
+  options.rows = 1400;
+  options.seed = 61000;
+  options.excited = truth::Excited::decay;
+  const Discovery d = testing::discover_case(model, catalogue,
+                                             truth::make_records(truth::case_named("shaft_softening"), scale, options));
+  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_TRUE(d.effects.empty());
+  EXPECT_TRUE(testing::warns(d, "down to their noise, but not the test record"));
+}
+
 TEST(Patchwork, IsNotWhatTwoTrueEffectsAre) {
   truth::Physics physics;
   physics.k2 = 0.6;
