@@ -2,8 +2,6 @@ return function(effect)
   return effect {
     name = "bouc_wen",
     family = "hysteresis",
-    -- zy = abs(beta + gamma)^(-1/n): the displacement at yield; rho = beta/abs(beta + gamma), passive from 1/2 on. Where
-    -- beta + gamma < 0, the second form, it stiffens as it is loaded.
     contribution = { "k*z", "k*zh" },
     formula = { "k*z, dz/dt = v - (abs(z)/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v)",
       "k*z, dz/dt = v - (abs(z)/zy)^n*(rho*abs(v)*sign(z) - (1 + rho)*v)" },
@@ -44,6 +42,8 @@ return function(effect)
     passive = "where rho >= 1/2, in the first form",  -- abs(gamma) <= beta: Baber and Wen 1981, J. Eng. Mech. Div. ASCE 107, 1069
     signature = "odd; odd harmonics; a loop even in slow motion; at equal (y, v) the force depends on the past",
     sentence = "a part of the structure yields and remembers: its force depends on the path that the motion took",
+    note = "of Wen's beta and gamma: zy = abs(beta + gamma)^(-1/n), rho = beta/abs(beta + gamma); the second form where "
+      .. "beta + gamma < 0, as in the benchmark of Noel and Schoukens 2016: it stiffens as it is loaded",
     confusers = { "coulomb_friction", "elastic_slip", "dahl_friction", "viscous_damping" },
     source = "Wen 1976, Journal of the Engineering Mechanics Division ASCE 102, 249-263; "
       .. "Ikhouane and Rodellar 2007, Systems with Hysteresis",
