@@ -122,15 +122,22 @@ namespace {
 
 /// Several names that leave the training records far above their noise, of which none closes most of what all close:
 /// another force, followed.
-bool is_patchwork(const Study& study, const Round& round, double closed) {
+bool is_patchwork(const Study& study, const Round& round) {
   const SearchResult& found = round.found;
   const Gap after = round.gap(round.train);
-  if (found.steps.size() < 2 || !far_from_the_floor(after, little_open) || closed >= most_closed(found.chosen.choices))
-    return false;
+  if (found.steps.size() < 2 || !far_from_the_floor(after, little_open)) return false;
   const auto share_closed = [&, before = pool_gap(runs(study, found.baseline, study.full, false), 0).value](
                                 double gap) { return closed_share(before, gap, after.floor); };
   const double first = pool_gap(runs(study, found.steps.front(), study.full, false), 0).value;
   return share_closed(first) < 0.8 * share_closed(after.value);
+}
+
+/// What keeps names that close this share of the squared excess over left-out blocks from being the answer; or "".
+std::string why_no_explanation(const Study& study, const Round& round, double closed) {
+  if (closed >= most_closed(round.found.chosen.choices)) return "";
+  if (round.left.material) return "leaves a repeatable force: " + round.left.closure.words();
+  if (is_patchwork(study, round)) return "several forces that leave this far above the noise follow another one";
+  return "";
 }
 
 }  // namespace
@@ -157,12 +164,8 @@ void decide(const Study& study, Round& round) {
   } else if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
-  } else if (round.left.material && closed < most_closed(names)) {
-    withdraw(round, "nearest, but leaves a repeatable force: " + round.left.closure.words());
-    round.train = runs(study, found.chosen, study.full);
-    round.verdict = "unknown-effect";
-  } else if (is_patchwork(study, round, closed)) {
-    withdraw(round, "nearest, but several forces that leave this far above the noise follow another one");
+  } else if (const std::string fault = why_no_explanation(study, round, closed); !fault.empty()) {
+    withdraw(round, "nearest, but " + fault);
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
@@ -226,19 +229,18 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
 namespace {
 
 /// What three deviations of the parameters do not explain of a gap on the test records.
-double beyond_parameters(const Study& study, const Candidate& model, double gap) {
+Gap beyond_parameters(const Study& study, const Candidate& model, Gap gap) {
   const double spread = parameter_spread(study, model, study.test);
-  return std::sqrt(std::max(0.0, gap * gap - 9 * spread * spread));
+  gap.value = std::sqrt(std::max(0.0, gap.value * gap.value - 9 * spread * spread));
+  return gap;
 }
 
 }  // namespace
 
 bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test) {
   constexpr double followed = 1.5;  // times the floor
-  if (!leaves_motion_open(study, test) || !(train.value < followed * train.floor)) return false;
-  Gap beyond = test;
-  beyond.value = beyond_parameters(study, model, test.value);
-  return !leaves_motion_open(study, beyond);
+  return leaves_motion_open(study, test) && train.value < followed * train.floor &&
+         !leaves_motion_open(study, beyond_parameters(study, model, test));
 }
 
 namespace {
@@ -273,16 +275,14 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // Of two, what the parameters' deviations make of the test counts for nothing: light damping that a jump hangs on.
   // One that is misplaced has wide deviations of its own, and a series always has.
   const bool spread = names == 2 && !all_closed && last.value > at_the_floor;
-  const double unexplained = spread ? beyond_parameters(study, round.found.chosen, last.value) : last.value;
+  const double unexplained = spread ? beyond_parameters(study, round.found.chosen, last).value : last.value;
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
-  if (patchwork && left.gap.value < 1.3 * left.gap.floor)
+  const bool followed = left.gap.value < 1.3 * left.gap.floor;
+  if (patchwork && followed)
     return "fitted the training records down to their noise by several forces, but not the test record";
-  if (names == 1 && left.gap.value < 1.3 * left.gap.floor && last.value > 3 * last.floor) {
-    Gap beyond = last;
-    beyond.value = beyond_parameters(study, round.found.chosen, last.value);
-    if (far_from_the_floor(beyond, little_open))
-      return "fitted the training records down to their noise, but not the test record";
-  }
+  if (names == 1 && followed && last.value > 3 * last.floor &&
+      far_from_the_floor(beyond_parameters(study, round.found.chosen, last), little_open))
+    return "fitted the training records down to their noise, but not the test record";
   if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";

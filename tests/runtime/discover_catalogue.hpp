@@ -29,6 +29,16 @@ inline Effect entry(Pool& pool, const std::string& name, const std::string& forc
   return effect;
 }
 
+/// An entry with a state z; `limit`: holds it within -limit and limit.
+inline Effect entry_with_state(Pool& pool, const std::string& name, const std::string& force, const std::string& rate,
+                               std::vector<Parameter> parameters, const std::string& limit = "") {
+  const Expr z = pool.state("z");
+  Effect effect = entry(pool, name, force, std::move(parameters));
+  const auto bound = [&](const char* sign) { return limit.empty() ? Expr() : parse(pool, sign + limit); };
+  effect.states.push_back({z, parse(pool, rate), 0, bound("-"), bound("")});
+  return effect;
+}
+
 inline std::vector<Effect> small_catalogue(Pool& pool) {
   return {entry(pool, "cubic_stiffness", "cubic_stiffness_k3*y^3", {row("cubic_stiffness_k3")}),
           entry(pool, "quadratic_stiffness", "quadratic_stiffness_k2*y^2", {row("quadratic_stiffness_k2")}),

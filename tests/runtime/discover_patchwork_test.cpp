@@ -67,9 +67,8 @@ TEST(Patchwork, OfTwoNamesFarAboveTheNoiseIsNoExplanation) {
   const Model model = baseline("k*y + c*v", scale.mass);
   Pool& pool = *model.pool;
   std::vector<Effect> catalogue = small_catalogue(pool);
-  const Expr z = pool.state("z");
-  Effect dahl = testing::entry(pool, "dahl_friction", "s*z", {testing::row("s", 0), testing::row("Fc", 0)});
-  dahl.states.push_back({z, parse(pool, "v - s*abs(v)*z/Fc"), 0, {}, {}});
+  Effect dahl = testing::entry_with_state(pool, "dahl_friction", "s*z", "v - s*abs(v)*z/Fc",
+                                          {testing::row("s", 0), testing::row("Fc", 0)});
   dahl.guess = [](const RecordScales& scales, int) {
     return std::vector<Guess>{{{"s", scales.stiffness}, {"Fc", scales.force_std}}};
   };
@@ -89,9 +88,8 @@ TEST(Patchwork, OfOneNameThatFollowsTheTrainingRecordAloneIsTakenBack) {
   const Model model = baseline("k*y + c*v", scale.mass);
   Pool& pool = *model.pool;
   std::vector<Effect> catalogue = small_catalogue(pool);
-  const Expr z = pool.state("z");
-  Effect slip = testing::entry(pool, "elastic_slip", "z", {testing::row("ks", 0), testing::row("Fs", 0)});
-  slip.states.push_back({z, parse(pool, "ks*v"), 0, parse(pool, "-Fs"), parse(pool, "Fs")});
+  Effect slip = testing::entry_with_state(pool, "elastic_slip", "z", "ks*v",
+                                          {testing::row("ks", 0), testing::row("Fs", 0)}, "Fs");
   slip.guess = [](const RecordScales& scales, int) {
     std::vector<Guess> guesses;
     for (const double part : {0.03, 0.1, 0.3, 1.0})

@@ -49,9 +49,8 @@ Parameter in(const std::string& name, const std::string& unit) {
 }
 
 Effect dahl(Pool& pool, const std::string& stiffness, const std::string& force) {
-  const Expr z = pool.state("z");
-  Effect effect = testing::entry(pool, "dahl", "s*z", {in("s", stiffness), in("Fc", force)});
-  effect.states.push_back({z, parse(pool, "v - s*abs(v)*z/Fc"), 0, {}, {}});
+  Effect effect =
+      testing::entry_with_state(pool, "dahl", "s*z", "v - s*abs(v)*z/Fc", {in("s", stiffness), in("Fc", force)});
   effect.guess = [](const RecordScales&, int) { return std::vector<Guess>{{{"s", 1e6}, {"Fc", 0.3e6}}}; };
   return effect;
 }
@@ -81,11 +80,10 @@ TEST(Proposer, LeavesAGuessAloneWhoseUnitsDoNotSayHowItScales) {
 TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   const Case lugre_record(truth::laws::lugre(3, 0.15, 0.2, 0.4, 0.4));
   Pool& pool = *lugre_record.model.pool;
-  const Expr z = pool.state("z");
-  const std::string slip = "abs(v)*z*s0/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
-  Effect effect = testing::entry(pool, "lugre", "s0*z + s1*(v - " + slip + ")",
-                                 {in("s0", "N/m"), in("s1", "N s/m"), in("Fc", "N"), in("Fs", "N"), in("vs", "m/s")});
-  effect.states.push_back({z, parse(pool, "v - " + slip), 0, {}, {}});
+  const std::string rate = "v - abs(v)*z*s0/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
+  Effect effect =
+      testing::entry_with_state(pool, "lugre", "s0*z + s1*(" + rate + ")", rate,
+                                {in("s0", "N/m"), in("s1", "N s/m"), in("Fc", "N"), in("Fs", "N"), in("vs", "m/s")});
   effect.guess = [](const RecordScales&, int) {
     return std::vector<Guess>{{{"s0", 300}, {"Fc", 20}, {"Fs", 40}, {"vs", 0.4}}};
   };

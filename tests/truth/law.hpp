@@ -14,8 +14,8 @@ struct Law {
   std::function<void(double tau, double x, double v, const double* z, double* rate)> rate;
   std::function<void(double x, double v, double* z)> settle;  ///< brings the states within their limits, after a step
   std::function<double(double x, double v)> mass;             ///< beside the oscillator's 1
-  bool ages =
-      false;  ///< with time, or what it went through: training and test records begin with it new, unlike a run-up
+  /// With time, or with what it went through: training and test records begin with it new, without a run-up.
+  bool ages = false;
   std::function<double(double x, double v)> jump;  ///< the force jumps where its sign changes: a step is split there
 };
 
