@@ -171,12 +171,6 @@ void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
   sort_by_cost(sorted);
 }
 
-void LevelFits::leave_ridges(std::vector<Candidate>& sorted) const {
-  parallel_for(std::min<int>(led_out, static_cast<int>(sorted.size())), study_.options->threads,
-               [&](int i) { fits_.leave_ridge(sorted[static_cast<std::size_t>(i)]); });
-  sort_by_cost(sorted);
-}
-
 /// Of a set that ended at a limit of what its last entry can show: that one's other guesses beside the parent.
 void LevelFits::leave_limits(Candidate& c) const {
   if (!c.degenerate()) return;

@@ -30,8 +30,6 @@ class LevelFits {
   /// Of the best single effects, and of their special cases: noise may have led the force to a minimum that is far from
   /// the trajectory's.
   void leave_minima(std::vector<Candidate>& sorted) const;
-  /// Of the best sets of several.
-  void leave_ridges(std::vector<Candidate>& sorted) const;
 
  private:
   void add_faults(const Candidate& parent, std::size_t fewest, std::vector<Candidate>& level,

@@ -65,13 +65,6 @@ std::vector<Piece> pieces_of(const Study& study) {
   return out;
 }
 
-FitData piece_of(const FitData& data, const Piece& piece) {
-  FitData out{data.record.slice(piece.first, piece.count), {}, {}, data.weight};
-  if (!data.excitation.empty()) out.excitation = data.excitation.part(piece.first, piece.count);
-  if (!data.use.empty()) out.use.assign(data.use.begin() + piece.first, data.use.begin() + piece.first + piece.count);
-  return out;
-}
-
 /// Consecutive parts of a record, evenly spread where they would be more than `most` rows together.
 std::vector<Piece> parts_of(const Record& record, std::size_t index, double length, Index most) {
   const Index rows = record.rows();
@@ -90,9 +83,9 @@ Study of_pieces(const Study& whole, const std::vector<Piece>& pieces) {
   out.force.clear();
   out.guesses.clear();
   for (const Piece& piece : pieces) {
-    out.train.push_back(piece_of(whole.train[piece.record], piece));
+    out.train.push_back(whole.train[piece.record].part(piece.first, piece.count));
     out.smooth.push_back(whole.smooth[piece.record].slice(piece.first, piece.count));
-    out.force.push_back(piece_of(whole.force[piece.record], piece));
+    out.force.push_back(whole.force[piece.record].part(piece.first, piece.count));
     out.guesses.push_back(whole.guesses[piece.record]);
   }
   return out;

@@ -89,25 +89,8 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
   try_guesses(c, shape, from);
 }
 
-void ProposalFits::leave_ridge(Candidate& c) const {
-  constexpr int iterations = 8;
-  if (!decays_ || !c.ran() || many_states(c.system->model().states.size())) return;
-  const Eigen::VectorXd theta = c.fit.theta;
-  const Eigen::MatrixXd covariance = c.fit.covariance;
-  for (Eigen::Index j = theta.size() - static_cast<Eigen::Index>(c.added()); j < theta.size(); ++j) {
-    if (!c.linear[static_cast<std::size_t>(j)] || !(covariance.rows() > j && covariance(j, j) > 0)) continue;
-    const Eigen::VectorXd ridge = covariance.col(j) / std::sqrt(covariance(j, j));
-    for (const double deviations : {-6.0, -3.0, 3.0, 6.0}) {
-      const Eigen::VectorXd start = within_bounds(c.system->model().parameters, theta + deviations * ridge);
-      FitResult other = fit_near(study_, c, start, iterations, coarse_substeps(c));
-      if (other.cost < c.fit.cost) c.fit = std::move(other);
-    }
-  }
-}
-
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran()) return;
-  leave_ridge(c);
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
   try_short_runs(c, c.fit.theta);
 }
@@ -119,7 +102,7 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
 
 void ProposalFits::end(Candidate& c) const {
   if (c.ran()) go_on(c, 24);
-  const double promised = std::sqrt(c.force_cost / static_cast<double>(force_rows_));
+  const double promised = decays_ ? 0 : std::sqrt(c.force_cost / static_cast<double>(force_rows_));
   if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
   try_short_runs(c, c.starts.front());
 }

@@ -45,10 +45,6 @@ class ProposalFits {
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
   /// The same for one that has come to its end above the noise, from where it is; and from short free runs on.
   void leave_minimum(Candidate& c, const Shape& shape) const;
-  /// In free decays friction that stops the motion and the damping beside it trade places along a ridge of minima: the
-  /// better of the fit and those that begin three and six of its deviations of an effect's coefficient away, the other
-  /// parameters along.
-  void leave_ridge(Candidate& c) const;
   /// To the end; and from short free runs on where the free run stays behind what the force promised.
   void end(Candidate& c) const;
 

@@ -1,3 +1,5 @@
+#include <ranges>
+
 #include "record/middle_value.hpp"
 #include "simulate/first_states.hpp"
 #include "simulate/fit_problem.hpp"
@@ -136,6 +138,13 @@ bool lost_by_long_steps(const System& system, const FitResult& result, const std
 
 }  // namespace
 
+FitData FitData::part(Eigen::Index first, Eigen::Index count) const {
+  FitData out{record.slice(first, count), {}, {}, weight};
+  if (!excitation.empty()) out.excitation = excitation.part(first, count);
+  if (!use.empty()) out.use.assign(use.begin() + first, use.begin() + first + count);
+  return out;
+}
+
 FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                          const FitOptions& options) {
   validate(options);
@@ -209,6 +218,28 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   return profile;
 }
 
+namespace {
+
+bool is_driven(const Model& model, const Record& record) {
+  return std::ranges::any_of(model.inputs(), [&](const std::string& channel) {
+    return !record.has(channel) || std::ranges::any_of(record[channel], [](double value) { return value != 0; });
+  });
+}
+
+std::vector<FitData> first_rows(const std::vector<FitData>& data, Eigen::Index count) {
+  std::vector<FitData> out;
+  for (const FitData& d : data) out.push_back(d.part(0, std::min(count, d.record.rows())));
+  return out;
+}
+
+Eigen::Index rows_in_use(const std::vector<FitData>& data) {
+  Eigen::Index rows = 0;
+  for (const FitData& d : data) rows += d.record.rows() - std::ranges::count(d.use, 0);
+  return rows;
+}
+
+}  // namespace
+
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options) {
   validate(options);
@@ -227,27 +258,35 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   stage.tolerance = std::max(options.tolerance, 1e-3);
   stage.max_iterations = std::min(options.max_iterations, 12);
   Eigen::VectorXd current = theta;
-  const Eigen::Index last = options.segment > 0 ? options.segment : longest;
   long runs = 0;
-  // From run to run three are joined to one, which begins where the first of them began.
-  std::vector<Eigen::Index> lengths;
-  for (Eigen::Index joined = last / 3; joined >= length; joined /= 3) lengths.push_back(joined);
-  for (auto at = lengths.rbegin(); at != lengths.rend(); ++at) {
-    stage.segment = *at;
-    FitResult fit = fit_trajectory(system, current, data, stage);
+  const auto take = [&](FitResult fit) {
     runs += fit.runs;
-    if (!std::isfinite(fit.cost)) continue;
+    if (!std::isfinite(fit.cost)) return;
     current = fit.theta;
     stage.first_states = std::move(fit.segments);
     // A record's internal states begin as the model says: a short run may have moved what it could not see.
     for (FitSegment& s : stage.first_states)
       if (s.first == 0) s.x0.conservativeResize(2 * system.degrees());
+  };
+  const bool decays = std::ranges::none_of(data, [&](const FitData& d) { return is_driven(system.model(), d.record); });
+  if (decays && options.segment == 0) {
+    for (Eigen::Index rows = length; rows < longest; rows = 3 * rows / 2)
+      if (const std::vector<FitData> first = first_rows(data, rows); rows_in_use(first) >= length)
+        take(fit_trajectory(system, current, first, stage));
+  } else {
+    const Eigen::Index last = options.segment > 0 ? options.segment : longest;
+    std::vector<Eigen::Index> lengths;  // from run to run three are joined to one, which begins where the first began
+    for (Eigen::Index joined = last / 3; joined >= length; joined /= 3) lengths.push_back(joined);
+    for (const Eigen::Index rows : lengths | std::views::reverse) {
+      stage.segment = rows;
+      take(fit_trajectory(system, current, data, stage));
+    }
   }
   FitOptions final_stage = chosen;
   if (!stage.first_states.empty()) final_stage.first_states = stage.first_states;
   FitResult result = fit_trajectory(system, current, data, final_stage);
   runs += result.runs;
-  if (!std::isfinite(result.cost) && !lengths.empty()) {  // what short runs led to grows without bound in a whole one
+  if (!std::isfinite(result.cost) && !stage.first_states.empty()) {  // what short runs led to grows without bound
     final_stage.first_states = chosen.first_states;
     FitResult whole = fit_trajectory(system, theta, data, final_stage);
     runs += whole.runs;

@@ -16,6 +16,8 @@ struct FitData {
   Excitations excitation;
   std::vector<std::uint8_t> use;  ///< one entry per row, 0: left out of the fit (still simulated); empty: all used
   double weight = 1;  ///< of its residuals beside those of other records: one over their noise, up to a factor
+
+  FitData part(Eigen::Index first, Eigen::Index count) const;  ///< rows [first, first + count)
 };
 
 /// The colour of the residual: means over `average` rows, then the innovations e_t - sum ar_i e_(t-i) (generalised
@@ -122,7 +124,9 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
                          const FitOptions& options = {});
 
 /// The same from a rough start: short free runs first (two periods), then longer ones up to the whole record, so that a
-/// wrong first guess does not lock into a neighbouring phase (multiple shooting; Bock 1983).
+/// wrong first guess does not lock into a neighbouring phase (multiple shooting; Bock 1983). Of free decays the first
+/// periods alone, then ever more of the record: friction that stops the motion too early has no slope in the rows
+/// thereafter.
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
                             const FitOptions& options = {});
 
