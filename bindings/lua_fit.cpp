@@ -66,6 +66,7 @@ FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
   options.max_iterations = static_cast<int>(number_field(L, index, "max_iterations").value_or(options.max_iterations));
   options.cancelled = &runtime(L).cancelled();
   options.shorten_steps = true;
+  options.force_noise = true;
   options.channels = strings_field(L, index, "channels");
   options.loss = string_field(L, index, "loss").value_or("squared") == "huber" ? Loss::huber : Loss::squared;
   options.segment = std::llround(number_field(L, index, "segment").value_or(0) / dt);

@@ -86,6 +86,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.max_iterations = iterations;
   options.tolerance = 1e-6;
   options.whitening = whitening;
+  options.force_noise = true;
   options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);

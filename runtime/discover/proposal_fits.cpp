@@ -24,18 +24,6 @@ FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::
   return fit_trajectory(*candidate.system, start, study.train, options);
 }
 
-namespace {
-
-Eigen::VectorXd within_bounds(const std::vector<Parameter>& table, Eigen::VectorXd theta) {
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    double& value = theta[static_cast<Eigen::Index>(i)];
-    value = std::clamp(value, table[i].min, table[i].max);
-  }
-  return theta;
-}
-
-}  // namespace
-
 bool all_linear(const Shape& shape) {
   return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
 }

@@ -69,7 +69,6 @@ FitResult refit_robustly(const System& system, const std::vector<FitData>& data,
     const long runs = result.runs;
     result = minimise_by(options, system, result.theta, data, result.segments, result.substeps, huber * scale);
     result.runs += runs;
-    result.clip = huber * scale;
   }
   return result;
 }

@@ -268,6 +268,7 @@ FitResult minimise_by_adjoint(const System& system, const VectorXd& given, const
     result.at_bound.assign(static_cast<std::size_t>(result.theta.size()), 0);
     result.unseen = result.at_bound;
     result.segments = cost.segments;
+    result.clip = clip;
     result.substeps = substeps;
     result.solver = fit_solver_name(options, substeps);
     fill_residuals(system, data, options, result);

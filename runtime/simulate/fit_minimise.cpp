@@ -1,4 +1,5 @@
 // Levenberg-Marquardt on free runs, and what is known of the solution.
+#include "record/random.hpp"
 #include "simulate/fit_problem.hpp"
 
 namespace lunid {
@@ -50,23 +51,87 @@ void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& in
   covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
-/// Per row the gradient of half its squared error by theta, first states projected out; a matrix per segment.
-std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
+/// The columns of theta with first states projected out; a matrix per segment.
+std::vector<Eigen::MatrixXd> projected_columns(const Normal& normal) {
   const Eigen::Index p = normal.a.rows();
-  std::vector<Eigen::MatrixXd> scores;
+  std::vector<Eigen::MatrixXd> out;
   for (std::size_t s = 0; s < normal.parts.size(); ++s) {
-    const auto& [residual, error, columns] = normal.parts[s];
-    Eigen::MatrixXd projected = columns.leftCols(p);
+    const Eigen::MatrixXd& columns = normal.parts[s].columns;
+    out.emplace_back(columns.leftCols(p));
     if (!normal.axx.empty())
-      projected -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
-    scores.push_back(error.asDiagonal() * projected);
+      out.back() -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
   }
-  return scores;
+  return out;
+}
+
+/// Per row the gradient of half its squared error by theta.
+std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
+  std::vector<Eigen::MatrixXd> out = projected_columns(normal);
+  for (std::size_t s = 0; s < out.size(); ++s) out[s] = normal.parts[s].error.asDiagonal() * out[s];
+  return out;
+}
+
+/// The records with as much noise on their forces again as these have; empty where none has.
+std::vector<FitData> with_more_noise(const std::vector<FitData>& data, Philox& random) {
+  std::vector<FitData> out = data;
+  bool any = false;
+  for (FitData& d : out)
+    for (int i = 0; i < d.excitation.count(); ++i) {
+      const Excitation signal = d.excitation[i];
+      const std::string channel = d.excitation.channel(i);
+      if (!d.record.has(channel) || d.record.channel(channel).formula.valid() || signal.analytic()) continue;
+      const double noise = d.record.channel(channel).noise;
+      if (!(noise > 0)) continue;
+      Eigen::VectorXd samples = signal.samples();
+      for (double& x : samples) x += noise * random.normal();
+      d.excitation = d.excitation.replaced(
+          channel, Excitation(signal.t0(), signal.dt(), {samples.data(), static_cast<std::size_t>(samples.size())},
+                              signal.interpolation()));
+      any = true;
+    }
+  return any ? out : std::vector<FitData>{};
+}
+
+/// What the noise of the forces does to theta, to first order: a covariance over draws of that noise, each run through
+/// the model. It may explain no more of the residual than there is.
+Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
+                                   const Normal& normal, const FitResult& result, const Eigen::MatrixXd& inverse) {
+  constexpr int draws = 24;
+  constexpr double likely = 2;  // times the residual: of few turns a lightly damped body makes now more, now less
+  Philox random(1, stream_of("noise of forces"));
+  const std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  double ran = 0, left = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    const std::vector<FitData> noisy = with_more_noise(data, random);
+    if (noisy.empty()) return sum;
+    Problem problem(system, noisy, options, result.substeps);
+    problem.clip = result.clip;
+    problem.prepare(result.segments);
+    const Normal there = problem.evaluate(result.theta, result.segments, false);
+    if (!std::isfinite(there.cost)) continue;
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(inverse.rows());
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      const Eigen::VectorXd change = there.parts[s].error - normal.parts[s].error;
+      left += change.squaredNorm();
+      if (!normal.axx.empty()) {
+        const Eigen::VectorXd by_state = normal.parts[s].columns.rightCols(normal.axx[s].cols()).transpose() * change;
+        left -= by_state.dot(pseudo_inverse(normal.axx[s]) * by_state);
+      }
+      score += columns[s].transpose() * change;
+    }
+    const Eigen::VectorXd step = inverse * score;
+    left -= step.dot(score);
+    sum += step * step.transpose();
+    ++ran;
+  }
+  if (ran == 0 || !(left > 0)) return sum;
+  return sum / ran * std::min(1.0, likely * normal.cost / (left / ran));
 }
 
 /// Covariance, ranks and residuals at the solution.
-void finish(const System& system, const std::vector<FitData>& data, const Bounds& bounds, const Normal& normal,
-            FitResult& result) {
+void finish(const System& system, const std::vector<FitData>& data, const FitOptions& options, const Bounds& bounds,
+            const Normal& normal, FitResult& result) {
   const Eigen::Index p = result.theta.size();
   result.rows = normal.rows;
   result.outliers = normal.outliers;
@@ -102,6 +167,8 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   const Eigen::MatrixXd inverse = pseudo_inverse(information);
   result.freedom = freedom;
   result.covariance = inverse * (normal.cost / freedom);
+  if (options.force_noise && !system.model().imposed_motion)
+    result.covariance += by_noise_of_forces(system, data, options, normal, result, inverse);
   widen(scores_of(normal), inverse, result.covariance);
 }
 
@@ -192,6 +259,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   FitResult result;
   result.substeps = substeps;
   result.solver = system.model().imposed_motion ? "imposed motion" : fit_solver_name(options, substeps);
+  result.clip = clip;
   result.theta = start.cwiseMax(bounds.min).cwiseMin(bounds.max);
   result.at_bound.assign(static_cast<std::size_t>(start.size()), 0);
   Normal normal = problem.evaluate(result.theta, segments, true);
@@ -250,7 +318,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   frozen(bounds, result.theta, normal.b, &result.at_bound);
   result.cost = normal.cost;
   result.segments = std::move(segments);
-  finish(system, data, bounds, normal, result);
+  finish(system, data, options, bounds, normal, result);
   result.runs = problem.runs;
   return result;
 }

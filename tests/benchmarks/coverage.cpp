@@ -18,7 +18,12 @@ using namespace lunid;
 
 constexpr const char* cases[] = {"cubic_hardening", "quadratic_stiffness", "constant_force", "coulomb_friction",
                                  "viscous_damping"};
-constexpr double levels[] = {40, 30, 20};
+constexpr double levels[] = {40, 30, 20, 60};
+constexpr truth::Excited excitations[] = {truth::Excited::multisine, truth::Excited::tones, truth::Excited::chirp,
+                                          truth::Excited::noise, truth::Excited::decay};
+
+double level_of(int index) { return levels[static_cast<std::size_t>(index / 5) % 4]; }
+truth::Excited excited_of(int index) { return excitations[static_cast<std::size_t>(index / 20) % 5]; }
 
 struct Tally {
   int inside = 0, all = 0, named = 0, runs = 0;
@@ -38,15 +43,17 @@ Tally run(int index) {
   const truth::Scale& scale = truth::scales()[static_cast<std::size_t>(index / 7) % 3];
   truth::RecordOptions options;
   options.rows = 900;
-  options.noise_db = levels[(index / 5) % 3];
+  options.noise_db = level_of(index);
+  options.excited = excited_of(index);
   options.seed = static_cast<std::uint64_t>(1000 + index);
   const truth::Records records = truth::make_records(which, scale, options);
   const Model model = testing::baseline(which.baseline, scale.mass);
   DiscoverOptions discover_options;
   discover_options.threads = 1;
-  const Discovery found =
-      discover(model, testing::small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
-               {testing::record_of(records.test, "test")}, discover_options);
+  std::vector<Record> train{testing::record_of(records.train, "train")};
+  for (const truth::Columns& more : records.more) train.push_back(testing::record_of(more, "train 2"));
+  const Discovery found = discover(model, testing::small_catalogue(*model.pool), train,
+                                   {testing::record_of(records.test, "test")}, discover_options);
   Tally tally;
   tally.runs = 1;
   if (found.effects.size() != 1 || found.effects[0].name != which.effects.front()) return tally;
@@ -81,9 +88,10 @@ int main(int argc, char** argv) {
   for (int i = 0; i < runs; ++i) {
     const Tally& t = tallies[static_cast<std::size_t>(i)];
     char level[16];
-    std::snprintf(level, sizeof level, "%.0f dB", levels[(i / 5) % 3]);
+    std::snprintf(level, sizeof level, "%.0f dB", level_of(i));
     add(rows[cases[i % std::size(cases)]], t);
     add(rows[level], t);
+    add(rows[truth::to_string(excited_of(i))], t);
     add(total, t);
   }
   for (const auto& [name, t] : rows)

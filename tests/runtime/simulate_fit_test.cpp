@@ -51,7 +51,8 @@ auto duffing(double k, double c, double k3) {
 /// A record of the truth with noise of a standard deviation per channel.
 template <std::size_t N>
 Record record_of(const std::vector<std::array<double, N>>& x, const std::vector<std::string>& names,
-                 const std::vector<double>& noise, unsigned seed, const std::string& force = "F") {
+                 const std::vector<double>& noise, unsigned seed, const std::string& force = "F",
+                 double force_noise = 0) {
   std::mt19937_64 bits(seed);
   std::normal_distribution<double> normal(0, 1);
   std::vector<Channel> channels;
@@ -64,7 +65,7 @@ Record record_of(const std::vector<std::array<double, N>>& x, const std::vector<
     channels.push_back(std::move(c));
   };
   add(
-      force, [](int i) { return push(dt * i); }, 0);
+      force, [](int i) { return push(dt * i); }, force_noise);
   for (std::size_t n = 0; n < names.size(); ++n)
     if (!names[n].empty())
       add(
@@ -241,6 +242,28 @@ TEST(FitTrajectory, FromFarGrowsTheRuns) {
   ASSERT_TRUE(fit.converged) << fit.stopped;
   EXPECT_NEAR(fit.theta[0], 2e4, 4 * std::sqrt(fit.covariance(0, 0)));
   EXPECT_NEAR(fit.theta[2], 1e8, 4 * std::sqrt(fit.covariance(2, 2)));
+}
+
+// Noise of the force's channel moves the body near its resonance, hidden under the sensor's white noise.
+TEST(FitTrajectory, CountsTheNoiseOfTheForceWhereAsked) {
+  constexpr int draws = 40;
+  const System system(model_of("1", "k*y + c*v"));
+  const auto motion = duffing(2e4, 10, 0);
+  double with = 0, without = 0;  // mean squares of the misses over their deviations
+  for (int draw = 0; draw < draws; ++draw) {
+    const Record record = record_of(motion, {"y"}, {5e-5}, 100 + static_cast<unsigned>(draw), "F", 0.3);
+    const std::vector<FitData> data{data_of(system, record)};
+    for (double* sum : {&with, &without}) {
+      FitOptions options;
+      options.force_noise = sum == &with;
+      const FitResult fit = fit_trajectory(system, vector({2e4, 10}), data, options);
+      for (int i = 0; i < 2; ++i)
+        *sum += std::pow(fit.theta[i] - (i == 0 ? 2e4 : 10), 2) / fit.covariance(i, i) / (2 * draws);
+    }
+  }
+  EXPECT_GT(without, 2);
+  EXPECT_GT(with, 0.6);
+  EXPECT_LT(with, 1.5);
 }
 
 // A longer wave of another height has nearly the same slope and bend: straight steps creep along that valley.
