@@ -11,8 +11,6 @@ namespace lunid {
 
 namespace {
 
-/// White noise beyond this part of the force's standard deviation is taken for the excitation itself.
-constexpr double roughest_noise = 0.3;
 constexpr int most_substeps = 32;
 
 /// A run that others are held against.
@@ -40,26 +38,13 @@ std::vector<double> squared_changes(const Nominal& at, const Excitations& excita
 
 /// Mean squared displacement that white noise on the force channels causes, by runs with noisy forces.
 void add_input_noise(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
-  const Record& record = at.data.record;
   constexpr int draws = 2;
   std::vector<double> squares(out.size(), 0.0);
   for (int draw = 0; draw < draws; ++draw) {
     Philox random(study.options->seed, static_cast<std::uint64_t>(1000 + draw));
-    Excitations excitation = at.data.excitation;
-    bool noisy = false;
-    for (const std::string& channel : study.forces) {
-      const double noise = record.channel(channel).noise;
-      // A force that is as rough as that is a random excitation, not a noisy sensor.
-      if (!(noise > 0) || noise > roughest_noise * standard_deviation(record[channel])) continue;
-      Eigen::VectorXd force = Eigen::Map<const Eigen::VectorXd>(record[channel].data(), record.rows());
-      for (auto& f : force) f += noise * random.normal();
-      excitation = excitation.replaced(
-          channel, Excitation(record.start(), record.dt(), {force.data(), static_cast<std::size_t>(force.size())},
-                              at.data.excitation.interpolation()));
-      noisy = true;
-    }
+    const std::optional<Excitations> noisy = with_noise_again(at.data, random);
     if (!noisy) return;
-    const std::vector<double> change = squared_changes(at, excitation, at.state.x0, out);
+    const std::vector<double> change = squared_changes(at, *noisy, at.state.x0, out);
     for (std::size_t i = 0; i < out.size(); ++i) squares[i] += change.empty() ? NAN : change[i];
   }
   for (std::size_t i = 0; i < out.size(); ++i)

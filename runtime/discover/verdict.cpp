@@ -134,6 +134,7 @@ bool is_patchwork(const Study& study, const Round& round) {
 
 /// What keeps names that close this share of the squared excess over left-out blocks from being the answer; or "".
 std::string why_no_explanation(const Study& study, const Round& round, double closed) {
+  if (round.found.chosen.degenerate()) return "a parameter sits where the effect is another one, or none";
   if (closed >= most_closed(round.found.chosen.choices)) return "";
   if (round.left.material) return "leaves a repeatable force: " + round.left.closure.words();
   if (is_patchwork(study, round)) return "several forces that leave this far above the noise follow another one";

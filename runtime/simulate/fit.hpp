@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "record/random.hpp"
 #include "record/record.hpp"
 #include "simulate/simulate.hpp"
 
@@ -19,6 +20,11 @@ struct FitData {
 
   FitData part(Eigen::Index first, Eigen::Index count) const;  ///< rows [first, first + count)
 };
+
+/// What drives a record, with as much white noise on its forces again as their channels have (Channel::noise); none
+/// where no force has any. One that is as rough as a random excitation is taken for that, not for a noisy sensor, and
+/// one that has a formula has no noise.
+std::optional<Excitations> with_noise_again(const FitData& data, Philox& random);
 
 /// The colour of the residual: means over `average` rows, then the innovations e_t - sum ar_i e_(t-i) (generalised
 /// least squares with an autoregressive noise; Cochrane & Orcutt 1949). The default leaves the residual as it is.

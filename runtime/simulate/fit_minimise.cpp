@@ -1,5 +1,4 @@
 // Levenberg-Marquardt on free runs, and what is known of the solution.
-#include "record/random.hpp"
 #include "simulate/fit_problem.hpp"
 
 namespace lunid {
@@ -71,22 +70,13 @@ std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
   return out;
 }
 
-/// The records with as much noise on their forces again as these have; empty where none has.
-std::vector<FitData> with_more_noise(const std::vector<FitData>& data, Philox& random) {
+/// Empty where no force has any.
+std::vector<FitData> with_noise_again(const std::vector<FitData>& data, Philox& random) {
   std::vector<FitData> out = data;
   bool any = false;
   for (FitData& d : out)
-    for (int i = 0; i < d.excitation.count(); ++i) {
-      const Excitation signal = d.excitation[i];
-      const std::string channel = d.excitation.channel(i);
-      if (!d.record.has(channel) || d.record.channel(channel).formula.valid() || signal.analytic()) continue;
-      const double noise = d.record.channel(channel).noise;
-      if (!(noise > 0)) continue;
-      Eigen::VectorXd samples = signal.samples();
-      for (double& x : samples) x += noise * random.normal();
-      d.excitation = d.excitation.replaced(
-          channel, Excitation(signal.t0(), signal.dt(), {samples.data(), static_cast<std::size_t>(samples.size())},
-                              signal.interpolation()));
+    if (std::optional<Excitations> noisy = with_noise_again(d, random)) {
+      d.excitation = std::move(*noisy);
       any = true;
     }
   return any ? out : std::vector<FitData>{};
@@ -103,7 +93,7 @@ Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitDa
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   double ran = 0, left = 0;
   for (int draw = 0; draw < draws; ++draw) {
-    const std::vector<FitData> noisy = with_more_noise(data, random);
+    const std::vector<FitData> noisy = with_noise_again(data, random);
     if (noisy.empty()) return sum;
     Problem problem(system, noisy, options, result.substeps);
     problem.clip = result.clip;
@@ -248,6 +238,24 @@ void bend(Problem& problem, const Normal& normal, const Eigen::VectorXd& theta, 
 }
 
 }  // namespace
+
+std::optional<Excitations> with_noise_again(const FitData& data, Philox& random) {
+  constexpr double roughest = 0.3;  // of the force's deviation: beyond it is the excitation itself
+  std::optional<Excitations> out;
+  for (int i = 0; i < data.excitation.count(); ++i) {
+    const Excitation& signal = data.excitation[i];
+    const std::string& name = data.excitation.channel(i);
+    if (!data.record.has(name) || signal.analytic()) continue;
+    const Channel& channel = data.record.channel(name);
+    Eigen::VectorXd samples = signal.samples();
+    const std::span<const double> values(samples.data(), static_cast<std::size_t>(samples.size()));
+    if (channel.formula.valid() || !(channel.noise > 0) || channel.noise > roughest * spread_of(values)) continue;
+    for (double& x : samples) x += channel.noise * random.normal();
+    if (!out) out = data.excitation;
+    *out = out->replaced(name, Excitation(signal.t0(), signal.dt(), values, signal.interpolation()));
+  }
+  return out;
+}
 
 FitResult minimise(const System& system, const Eigen::VectorXd& given, const std::vector<FitData>& data,
                    const FitOptions& options, std::vector<FitSegment> segments, int substeps, double clip) {
