@@ -219,6 +219,30 @@ TEST(Left, IsNotGoneWhereTheTestRecordShowsItsOwn) {
   EXPECT_FALSE(gone_on_test(t.study, round, before));
 }
 
+/// The fit of a whole set may move a parameter to where its effect is another one, after the sets there were left out.
+TEST(Decide, TakesNoNameAtTheEndOfWhatItsEntryCanShow) {
+  Tested t;
+  const auto fitted = [&](const Choices& choices, double k3) {
+    Candidate c = compile(t.study, complete(t.model), choices);
+    Eigen::VectorXd start = t.steps(k3, 0).steps.front().fit.theta.head(c.parameters());
+    c.fit = fit_trajectory(*c.system, start, t.study.train);
+    judge(t.study, c, {});
+    run_left_out(t.study, c);
+    return c;
+  };
+  for (const bool at_the_end : {false, true}) {
+    Round round;
+    round.found.baseline = fitted({}, 0);
+    round.found.chosen = fitted({{&t.catalogue[0], 0}}, 0.5);
+    round.found.steps = {round.found.chosen};
+    const double k3 = round.found.chosen.fit.theta[2];
+    if (at_the_end) round.found.chosen.shown.push_back({2, {0, k3}});
+    decide(t.study, round);
+    EXPECT_EQ(round.verdict, at_the_end ? "unknown-effect" : "explained");
+    EXPECT_EQ(round.names(), !at_the_end);
+  }
+}
+
 TEST(Steps, OfWhichTheLastRaisesTheGapOnTheTestRecordGo) {
   Tested t;
   EXPECT_EQ(t.that_help(t.steps(0.5, 0.05)), 1u);   // without the second the run is the truth's
