@@ -30,6 +30,22 @@ double power_at_band_edge(std::span<const double> f) {
   return total > 0 ? density.tail(edge).sum() / total : 1;
 }
 
+/// A force that stands still between its jumps (random bits, a staircase): whoever set it held it.
+bool jumps_and_stays(std::span<const double> f) {
+  constexpr double large = 0.3, small = 0.1;  // of the largest step, and of the step between
+  constexpr int fewest = 5;
+  const auto step = [&](std::size_t i) { return std::abs(f[i] - f[i - 1]); };
+  double largest = 0;
+  for (std::size_t i = 1; i < f.size(); ++i) largest = std::max(largest, step(i));
+  int jumps = 0, alone = 0;
+  for (std::size_t i = 2; i + 1 < f.size(); ++i) {
+    if (!(step(i) > large * largest)) continue;
+    ++jumps;
+    alone += step(i - 1) < small * step(i) && step(i + 1) < small * step(i);
+  }
+  return jumps >= fewest && alone > 0.9 * jumps;
+}
+
 /// Which straight or curved line through its neighbours predicts a sample of the force best.
 Interpolation guess_interpolation(std::span<const double> f) {
   double hold = 0, line = 0, cubic = 0;
@@ -40,6 +56,7 @@ Interpolation guess_interpolation(std::span<const double> f) {
   }
   const double power = std::pow(standard_deviation(f), 2) * static_cast<double>(f.size());
   if (!(power > 0)) return Interpolation::linear;
+  if (jumps_and_stays(f)) return Interpolation::hold;
   if (cubic < line && cubic < hold) return cubic > 1e-4 * power ? Interpolation::band_limited : Interpolation::cubic;
   if (power_at_band_edge(f) < 1e-4) return Interpolation::band_limited;
   return line <= hold ? Interpolation::linear : Interpolation::hold;

@@ -141,6 +141,23 @@ TEST(Discovery, ReadsTheForceBetweenItsSamplesPerRecord) {
   }
 }
 
+/// Random bits of two rows each are predicted better by straight lines, and are held all the same.
+TEST(Discovery, ReadsAForceThatStandsStillBetweenItsJumpsAsHeld) {
+  Philox random(6, 0);
+  std::vector<double> bits(1000);
+  for (double& bit : bits) bit = random.uniform() < 0.5 ? -0.5 : 0.5;
+  const auto held = [&](double, int row) { return bits[static_cast<std::size_t>(row / 2)]; };
+  const auto smooth = [](double t, int) {
+    return 0.25 * (std::cos(0.62 * t) + std::cos(0.97 * t + 1) + std::cos(1.31 * t + 2));
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  const Discovery d =
+      discover(model, small_catalogue(*model.pool), {oscillator(0.05, smooth, 1)}, {oscillator(0.05, held, 2)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
+}
+
 /// A stop may have its gap only where the motion is: a constant force is not a stop that is always in contact.
 TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
   const truth::Scale& scale = truth::scale_named("milli");
