@@ -175,6 +175,7 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
   FitOptions options = given;
   options.hold = index;
+  options.force_noise = false;
   options.gradient = Gradient::forward;
   if (result.solver == sundials_name(Solver::bdf)) options.solver = Solver::bdf;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
@@ -254,6 +255,7 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
   const FitOptions chosen = with_steps(system, theta, data, options);
   FitOptions stage = chosen;
   stage.whitening = {};
+  stage.force_noise = false;
   stage.tolerance = std::max(options.tolerance, 1e-3);
   stage.max_iterations = std::min(options.max_iterations, 12);
   Eigen::VectorXd current = theta;
