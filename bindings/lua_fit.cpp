@@ -66,7 +66,7 @@ FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
   options.max_iterations = static_cast<int>(number_field(L, index, "max_iterations").value_or(options.max_iterations));
   options.cancelled = &runtime(L).cancelled();
   options.shorten_steps = true;
-  options.force_noise = true;
+  options.force_noise = boolean_field(L, index, "force_noise", false);
   options.channels = strings_field(L, index, "channels");
   options.loss = string_field(L, index, "loss").value_or("squared") == "huber" ? Loss::huber : Loss::squared;
   options.segment = std::llround(number_field(L, index, "segment").value_or(0) / dt);
@@ -81,7 +81,8 @@ FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
   return options;
 }
 
-/// fit_trajectory(model, {records...}, {interpolation=, max_iterations=, channels=, separate=, loss=, segment=})
+/// fit_trajectory(model, {records...}, {interpolation=, max_iterations=, channels=, separate=, loss=, segment=,
+/// force_noise=})
 int fit(lua_State* L) {
   TrajectoryFit fit;
   fit.system = std::make_shared<const System>(check<Model>(L, 1));

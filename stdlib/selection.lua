@@ -224,7 +224,7 @@ selection.select = schema.define({
     schema.fail("select", ("no candidate runs freely over the holdout (%d tried; the first: %s): other features, or fewer "
       .. "terms"):format(#pool, rejected[1] and rejected[1].reason or "no candidate"))
   end
-  local last = given.holdout and chosen or refined(chosen, given, records) or chosen
+  local last = refined(chosen, given, given.holdout and train or records, given.iterations, true) or chosen
   local naive = naive_model(given, train)
   naive.holdout_gap, naive.rejected = judge(naive, holdout)
   local found = { front = front, chosen = chosen, model = last.model, fit = last.fit, terms = chosen.terms,

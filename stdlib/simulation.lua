@@ -132,6 +132,7 @@ local fit_trajectory = schema.define({
   example = [[local fit = lunid.fit_trajectory { model = model, record = train, channels = { "y", "v" } }]],
 }, function(given)
   local records = (given.separate and record_list or record_runs)(given.record, given.window)
+  given.force_noise = true
   local fit = core.fit_trajectory(given.model, records, given)
   if not fit.summary.converged then
     print(("%s: fit_trajectory: did not converge (%s)"):format(core.place(), fit.summary.stopped))

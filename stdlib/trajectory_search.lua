@@ -34,10 +34,11 @@ local function criterion(candidate, library, share)
     + 2*log_choices(math.max(library, terms), terms)
 end
 
---- Fits a candidate on the trajectory; a new candidate, or nil.
-local function refined(candidate, given, list, iterations)
+--- Fits a candidate on the trajectory; a new candidate, or nil. `told`: its deviations will be, and count the noise of
+--- the force too, at the cost of 24 runs.
+local function refined(candidate, given, list, iterations, told)
   local good, fit = pcall(core.fit_trajectory, candidate.model, list,
-    { channels = given.channels, max_iterations = iterations or given.iterations })
+    { channels = given.channels, max_iterations = iterations or given.iterations, force_noise = told })
   if not good then
     if tostring(fit):match "interrupted" then error(fit, 0) end
     return reject(candidate, "no trajectory fit: " .. tostring(fit))
