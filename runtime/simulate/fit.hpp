@@ -62,8 +62,8 @@ struct FitOptions {
   int substeps = 0;          ///< per sample; 0: chosen by halving the step at the start
   /// Where steps are too long for parameters that the fit tries, it goes on with half of them (fixed path)
   bool shorten_steps = false;
-  /// The covariance counts the noise of the forces' channels too (Channel::noise), by runs of the model; only there
-  /// (not with the adjoint, and not along an imposed motion)
+  /// The covariance counts the noise of the forces' channels too (Channel::noise), by 24 runs of the model, as far as
+  /// the residual shows it: noise that the system felt is no error. Not with the adjoint, nor along an imposed motion
   bool force_noise = false;
   Whitening whitening;  ///< what is done to the residual before it is squared
   /// Displacements, velocities and accelerations that are fitted, each weighted by its noise; empty: of each coordinate

@@ -1,4 +1,6 @@
 // Levenberg-Marquardt on free runs, and what is known of the solution.
+#include <Eigen/LU>
+
 #include "simulate/fit_problem.hpp"
 
 namespace lunid {
@@ -82,41 +84,78 @@ std::vector<FitData> with_noise_again(const std::vector<FitData>& data, Philox& 
   return any ? out : std::vector<FitData>{};
 }
 
-/// What the noise of the forces does to theta, to first order: a covariance over draws of that noise, each run through
-/// the model. It may explain no more of the residual than there is.
-Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
+/// What noise on the forces does to the residual and to theta, to first order.
+struct NoiseOfForces {
+  Eigen::MatrixXd left;  ///< changes of the residual that neither theta nor the first states take up; a column per draw
+  Eigen::MatrixXd step;  ///< of theta
+};
+
+NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                                    const Normal& normal, const FitResult& result, const Eigen::MatrixXd& inverse) {
   constexpr int draws = 24;
-  constexpr double likely = 2;  // times the residual: of few turns a lightly damped body makes now more, now less
   Philox random(1, stream_of("noise of forces"));
   const std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
-  double ran = 0, left = 0;
+  Eigen::Index rows = 0, ran = 0;
+  for (const Normal::Part& part : normal.parts) rows += part.error.size();
+  NoiseOfForces out{Eigen::MatrixXd(rows, draws), Eigen::MatrixXd(inverse.rows(), draws)};
   for (int draw = 0; draw < draws; ++draw) {
     const std::vector<FitData> noisy = with_noise_again(data, random);
-    if (noisy.empty()) return sum;
+    if (noisy.empty()) return {};
     Problem problem(system, noisy, options, result.substeps);
     problem.clip = result.clip;
     problem.prepare(result.segments);
     const Normal there = problem.evaluate(result.theta, result.segments, false);
     if (!std::isfinite(there.cost)) continue;
+    std::vector<Eigen::VectorXd> changes;
     Eigen::VectorXd score = Eigen::VectorXd::Zero(inverse.rows());
     for (std::size_t s = 0; s < columns.size(); ++s) {
-      const Eigen::VectorXd change = there.parts[s].error - normal.parts[s].error;
-      left += change.squaredNorm();
-      if (!normal.axx.empty()) {
-        const Eigen::VectorXd by_state = normal.parts[s].columns.rightCols(normal.axx[s].cols()).transpose() * change;
-        left -= by_state.dot(pseudo_inverse(normal.axx[s]) * by_state);
-      }
-      score += columns[s].transpose() * change;
+      changes.push_back(there.parts[s].error - normal.parts[s].error);
+      score += columns[s].transpose() * changes.back();
     }
-    const Eigen::VectorXd step = inverse * score;
-    left -= step.dot(score);
-    sum += step * step.transpose();
+    out.step.col(ran) = inverse * score;
+    Eigen::Index row = 0;
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      Eigen::VectorXd change = changes[s] - columns[s] * out.step.col(ran);
+      if (!normal.axx.empty()) {
+        const auto states = normal.parts[s].columns.rightCols(normal.axx[s].cols());
+        change -= states * (pseudo_inverse(normal.axx[s]) * (states.transpose() * changes[s]));
+      }
+      out.left.col(ran).segment(row, change.size()) = change;
+      row += change.size();
+    }
     ++ran;
   }
-  if (ran == 0 || !(left > 0)) return sum;
-  return sum / ran * std::min(1.0, likely * normal.cost / (left / ran));
+  out.left.conservativeResize(Eigen::NoChange, ran);
+  out.step.conservativeResize(Eigen::NoChange, ran);
+  return out;
+}
+
+/// How much of that noise the residual holds, 0 to 1: none where the system felt it. By the residual's energy beyond
+/// that of white noise in the space of the drawn changes, over what one more draw would have there.
+double share_in_residual(const NoiseOfForces& drawn, const Normal& normal, double freedom) {
+  Eigen::VectorXd residual(drawn.left.rows());
+  Eigen::Index row = 0;
+  for (const Normal::Part& part : normal.parts) {
+    residual.segment(row, part.error.size()) = part.error;
+    row += part.error.size();
+  }
+  Eigen::MatrixXd gram = drawn.left.transpose() * drawn.left;
+  const auto draws = static_cast<double>(gram.rows());
+  if (!(gram.trace() > 0)) return 0;
+  gram.diagonal().array() += 1e-9 * gram.trace() / draws;  // of fewer dimensions than draws
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::VectorXd along = drawn.left.transpose() * residual;
+  const double inside = along.dot(inverse * along), white = (normal.cost - inside) / std::max(1.0, freedom - draws);
+  const double one_more = (gram.diagonal() - inverse.diagonal().cwiseInverse()).mean();
+  return one_more > 0 ? std::clamp((inside - draws * white) / one_more, 0.0, 1.0) : 0;
+}
+
+Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
+                                   const Normal& normal, const FitResult& result, const Eigen::MatrixXd& inverse) {
+  const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, inverse);
+  if (drawn.step.cols() < 2) return Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  return drawn.step * drawn.step.transpose() / static_cast<double>(drawn.step.cols()) *
+         share_in_residual(drawn, normal, result.freedom);
 }
 
 /// Covariance, ranks and residuals at the solution.
