@@ -155,7 +155,7 @@ Proposer::Proposer(const Study& study, const Candidate& baseline, bool weigh) : 
   for (const auto& data : study.force) all += degrees_ * data.record.rows();
   for (const auto& data : study.force) {
     const Eigen::Index rows = all > most_rows ? data.record.rows() * most_rows / all : data.record.rows();
-    data_.push_back({data.record.slice(0, rows), {}, {data.use.begin(), data.use.begin() + rows}});
+    data_.push_back(data.part(0, rows));
     rows_ += degrees_ * rows;
   }
   measured_.resize(rows_);

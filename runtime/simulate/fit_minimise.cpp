@@ -65,9 +65,8 @@ std::vector<Eigen::MatrixXd> projected_columns(const Normal& normal) {
   return out;
 }
 
-/// Per row the gradient of half its squared error by theta.
-std::vector<Eigen::MatrixXd> scores_of(const Normal& normal) {
-  std::vector<Eigen::MatrixXd> out = projected_columns(normal);
+/// Per row the gradient of half its squared error by theta; `out`: the projected columns.
+std::vector<Eigen::MatrixXd> scores_of(const Normal& normal, std::vector<Eigen::MatrixXd> out) {
   for (std::size_t s = 0; s < out.size(); ++s) out[s] = normal.parts[s].error.asDiagonal() * out[s];
   return out;
 }
@@ -91,16 +90,22 @@ struct NoiseOfForces {
 };
 
 NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
-                                   const Normal& normal, const FitResult& result, const Eigen::MatrixXd& inverse) {
+                                   const Normal& normal, const FitResult& result,
+                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse) {
   constexpr int draws = 24;
   Philox random(1, stream_of("noise of forces"));
-  const std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
   Eigen::Index rows = 0, ran = 0;
   for (const Normal::Part& part : normal.parts) rows += part.error.size();
-  NoiseOfForces out{Eigen::MatrixXd(rows, draws), Eigen::MatrixXd(inverse.rows(), draws)};
+  std::vector<Eigen::MatrixXd> by_states;
+  for (const Eigen::MatrixXd& axx : normal.axx) by_states.push_back(pseudo_inverse(axx));
+  NoiseOfForces out;
   for (int draw = 0; draw < draws; ++draw) {
     const std::vector<FitData> noisy = with_noise_again(data, random);
     if (noisy.empty()) return {};
+    if (draw == 0) {
+      out.left.resize(rows, draws);
+      out.step.resize(inverse.rows(), draws);
+    }
     Problem problem(system, noisy, options, result.substeps);
     problem.clip = result.clip;
     problem.prepare(result.segments);
@@ -118,7 +123,7 @@ NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitDa
       Eigen::VectorXd change = changes[s] - columns[s] * out.step.col(ran);
       if (!normal.axx.empty()) {
         const auto states = normal.parts[s].columns.rightCols(normal.axx[s].cols());
-        change -= states * (pseudo_inverse(normal.axx[s]) * (states.transpose() * changes[s]));
+        change -= states * (by_states[s] * (states.transpose() * changes[s]));
       }
       out.left.col(ran).segment(row, change.size()) = change;
       row += change.size();
@@ -151,8 +156,9 @@ double share_in_residual(const NoiseOfForces& drawn, const Normal& normal, doubl
 }
 
 Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
-                                   const Normal& normal, const FitResult& result, const Eigen::MatrixXd& inverse) {
-  const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, inverse);
+                                   const Normal& normal, const FitResult& result,
+                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse) {
+  const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, columns, inverse);
   if (drawn.step.cols() < 2) return Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   return drawn.step * drawn.step.transpose() / static_cast<double>(drawn.step.cols()) *
          share_in_residual(drawn, normal, result.freedom);
@@ -196,9 +202,10 @@ void finish(const System& system, const std::vector<FitData>& data, const FitOpt
   const Eigen::MatrixXd inverse = pseudo_inverse(information);
   result.freedom = freedom;
   result.covariance = inverse * (normal.cost / freedom);
+  std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
   if (options.force_noise && !system.model().imposed_motion)
-    result.covariance += by_noise_of_forces(system, data, options, normal, result, inverse);
-  widen(scores_of(normal), inverse, result.covariance);
+    result.covariance += by_noise_of_forces(system, data, options, normal, result, columns, inverse);
+  widen(scores_of(normal, std::move(columns)), inverse, result.covariance);
 }
 
 }  // namespace
