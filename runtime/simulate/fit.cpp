@@ -165,7 +165,9 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
     if (!(again.cost < finer_gain * result.cost)) break;
     result = std::move(again);
   }
-  return options.loss == Loss::huber ? refit_robustly(system, data, chosen, std::move(result)) : result;
+  if (options.loss == Loss::huber) result = refit_robustly(system, data, chosen, std::move(result));
+  if (options.force_noise) count_noise_of_forces(system, data, chosen, result);
+  return result;
 }
 
 Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
@@ -175,7 +177,6 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
   FitOptions options = given;
   options.hold = index;
-  options.force_noise = false;
   options.gradient = Gradient::forward;
   if (result.solver == sundials_name(Solver::bdf)) options.solver = Solver::bdf;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);

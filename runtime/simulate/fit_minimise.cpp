@@ -164,9 +164,20 @@ Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitDa
          share_in_residual(drawn, normal, result.freedom);
 }
 
+/// Of theta among the parameters that are free.
+Eigen::MatrixXd inverse_information(const FitResult& result, const Bounds& bounds) {
+  Eigen::MatrixXd information = result.information;
+  for (Eigen::Index i = 0; i < information.rows(); ++i)
+    if (result.at_bound[static_cast<std::size_t>(i)] || bounds.fixed[static_cast<std::size_t>(i)]) {
+      information.row(i).setZero();
+      information.col(i).setZero();
+    }
+  return pseudo_inverse(information);
+}
+
 /// Covariance, ranks and residuals at the solution.
-void finish(const System& system, const std::vector<FitData>& data, const FitOptions& options, const Bounds& bounds,
-            const Normal& normal, FitResult& result) {
+void finish(const System& system, const std::vector<FitData>& data, const Bounds& bounds, const Normal& normal,
+            FitResult& result) {
   const Eigen::Index p = result.theta.size();
   result.rows = normal.rows;
   result.outliers = normal.outliers;
@@ -182,33 +193,37 @@ void finish(const System& system, const std::vector<FitData>& data, const FitOpt
           first, count) = normal.parts[s].residual.segment(c * count, count);
   }
   result.information = schur(normal);
-  Eigen::VectorXd full = normal.a.diagonal();
   result.unseen.assign(static_cast<std::size_t>(p), 0);
-  Eigen::MatrixXd information = result.information;
   Eigen::Index free = 0;
   for (Eigen::Index i = 0; i < p; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (!(information(i, i) > 1e-10 * full[i])) result.unseen[k] = 1;
-    if (result.at_bound[k] || bounds.fixed[k]) {
-      information.row(i).setZero();
-      information.col(i).setZero();
-    } else {
-      ++free;
-    }
+    if (!(result.information(i, i) > 1e-10 * normal.a(i, i))) result.unseen[k] = 1;
+    if (!result.at_bound[k] && !bounds.fixed[k]) ++free;
   }
   const double states =
       system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2 * system.degrees();
-  const double freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
-  const Eigen::MatrixXd inverse = pseudo_inverse(information);
-  result.freedom = freedom;
-  result.covariance = inverse * (normal.cost / freedom);
-  std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
-  if (options.force_noise && !system.model().imposed_motion)
-    result.covariance += by_noise_of_forces(system, data, options, normal, result, columns, inverse);
-  widen(scores_of(normal, std::move(columns)), inverse, result.covariance);
+  result.freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
+  const Eigen::MatrixXd inverse = inverse_information(result, bounds);
+  result.covariance = inverse * (normal.cost / result.freedom);
+  widen(scores_of(normal, projected_columns(normal)), inverse, result.covariance);
 }
 
 }  // namespace
+
+void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
+                           FitResult& result) {
+  if (system.model().imposed_motion || !std::isfinite(result.cost)) return;
+  Problem problem(system, data, options, result.substeps);
+  problem.clip = result.clip;
+  problem.prepare(result.segments);
+  const Normal normal = problem.evaluate(result.theta, result.segments, true);
+  const Eigen::MatrixXd inverse = inverse_information(result, Bounds(system.model(), problem.layout(), options));
+  std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
+  result.covariance = inverse * (normal.cost / result.freedom) +
+                      by_noise_of_forces(system, data, options, normal, result, columns, inverse);
+  widen(scores_of(normal, std::move(columns)), inverse, result.covariance);
+  result.runs += problem.runs;
+}
 
 Step damped_step(const Normal& normal, double lambda, const std::vector<std::uint8_t>& frozen) {
   Eigen::MatrixXd a = normal.a;
@@ -372,7 +387,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   frozen(bounds, result.theta, normal.b, &result.at_bound);
   result.cost = normal.cost;
   result.segments = std::move(segments);
-  finish(system, data, options, bounds, normal, result);
+  finish(system, data, bounds, normal, result);
   result.runs = problem.runs;
   return result;
 }
