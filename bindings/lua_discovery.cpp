@@ -170,6 +170,7 @@ Effect read_effect(lua_State* L) {
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
   effect.any_motion = boolean_field(L, -1, "any_motion", false);
+  effect.repeats = boolean_field(L, -1, "repeats", false);
   effect.parameters = read_rows(L);
   effect.variants = read_variants(L);
   with_field(L, -1, "margins",

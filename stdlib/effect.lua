@@ -137,6 +137,8 @@ return schema.define({
     { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
       .. "a list: the forms that it may have" },
     { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
+    { "repeats", types.boolean, default = false, help = "may stand several times at one place, as stops on either side; the "
+      .. "names of the second end in _b" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
       .. "and of force_rate, the rate of that; affine in F" },
     { "delay", text_or_expression, unit = "s", help = "by which the force acts later than its channel says" },

@@ -5,6 +5,18 @@
 
 namespace lunid {
 
+namespace {
+
+/// What a set holds, in one order.
+std::vector<std::pair<std::string, int>> contents(const Choices& set) {
+  std::vector<std::pair<std::string, int>> out;
+  for (const Choice& c : set) out.emplace_back(c.effect->label(), c.variant);
+  std::ranges::sort(out);
+  return out;
+}
+
+}  // namespace
+
 std::string name_of(const Choices& choices) {
   std::string text;
   for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
@@ -24,22 +36,21 @@ bool holds(const Choices& set, const Effect* effect) {
   return std::any_of(set.begin(), set.end(), [&](const Choice& c) { return c.effect == effect; });
 }
 
-bool same(Choices a, Choices b) {
-  const auto order = [](const Choice& x, const Choice& y) {
-    return std::make_pair(x.effect, x.variant) < std::make_pair(y.effect, y.variant);
+bool may_join(const Choices& set, const Effect& effect) {
+  const auto is_before = [&](const Choice& c) {
+    return c.effect->number + 1 == effect.number && c.effect->label() == effect.label();
   };
-  std::sort(a.begin(), a.end(), order);
-  std::sort(b.begin(), b.end(), order);
-  return a == b;
+  return !holds(set, &effect) && (effect.number == 1 || std::ranges::any_of(set, is_before));
 }
+
+bool same(const Choices& a, const Choices& b) { return a.size() == b.size() && contents(a) == contents(b); }
 
 bool is_among(const std::vector<Choices>& sets, const Choices& set) {
   return std::ranges::any_of(sets, [&](const Choices& c) { return same(c, set); });
 }
 
 bool within(const Choices& part, const Choices& whole) {
-  return std::all_of(part.begin(), part.end(),
-                     [&](const Choice& x) { return std::find(whole.begin(), whole.end(), x) != whole.end(); });
+  return std::ranges::includes(contents(whole), contents(part));
 }
 
 bool related(const Choices& a, const Choices& b) {

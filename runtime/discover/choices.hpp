@@ -22,9 +22,12 @@ bool holds_name(const std::vector<Choices>& sets, const std::string& name);
 Choices with(Choices set, const Choice& more);
 
 bool holds(const Choices& set, const Effect* effect);
-bool same(Choices a, Choices b);
+/// It is not in the set, and where it is a repetition the one before it is.
+bool may_join(const Choices& set, const Effect& effect);
+/// The same entries in the same forms at the same places, whichever of its repetitions an entry is.
+bool same(const Choices& a, const Choices& b);
 bool is_among(const std::vector<Choices>& sets, const Choices& set);
-/// Every choice of `part` is in `whole`, with its variant.
+/// Every choice of `part` is in `whole`, with its variant, as often.
 bool within(const Choices& part, const Choices& whole);
 /// Related by special_case_of, either way: the simpler is named without doubt.
 bool related(const Choices& a, const Choices& b);

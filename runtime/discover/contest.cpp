@@ -70,7 +70,7 @@ class Contest {
                                    const std::vector<Candidate>& more, double badly,
                                    const std::function<bool(const Shape&)>& wanted) {
     return offers_.beside(rest, space, [&](const Shape& shape) {
-      if (holds(rest.choices, shape.choice.effect) || many_states(shape) || !wanted(shape)) return false;
+      if (!may_join(rest.choices, *shape.choice.effect) || many_states(shape) || !wanted(shape)) return false;
       const Choices set = with(rest.choices, shape.choice);
       if (find_in(more, set)) return false;
       const Candidate* fitted = find_in(out_.sets, set);
@@ -108,7 +108,7 @@ class Contest {
     std::iota(all.begin(), all.end(), std::size_t{0});
     fit_in_place(offers, all, more);
     for (const Shape& shape : offers_.shapes())
-      if (is_special(shape) && !holds(rest.choices, shape.choice.effect))
+      if (is_special(shape) && may_join(rest.choices, *shape.choice.effect))
         fit_as_named(shape, rest.choices, whole, old, badly);
   }
 

@@ -66,6 +66,9 @@ struct Effect {
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, confusers, channels;
   bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
+  bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
+  int number = 1;        ///< of those; the second stands beside the first alone
+  std::string suffix = {};  ///< behind the entry's own names of parameters and states: of a place, of a repetition
   std::string signature, sentence, source;
   /// Its name, and where it is: "coulomb_friction at y2".
   std::string label() const { return place ? name + " " + words_of(*place) : name; }
@@ -80,5 +83,20 @@ struct Effect {
   /// is another, simpler one (a stop that is always in contact), and is not named.
   std::function<Ranges(const RecordScales&, int variant)> range;
 };
+
+/// The entry under other names: its parameters, states, guesses and ranges with this behind them, and other symbols by
+/// these. Changes the pool.
+Effect with_suffix(Pool& pool, const Effect& effect, const std::string& suffix,
+                   std::vector<std::pair<Expr, Expr>> symbols = {});
+
+/// Behind each entry that may stand several times its repetitions. One that is an element of the model already begins
+/// with the first that is not. Changes the pool.
+std::vector<Effect> with_repetitions(const Model& model, const std::vector<Effect>& catalogue);
+
+/// An entry that is an element of a model has its names there.
+bool is_element_of(const Model& model, const Effect& effect);
+
+/// The entry's own name of one of its parameters: "k3" of cubic_stiffness_k3_1_2.
+std::string own_name(const Effect& effect, std::string parameter);
 
 }  // namespace lunid

@@ -83,8 +83,8 @@ void LevelFits::add_faults(const Candidate& parent, std::size_t fewest, std::vec
   std::vector<Candidate> found;
   std::vector<std::vector<Guess>> guesses;
   for (const auto& fault : offers_.faults()) {
-    if (holds(parent.choices, fault.choice.effect) || find_in(known_.sets, with(parent.choices, fault.choice)))
-      continue;
+    if (!may_join(parent.choices, *fault.choice.effect)) continue;
+    if (find_in(known_.sets, with(parent.choices, fault.choice))) continue;
     if (!goes_with(parent.choices, fault.choice)) continue;
     if (parent.added() + fault.choice.effect->parameters.size() >= fewest) continue;
     found.push_back(compile(study_, model_, with(parent.choices, fault.choice)));

@@ -76,7 +76,7 @@ Offers::Offers(const Study& study, const Model& model, const Candidate& baseline
       per_size_(runs_per_size(study)),
       scales_(study, baseline) {
   for (const auto& effect : catalogue) {
-    if (in_baseline(effect)) {
+    if (is_element_of(model, effect)) {
       out_.left_aside.push_back(effect.label() + " (is in the baseline already)");
       continue;
     }
@@ -97,18 +97,17 @@ void Offers::run_along_the_motion() {
 void Offers::run_shapes(const std::function<bool(const Shape&)>& wanted) {
   parallel_for(static_cast<int>(shapes_.size()), study_.options->threads, [&](int i) {
     Shape& shape = shapes_[static_cast<std::size_t>(i)];
-    if (wanted(shape)) proposer_.run(shape);
+    if (wanted(shape) && shape.choice.effect->number == 1) proposer_.run(shape);
   });
+  for (Shape& shape : shapes_)
+    if (const Shape* first = first_of(shape)) shape.take_runs_of(*first);
 }
 
-/// An entry that is an element of the baseline has its names there.
-bool Offers::in_baseline(const Effect& effect) const {
-  for (const Parameter& own : effect.parameters)
-    if (model_.find(own.name)) return true;
-  return std::any_of(effect.states.begin(), effect.states.end(), [&](const InternalState& own) {
-    return std::any_of(model_.states.begin(), model_.states.end(),
-                       [&](const InternalState& known) { return known.symbol.name() == own.symbol.name(); });
-  });
+/// Of an entry that stands several times, the first; null of that.
+const Shape* Offers::first_of(const Shape& repetition) const {
+  if (repetition.choice.effect->number == 1) return nullptr;
+  const auto at = std::ranges::find_if(shapes_, [&](const Shape& s) { return same({s.choice}, {repetition.choice}); });
+  return &*at;
 }
 
 bool Offers::is_known(const Candidate& parent, const Choice& added) const {
@@ -143,7 +142,7 @@ Offers::Round Offers::beside(const std::vector<Candidate>& parents, std::size_t 
   });
   for (std::size_t k = 0; k < parents.size(); ++k)
     for (const auto& shape : shapes_) {
-      if (holds(parents[k].choices, shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
+      if (!may_join(parents[k].choices, *shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
       if (parents[k].added() + shape.linear.size() >= fewest) continue;
       add(round.all, parents[k], round.spaces[k], shape);
     }

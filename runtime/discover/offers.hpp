@@ -70,9 +70,9 @@ class Offers {
   int as_affordable(int usual) const;
 
  private:
-  bool in_baseline(const Effect& effect) const;
   bool is_known(const Candidate& parent, const Choice& added) const;
   void run_shapes(const std::function<bool(const Shape&)>& wanted);
+  const Shape* first_of(const Shape& repetition) const;
   void add(std::vector<Offer>& offers, const Candidate& parent, const Proposer::Parent& space, const Shape& shape);
   void each(std::vector<Offer>& offers, const std::vector<std::size_t>& list,
             const std::function<void(Offer&)>& job) const;

@@ -25,14 +25,6 @@ std::string suffix_of(const Place& place) {
   return "_" + std::to_string(place.of + 1) + (place.joint() ? "_" + std::to_string(place.from + 1) : "");
 }
 
-/// Guesses and ranges speak of the entry's names.
-template <class Values>
-Values renamed(const Values& values, const std::string& suffix) {
-  Values out;
-  for (const auto& [name, value] : values) out[name + suffix] = value;
-  return out;
-}
-
 /// What stands at a place: one variant of an entry speaks of the forces between the masses, of what a displacement's
 /// channel shows, or of what the force's channel does.
 bool stands_at(const Model& model, const Effect& effect, const EffectVariant& variant, const Place& place) {
@@ -48,26 +40,18 @@ bool stands_at(const Model& model, const Effect& effect, const EffectVariant& va
   return effect.family != "input" || driven;
 }
 
-/// The symbols of an entry by those at a place. Names that the entry holds are made here, once for each place.
-Replacements symbols_at(const Model& model, const Effect& effect, const Place& place, const std::string& suffix) {
+/// The motion and the force by those at a place.
+Replacements symbols_at(const Model& model, const Place& place) {
   Pool& pool = *model.pool;
   Replacements out;
   for (const char quantity : {'y', 'v', 'a'})
     out.emplace_back(pool.channel(std::string(1, quantity)), motion_at(model, place, quantity));
   if (!place.joint()) out.emplace_back(pool.channel("F"), pool.channel(model.channel('F', place.of)));
-  for (const Parameter& p : effect.parameters)
-    out.emplace_back(pool.parameter(p.name), pool.parameter(p.name + suffix));
-  for (const InternalState& z : effect.states) out.emplace_back(z.symbol, pool.state(z.symbol.name() + suffix));
   return out;
 }
 
 /// The entry at a place, with those of its variants that stand there; none where no variant does.
 std::optional<Effect> at_place(const Model& model, const Effect& effect, const Place& place) {
-  const std::string suffix = suffix_of(place);
-  const Replacements symbols = symbols_at(model, effect, place, suffix);
-  const auto move = [&](Expr& part) {
-    if (part.valid()) part = substitute(part, symbols);
-  };
   Effect out = effect;
   out.place = place;
   out.variants.clear();
@@ -75,33 +59,18 @@ std::optional<Effect> at_place(const Model& model, const Effect& effect, const P
   for (std::size_t i = 0; i < effect.variants.size(); ++i) {
     if (!stands_at(model, effect, effect.variants[i], place)) continue;
     EffectVariant variant = effect.variants[i];
-    move(variant.force);
-    move(variant.delay);
     for (auto* maps : {&variant.measures, &variant.acts})
-      for (auto& [channel, map] : *maps) {
-        channel = model.channel(channel[0], place.of);
-        move(map);
-      }
+      for (auto& [channel, map] : *maps) channel = model.channel(channel[0], place.of);
     out.variants.push_back(std::move(variant));
     kept.push_back(static_cast<int>(i));
   }
   if (kept.empty()) return {};
-  for (Parameter& p : out.parameters) p.name += suffix;
-  for (InternalState& z : out.states)
-    for (Expr* part : {&z.symbol, &z.rate, &z.min, &z.max}) move(*part);
-  for (Expr& margin : out.margins) move(margin);
+  const auto number = [kept](int variant) { return kept[static_cast<std::size_t>(variant)]; };
   if (effect.guess)
-    out.guess = [own = effect.guess, suffix, kept](const RecordScales& scales, int variant) {
-      std::vector<Guess> guesses;
-      for (const Guess& guess : own(scales, kept[static_cast<std::size_t>(variant)]))
-        guesses.push_back(renamed(guess, suffix));
-      return guesses;
-    };
+    out.guess = [own = effect.guess, number](const RecordScales& scales, int v) { return own(scales, number(v)); };
   if (effect.range)
-    out.range = [own = effect.range, suffix, kept](const RecordScales& scales, int variant) {
-      return renamed(own(scales, kept[static_cast<std::size_t>(variant)]), suffix);
-    };
-  return out;
+    out.range = [own = effect.range, number](const RecordScales& scales, int v) { return own(scales, number(v)); };
+  return with_suffix(*model.pool, out, suffix_of(place), symbols_at(model, place));
 }
 
 /// A formula with each of its words replaced; `enclosed`: it stands alone in brackets.
@@ -219,12 +188,6 @@ std::string sizes_at(std::string sentence, const Place& place) {
       sentence.replace(at + 1, 1, motion);
   }
   return sentence;
-}
-
-std::string own_name(const Effect& effect, std::string parameter) {
-  if (effect.place) parameter.resize(parameter.size() - suffix_of(*effect.place).size());
-  const bool own = parameter.rfind(effect.name + "_", 0) == 0;
-  return own ? parameter.substr(effect.name.size() + 1) : parameter;
 }
 
 std::string formula_at(const std::string& formula, const std::optional<Place>& place) {

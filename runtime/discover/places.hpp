@@ -29,9 +29,6 @@ Expr motion_at(const Model& model, const std::optional<Place>& place, char quant
 /// A sentence that speaks of |y| and |v|, in the words of a place: "grows with |y1 - y2|".
 std::string sizes_at(std::string sentence, const Place& place);
 
-/// The entry's own name of one of its parameters: "k3" of cubic_stiffness_k3_1_2.
-std::string own_name(const Effect& effect, std::string parameter);
-
 /// An entry's formula in the words of a model: "k3*y^3" is "k3*(y1 - y2)^3" in a joint.
 std::string formula_at(const std::string& formula, const std::optional<Place>& place);
 

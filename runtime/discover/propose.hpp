@@ -23,6 +23,14 @@ struct Shape {
   std::vector<int> substeps = {};  ///< per guess, of the internal states along the motion
   /// The power of newton in each parameter's unit, with which the rest scales; empty where it does not.
   std::vector<int> force_powers = {};
+
+  /// Those of the same entry under other names.
+  void take_runs_of(const Shape& other) {
+    columns = other.columns;
+    rest = other.rest;
+    substeps = other.substeps;
+    force_powers = other.force_powers;
+  }
 };
 
 /// Where an entry beside a parent stands on the force.

@@ -19,14 +19,14 @@ constexpr double near = 1.15;  // in squared error
 
 class Search {
  public:
-  Search(const Study& study, const Model& model, const Candidate& baseline,
+  Search(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
          const std::function<void(const std::string&, double)>& progress)
-      : study_(study), model_(model), progress_(progress) {
+      : study_(study), model_(model), catalogue_(catalogue), progress_(progress) {
     result_.baseline = baseline;
   }
 
-  SearchResult run(std::span<const Effect> catalogue, const Grown& known) {
-    result_.grown = grow(study_, model_, result_.baseline, catalogue, known, progress_);
+  SearchResult run(const Grown& known) {
+    result_.grown = grow(study_, model_, result_.baseline, catalogue_, known, progress_);
     progress_("compare", 0.7);
     decide();
     return std::move(result_);
@@ -260,9 +260,30 @@ class Search {
       for (const auto& c : smaller)
         if (!earns(c, chosen) && (!weakest || c.left_out_gap < weakest->left_out_gap)) weakest = &c;
       if (!weakest) break;
-      chosen = *weakest;
+      chosen = under_first_names(*weakest);
     }
     return chosen;
+  }
+
+  /// Of an entry that stood several times a repetition may be left: the same fit as that of the first.
+  Candidate under_first_names(Candidate c) const {
+    Choices set;
+    for (const Choice& choice : c.choices) {
+      const Effect* effect = choice.effect;
+      for (const Effect& other : catalogue_)
+        if (other.label() == effect->label() && other.number < effect->number && may_join(set, other) &&
+            !holds(c.choices, &other)) {
+          effect = &other;
+          break;
+        }
+      set.push_back({effect, choice.variant});
+    }
+    if (set == c.choices) return c;
+    Candidate renamed = compile(study_, model_, set);
+    c.choices = std::move(set);
+    c.system = std::move(renamed.system);
+    c.force_system = std::move(renamed.force_system);
+    return c;
   }
 
   /// The simplest set that fits as well as this one and that earns its place.
@@ -359,7 +380,9 @@ class Search {
     std::vector<Candidate> out;
     std::vector<const Candidate*> known;
     for (const Choices& set : sets) {
-      const auto at = std::ranges::find_if(field, [&](const Candidate& c) { return same(c.choices, set); });
+      // Under the same names: of an entry that stood twice its repetition may be left.
+      const auto at =
+          std::ranges::find_if(field, [&](const Candidate& c) { return std::ranges::is_permutation(c.choices, set); });
       known.push_back(at != field.end() ? &*at : nullptr);
       out.push_back(known.back() ? *known.back() : compile(study_, model_, set));
     }
@@ -455,6 +478,7 @@ class Search {
 
   const Study& study_;
   const Model& model_;
+  const std::span<const Effect> catalogue_;
   const std::function<void(const std::string&, double)>& progress_;
   SearchResult result_;
 };
@@ -464,7 +488,7 @@ class Search {
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
                     std::span<const Effect> catalogue, const Grown& known,
                     const std::function<void(const std::string&, double)>& progress) {
-  return Search(study, model, baseline, progress).run(catalogue, known);
+  return Search(study, model, baseline, catalogue, progress).run(known);
 }
 
 }  // namespace lunid

@@ -126,7 +126,7 @@ std::vector<Effect> testable(const Study& study, const Candidate& baseline, cons
   std::vector<Effect> placed = at_places(study.model, out);
   const Model known = baseline.ran() ? fitted(baseline) : study.model;
   for (Effect& effect : placed) effect = without_twins(known, effect);
-  return placed;
+  return with_repetitions(known, placed);
 }
 
 void add_variant(Model& model, const Effect& effect, int variant) {

@@ -123,7 +123,7 @@ std::vector<const Effect*> meant_by(const std::string& word, const std::vector<E
                    Fault::usage);
 }
 
-/// Every combination of places and variants of a set.
+/// Every combination of places and variants of a set; a word that stands twice is an entry and its repetition.
 std::vector<Choices> ways_of(const std::vector<std::string>& set, const std::vector<Effect>& testable,
                              const std::vector<std::string>& untestable) {
   std::vector<Choices> ways{{}};
@@ -131,10 +131,11 @@ std::vector<Choices> ways_of(const std::vector<std::string>& set, const std::vec
     std::vector<Choices> next;
     for (const Effect* effect : meant_by(word, testable, untestable))
       for (const Choices& way : ways)
-        for (int variant = 0; variant < static_cast<int>(effect->variants.size()); ++variant) {
-          next.push_back(way);
-          next.back().push_back({effect, variant});
-        }
+        for (int variant = 0; variant < static_cast<int>(effect->variants.size()); ++variant)
+          if (may_join(way, *effect)) next.push_back(with(way, {effect, variant}));
+    if (next.empty())
+      throw InputError("rank: sets: '" + word + "' stands in a set more often than its entry repeats", {},
+                       Fault::usage);
     ways = std::move(next);
   }
   return ways;
@@ -183,7 +184,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   std::vector<Candidate> all;
   std::vector<std::vector<Guess>> guesses;
   for (const Effect& effect : catalogue)
-    for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
+    for (int variant = 0; may_join({}, effect) && variant < static_cast<int>(effect.variants.size()); ++variant) {
       all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
       guesses.push_back(scales.guesses({&effect, variant}));
     }

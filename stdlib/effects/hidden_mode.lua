@@ -21,6 +21,7 @@ return function(effect)
       local mass = scale.stiffness / scale.omega ^ 2
       return { mh = { 1e-4 * mass, 1e3 * mass }, kh = { 1e-6 * scale.stiffness, 1e4 * scale.stiffness } }
     end,
+    repeats = true,
     passive = true,
     signature = "odd, linear: the fundamental only; another resonance, and an antiresonance of the driven point",
     sentence = "something that is not measured swings along: a second mass on a spring",

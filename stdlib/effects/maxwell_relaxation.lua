@@ -21,6 +21,7 @@ return function(effect)
       return { k = { 1e-4 * scale.stiffness, 1e5 * scale.stiffness },
         tau = { shortest(scale), shortest(scale) + 1e3 / scale.omega } }
     end,
+    repeats = true,
     passive = true,
     signature = "odd, linear: the fundamental only; an elliptic loop, widest where omega*tau = 1; depends on frequency",
     sentence = "a viscoelastic part: a spring in series with a damper, stiff in fast motion and soft in slow motion",

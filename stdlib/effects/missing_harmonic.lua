@@ -16,6 +16,7 @@ return function(effect)
       return #guesses > 0 and guesses or { { w = math.max(scale.omega, slowest(scale)) } }
     end,
     range = function(scale) return { w = { slowest(scale), 1e3 * scale.omega } } end,
+    repeats = true,
     passive = false,
     signature = "does not depend on the motion; one line of the spectrum, at any amplitude of the rest",
     sentence = "the exciter delivers a harmonic that the recorded force does not show",

@@ -21,11 +21,12 @@ return function(effect)
       local low, high = reach(scale, variant)
       return { g = { low, high } }
     end,
+    repeats = true,
     passive = true,
     signature = "neither odd nor even in y, even in v; all harmonics and a mean; no loop; one side only",
     sentence = "a stop on one side comes into contact beyond a gap g",
     confusers = { "quadratic_stiffness", "bilinear_stiffness", "clearance" },
-    special_case_of = { "bilinear_stiffness", "impact_hunt_crossley" },
+    special_case_of = { "bilinear_stiffness", "impact_hunt_crossley", "crane_lowering" },
     source = "Shaw and Holmes 1983, Journal of Sound and Vibration 90, 129-155",
   }
 end

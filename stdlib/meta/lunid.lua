@@ -125,6 +125,7 @@ function lunid.state(fields) end
 ---@field contribution? any # what it adds to the restoring force, as text or expression; a list: its forms, such as mirror images
 ---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
 ---@field any_motion? boolean # what it measures of y holds of v or a too, where one of these was recorded
+---@field repeats? boolean # may stand several times at one place, as stops on either side; the names of the second end in _b
 ---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
 ---@field delay? any # by which the force acts later than its channel says
 ---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution

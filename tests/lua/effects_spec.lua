@@ -75,6 +75,7 @@ local same = {
   { "cubic_damping", { c3 = 4 }, "power_law_damping", { c = 4, p = 3 } },
   { "one_sided_stop", { k = 1500, g = 0.02 }, "bilinear_stiffness", { dk = 1500, y0 = 0.02 } },
   { "one_sided_stop", { k = 1500, g = 0.02 }, "impact_hunt_crossley", { k = 1500, c = 0, n = 1, g = 0.02 } },
+  { "one_sided_stop", { k = 1500, g = 0.02 }, "crane_lowering", { kc = 1500, yc0 = 0.02, Vc = 0 } },
 }
 
 spec.case("special cases are the general entries at those values", function()
