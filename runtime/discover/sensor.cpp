@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "discover/accept.hpp"
@@ -317,9 +318,13 @@ std::vector<double> modulation_lines(const Study& study, const Candidate& candid
 }
 
 Record with_shaft(const Record& record) {
-  const bool angle = record.has("phase");
-  if (!angle && !record.has("speed")) return record;
-  const char* source = angle ? "phase" : "speed";
+  const auto has = [&](const char* name) { return record.has(name); };
+  constexpr std::array derived{"shaft_angle", "shaft_speed", "shaft_rate"};
+  constexpr std::array sources{"phase", "shaft_angle", "speed", "shaft_speed"};
+  const auto at = std::ranges::find_if(sources, has);
+  if (at == sources.end() || std::ranges::all_of(derived, has)) return record;
+  const char* source = *at;
+  const bool angle = at < sources.begin() + 2;
   Eigen::VectorXd x = column(record, source);
   if (record.channel(source).unit == "Hz") x *= 2 * M_PI;
   for (Eigen::Index i = 1; angle && i < x.size(); ++i)  // a counter that begins anew after each turn

@@ -49,8 +49,8 @@ void start_beside(const Study& study, Candidate& candidate, const Candidate& par
 /// fault.
 bool shows_beside(const Study& study, const Candidate& candidate, const Candidate& parent);
 
-/// A record with a channel `phase` [rad] or `speed` [rad/s or Hz] of a shaft gets shaft_angle, shaft_speed and
-/// shaft_rate; another is returned as it is.
+/// A record with a channel `phase` or `shaft_angle` [rad], `speed` or `shaft_speed` [rad/s or Hz] of a shaft gets
+/// shaft_angle, shaft_speed and shaft_rate; another is returned as it is.
 Record with_shaft(const Record& record);
 
 /// What in the data looks like a faulty sensor, in words to be put behind where the model fails; "" where nothing does.

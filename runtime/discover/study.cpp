@@ -74,16 +74,25 @@ Interpolation between_samples(const Study& study, Interpolation guess) {
   return guess == study.guesses.front() ? study.interpolation : guess;
 }
 
+/// Beside a held force, where signals have to be held: one that is smooth at the middle of each interval.
+Excitation held(const Record& record, const std::string& name) {
+  const Excitation smooth(record.start(), record.dt(), record[name], Interpolation::cubic);
+  Eigen::VectorXd values = as_vector(record[name]);
+  if (!jumps_and_stays(record[name]))
+    for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = smooth.at(record.time(i) + 0.5 * record.dt());
+  return {record.start(), record.dt(), {values.data(), record[name].size()}, Interpolation::hold};
+}
+
 FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
   FitData data{record, {}, {}};
   if (study.imposed) return data;
   for (const std::string& force : study.forces)
     data.excitation.add(force, Excitation(record.start(), record.dt(), record[force], interpolation));
   if (study.forces.size() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
-  const bool held = interpolation == Interpolation::hold;
   for (const std::string& name : side_channels(record))
-    data.excitation.offer(
-        name, Excitation(record.start(), record.dt(), record[name], held ? Interpolation::hold : Interpolation::cubic));
+    data.excitation.offer(name, interpolation == Interpolation::hold
+                                    ? held(record, name)
+                                    : Excitation(record.start(), record.dt(), record[name], Interpolation::cubic));
   return data;
 }
 

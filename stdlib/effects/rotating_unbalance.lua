@@ -13,7 +13,7 @@ return function(effect)
     passive = false,
     signature = "does not depend on the motion; once per turn, and grows with the square of the speed",
     sentence = "something that turns is out of balance and shakes the mass",
-    note = "from a channel phase [rad] or speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
+    note = "from a channel phase or shaft_angle [rad], speed or shaft_speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
     confusers = { "missing_harmonic", "base_motion" },
     channels = { "shaft_angle" },
     source = "Den Hartog 1956, Mechanical Vibrations, chapter 2",

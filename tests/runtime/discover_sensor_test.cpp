@@ -46,12 +46,43 @@ TEST(Shaft, AnglesFromSpeedsAndFromCountersThatWrap) {
   Eigen::VectorXd wrapped = angle;
   for (auto& x : wrapped) x = std::fmod(x, 2 * M_PI);
   for (const Record& r :
-       {with("phase", "rad", wrapped), with("speed", "rad/s", speed), with("speed", "Hz", speed / (2 * M_PI))})
+       {with("phase", "rad", wrapped), with("shaft_angle", "rad", angle), with("speed", "rad/s", speed),
+        with("shaft_speed", "rad/s", speed), with("speed", "Hz", speed / (2 * M_PI))})
     for (Eigen::Index i = 0; i < rows; i += 57) {
       EXPECT_NEAR(r["shaft_angle"][static_cast<std::size_t>(i)], angle[i], 1e-6);
       EXPECT_NEAR(r["shaft_speed"][static_cast<std::size_t>(i)], speed[i], 1e-6);
       EXPECT_NEAR(r["shaft_rate"][static_cast<std::size_t>(i)], 6, 1e-4);
     }
+}
+
+/// A force that is held needs others that are: a smooth one would come half a sample late if its samples were held.
+TEST(Shaft, SignalsBesideAHeldForceAreHeldAtTheirMiddles) {
+  const Eigen::Index rows = 600;
+  const double dt = 0.05;
+  std::vector<double> force, motion, base, steps;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double t = dt * static_cast<double>(i);
+    force.push_back((i / 7 * 37) % 5 > 2 ? 1 : -1);
+    motion.push_back(std::sin(t));
+    base.push_back(std::sin(2 * t));
+    steps.push_back(force.back() > 0 ? 3 : 1);
+  }
+  DiscoverOptions options;
+  const auto with = [&](const std::vector<double>& beside) {
+    const Record record("r", 0, dt,
+                        {testing::channel("F", "N", force), testing::channel("y", "m", motion),
+                         testing::channel("ab", "m/s^2", beside)});
+    const Study study = prepare(baseline("k*y + c*v", 1), {record}, {record}, options);
+    EXPECT_EQ(study.interpolation, Interpolation::hold);
+    EXPECT_EQ(study.train[0].excitation.channel(2), "ab");
+    return study.train[0].excitation[2];
+  };
+  const Excitation smooth = with(base), held = with(steps);
+  for (Eigen::Index i = 10; i + 10 < rows; i += 31) {
+    const double t = dt * static_cast<double>(i);
+    EXPECT_NEAR(smooth.at(t + 0.3 * dt), std::sin(2 * t + dt), 1e-5);
+    EXPECT_EQ(held.at(t + 0.3 * dt), steps[static_cast<std::size_t>(i)]);
+  }
 }
 
 /// One after another: the gain of a channel that is off already.
