@@ -1,6 +1,7 @@
 #include "discover/conclusion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -128,6 +129,19 @@ void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
     out.warnings.push_back("the check by SUNDIALS stopped early: " + fast.summary.cause + reference.summary.cause);
 }
 
+/// "one_sided_stop (twice) and coulomb_friction"
+std::string words_of(const std::vector<NamedEffect>& effects) {
+  constexpr std::array often{"", " (twice)", " (three times)"};
+  std::string text;
+  for (auto e = effects.begin(); e != effects.end(); ++e) {
+    const auto is_same = [&](const NamedEffect& other) { return other.label == e->label; };
+    if (std::any_of(effects.begin(), e, is_same)) continue;
+    const auto count = static_cast<std::size_t>(std::count_if(e, effects.end(), is_same));
+    text += (text.empty() ? "" : " and ") + e->label + often.at(count - 1);
+  }
+  return text;
+}
+
 /// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
 /// there.
 std::string sentence(const Study& study, const Round& round, const Discovery& out) {
@@ -135,9 +149,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   const Left& left = round.left;
   char text[160];
   if (out.verdict == "explained" || out.verdict == "ambiguous") {
-    std::string names;
-    for (const auto& e : out.effects) names += (names.empty() ? "" : " and ") + e.label;
-    names += not_physics(found.order);
+    std::string names = words_of(out.effects) + not_physics(found.order);
     const bool in_runs = out.short_test.seconds > 0;
     const Gap& last = in_runs ? out.short_test.final : out.final_test;
     const double first = at_most_all(in_runs ? out.short_test.baseline.value : out.baseline_test.value);

@@ -71,6 +71,7 @@ spec.case("two masses that are not measured are two hidden modes, each with its 
   local found = discover(modes, k*y + c*v, around)
   spec.equal(spec.names_of(found), "hidden_mode hidden_mode")
   spec.equal(found.verdict, "explained")
+  spec.contains(found.sentence, "hidden_mode (twice)")
   local masses = {}
   for _, each in ipairs(found.effects) do masses[#masses + 1] = each.parameters.mh.value end
   table.sort(masses)
