@@ -141,8 +141,9 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
 
 namespace {
 
-/// `given`: parameters that count as known.
+/// Also where the rows say nothing of it. `given`: parameters that count as known.
 bool within_two_deviations_of_zero(const FitResult& fit, Eigen::Index k, const std::vector<Eigen::Index>& given = {}) {
+  if (static_cast<std::size_t>(k) < fit.unseen.size() && fit.unseen[static_cast<std::size_t>(k)]) return true;
   double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
   if (variance > 0 && !given.empty()) {
     const Eigen::VectorXd with = fit.covariance(given, k);

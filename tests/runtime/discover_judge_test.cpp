@@ -97,6 +97,16 @@ TEST(Judge, AForceWhoseCoefficientMayBeZeroIsNone) {
   EXPECT_TRUE(told_from_zero(c.study, c.other, c.best));  // no coefficient of its own
 }
 
+/// Over a chaotic run all parameters do the same: one of which the rows say nothing has a variance of zero.
+TEST(Judge, AForceWhoseCoefficientIsNotSeenIsNone) {
+  const Compared c(noise, 0);
+  Candidate larger = with_force(c.study, 2.5);
+  larger.fit.covariance(1, 1) = 0;
+  larger.fit.unseen = {0, 1};
+  EXPECT_FALSE(told_from_zero(c.study, larger, c.best));
+  EXPECT_TRUE(std::isnan(fitted(larger).parameters[1].std));
+}
+
 /// A hidden mass of 6(5) kg: no coefficient, but without it there is no force.
 TEST(Judge, AForceWhoseSizeMayBeZeroIsNone) {
   Compared c(noise, 0);
