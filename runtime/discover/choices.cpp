@@ -53,6 +53,17 @@ bool within(const Choices& part, const Choices& whole) {
   return std::ranges::includes(contents(whole), contents(part));
 }
 
+Choices beyond(const Choices& set, const Choices& other) {
+  std::vector<std::pair<std::string, int>> rest = contents(other);
+  Choices out;
+  for (const Choice& c : set)
+    if (const auto at = std::ranges::find(rest, std::pair(c.effect->label(), c.variant)); at != rest.end())
+      rest.erase(at);
+    else
+      out.push_back(c);
+  return out;
+}
+
 bool related(const Choices& a, const Choices& b) {
   const auto are = [](const Choice& x, const Choice& y) {
     return x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect);

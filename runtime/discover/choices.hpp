@@ -29,6 +29,8 @@ bool same(const Choices& a, const Choices& b);
 bool is_among(const std::vector<Choices>& sets, const Choices& set);
 /// Every choice of `part` is in `whole`, with its variant, as often.
 bool within(const Choices& part, const Choices& whole);
+/// What a set holds beyond another: a choice for each that is not in the other, with its variant, as often.
+Choices beyond(const Choices& set, const Choices& other);
 /// Related by special_case_of, either way: the simpler is named without doubt.
 bool related(const Choices& a, const Choices& b);
 /// As many entries, each that of `special` or one of which it is a special case.

@@ -319,8 +319,7 @@ class Conclusion {
   /// What a tied set has where the chosen one has this effect: "constant_force" for "displacement_offset" of
   /// "displacement_offset + coulomb_friction" and "constant_force + coulomb_friction"; else "".
   static std::string in_place_of(const Effect& effect, const Choices& chosen, const Choices& tie) {
-    Choices own = chosen, others = tie;
-    std::erase_if(own, [&](const Choice& c) { return std::erase(others, c) > 0; });
+    const Choices own = beyond(chosen, tie), others = beyond(tie, chosen);
     return own.size() == 1 && others.size() == 1 && own.front().effect == &effect ? name_of(others) : "";
   }
 

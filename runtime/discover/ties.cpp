@@ -34,13 +34,8 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
   const Candidate& first = field[alike.front()];
   // What one set has and the other has not, where that is one effect; entries lie in the catalogue's order.
   const auto own = [](const Choices& set, const Choices& other) -> const Effect* {
-    const Effect* found = nullptr;
-    for (const Choice& c : set)
-      if (std::ranges::find(other, c) == other.end()) {
-        if (found) return nullptr;
-        found = c.effect;
-      }
-    return found;
+    const Choices more = beyond(set, other);
+    return more.size() == 1 ? more.front().effect : nullptr;
   };
   std::size_t pick = alike.front();
   for (const auto i : alike) {

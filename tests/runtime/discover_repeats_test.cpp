@@ -67,6 +67,8 @@ TEST(Repetitions, MakeSetsThatAreToldByTheirForms) {
   EXPECT_TRUE(within({{&first, 1}}, both));
   EXPECT_FALSE(within({{&first, 0}, {&second, 0}}, both));
   EXPECT_EQ(name_of(both), "stop + stop");
+  EXPECT_EQ(beyond(both, {{&first, 1}, {&all[3], 0}}), Choices({{&first, 0}}));
+  EXPECT_EQ(beyond(both, {{&first, 1}, {&second, 0}}), Choices());
 }
 
 }  // namespace
