@@ -7,10 +7,13 @@ namespace lunid {
 
 namespace {
 
+/// The same of an entry and its repetitions.
+std::pair<std::string, int> content(const Choice& c) { return {c.effect->label(), c.variant}; }
+
 /// What a set holds, in one order.
 std::vector<std::pair<std::string, int>> contents(const Choices& set) {
   std::vector<std::pair<std::string, int>> out;
-  for (const Choice& c : set) out.emplace_back(c.effect->label(), c.variant);
+  for (const Choice& c : set) out.push_back(content(c));
   std::ranges::sort(out);
   return out;
 }
@@ -57,7 +60,7 @@ Choices beyond(const Choices& set, const Choices& other) {
   std::vector<std::pair<std::string, int>> rest = contents(other);
   Choices out;
   for (const Choice& c : set)
-    if (const auto at = std::ranges::find(rest, std::pair(c.effect->label(), c.variant)); at != rest.end())
+    if (const auto at = std::ranges::find(rest, content(c)); at != rest.end())
       rest.erase(at);
     else
       out.push_back(c);

@@ -100,7 +100,7 @@ void Offers::run_shapes(const std::function<bool(const Shape&)>& wanted) {
     if (wanted(shape) && shape.choice.effect->number == 1) proposer_.run(shape);
   });
   for (Shape& shape : shapes_)
-    if (const Shape* first = first_of(shape)) shape.take_runs_of(*first);
+    if (const Shape* first = wanted(shape) ? first_of(shape) : nullptr) shape.take_runs_of(*first);
 }
 
 /// Of an entry that stands several times, the first; null of that.

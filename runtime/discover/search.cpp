@@ -268,15 +268,12 @@ class Search {
   /// Of an entry that stood several times a repetition may be left: the same fit as that of the first.
   Candidate under_first_names(Candidate c) const {
     Choices set;
-    for (const Choice& choice : c.choices) {
-      const Effect* effect = choice.effect;
-      for (const Effect& other : catalogue_)
-        if (other.label() == effect->label() && other.number < effect->number && may_join(set, other) &&
-            !holds(c.choices, &other)) {
-          effect = &other;
-          break;
-        }
-      set.push_back({effect, choice.variant});
+    for (const auto& [effect, variant] : c.choices) {
+      const auto earlier = std::ranges::find_if(catalogue_, [&](const Effect& other) {
+        return other.number < effect->number && other.label() == effect->label() && !holds(c.choices, &other) &&
+               may_join(set, other);
+      });
+      set.push_back({earlier != catalogue_.end() ? &*earlier : effect, variant});
     }
     if (set == c.choices) return c;
     Candidate renamed = compile(study_, model_, set);

@@ -320,11 +320,12 @@ std::vector<double> modulation_lines(const Study& study, const Candidate& candid
 Record with_shaft(const Record& record) {
   const auto has = [&](const char* name) { return record.has(name); };
   constexpr std::array derived{"shaft_angle", "shaft_speed", "shaft_rate"};
-  constexpr std::array sources{"phase", "shaft_angle", "speed", "shaft_speed"};
+  constexpr std::array angles{"phase", "shaft_angle"}, speeds{"speed", "shaft_speed"};
+  const bool angle = std::ranges::any_of(angles, has);
+  const auto& sources = angle ? angles : speeds;
   const auto at = std::ranges::find_if(sources, has);
   if (at == sources.end() || std::ranges::all_of(derived, has)) return record;
   const char* source = *at;
-  const bool angle = at < sources.begin() + 2;
   Eigen::VectorXd x = column(record, source);
   if (record.channel(source).unit == "Hz") x *= 2 * M_PI;
   for (Eigen::Index i = 1; angle && i < x.size(); ++i)  // a counter that begins anew after each turn

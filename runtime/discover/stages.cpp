@@ -183,11 +183,13 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   PlacedScales scales(stage.study, stage.baseline);
   std::vector<Candidate> all;
   std::vector<std::vector<Guess>> guesses;
-  for (const Effect& effect : catalogue)
-    for (int variant = 0; may_join({}, effect) && variant < static_cast<int>(effect.variants.size()); ++variant) {
+  for (const Effect& effect : catalogue) {
+    if (!may_join({}, effect)) continue;
+    for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
       all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
       guesses.push_back(scales.guesses({&effect, variant}));
     }
+  }
   progress(options, "project the entries", 0.4);
   const Whitening whitening = residual_colour(stage.study, stage.baseline);
   std::vector<Proposal> found(all.size());

@@ -15,12 +15,12 @@ local function force_at(tau, seed)
 end
 
 --- Displacements of x1'' + 0.04 x1' + x1 + force = u, where force, rates = others(x): x1, x1' and further states.
-local function motion(others, states, level, rows, seed)
+local function motion(others, states, rows, seed)
   local h, x, out = spacing / finer, {}, {}
   for j = 1, 2 + states do x[j] = 0 end
   local function slopes(tau, at)
     local force, further = others(at)
-    local d = { at[2], level * force_at(tau, seed) - 0.04 * at[2] - at[1] - force }
+    local d = { at[2], force_at(tau, seed) - 0.04 * at[2] - at[1] - force }
     for j = 1, states do d[2 + j] = further[j] end
     return d
   end
@@ -43,9 +43,9 @@ end
 
 --- In units of mass, omega and length, with 40 dB of noise.
 local function record(truth, seed)
-  local ys, fs = motion(truth.others, truth.states or 0, truth.level or 1, truth.rows, seed), {}
+  local ys, fs = motion(truth.others, truth.states or 0, truth.rows, seed), {}
   for i = 1, #ys do
-    fs[i] = (truth.level or 1) * force_at((i - 1) * spacing, seed) * truth.mass * truth.omega ^ 2 * truth.length
+    fs[i] = force_at((i - 1) * spacing, seed) * truth.mass * truth.omega ^ 2 * truth.length
     ys[i] = ys[i] * truth.length
   end
   return lunid.record({ channels = { { "F", fs }, { "y", ys } }, dt = spacing / truth.omega })

@@ -9,7 +9,6 @@ namespace {
 
 using testing::baseline;
 using testing::entry;
-using testing::entry_with_state;
 using testing::row;
 
 /// A stop on either side, which repeats, and a spring, which does not.
