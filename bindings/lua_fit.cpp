@@ -112,10 +112,6 @@ FitLayout layout_of(const TrajectoryFit& fit) {
   return {fit.system->parameters(), static_cast<int>(fit.data.size()), fit.options.separate};
 }
 
-double deviation(const FitResult& result, int place) {
-  return result.covariance.rows() > place ? std::sqrt(result.covariance(place, place)) : std::nan("");
-}
-
 /// The model with the values found for a record, counted from 0.
 Model model_of(const TrajectoryFit& fit, int record) {
   Model model = fit.system->model();
@@ -123,7 +119,7 @@ Model model_of(const TrajectoryFit& fit, int record) {
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const int place = layout.place(record, static_cast<int>(i));
     model.parameters[i].value = fit.result.theta[place];
-    model.parameters[i].std = deviation(fit.result, place);
+    model.parameters[i].std = fit.result.deviation(place);
   }
   return model;
 }
@@ -254,8 +250,8 @@ int to_string(lua_State* L) {
     const int record = further < 0 ? 1 : 2 + further / static_cast<int>(fit.options.separate.size());
     std::snprintf(text, sizeof text, "\n  %s = %.6g", parameter.name.c_str(), r.theta[place]);
     all += text;
-    std::snprintf(text, sizeof text, " +- %.2g", deviation(r, place));
-    if (deviation(r, place) > 0) all += text;
+    std::snprintf(text, sizeof text, " +- %.2g", r.deviation(place));
+    if (r.deviation(place) > 0) all += text;
     all += (parameter.unit.empty() ? "" : " " + parameter.unit);
     if (own) all += " (record " + std::to_string(record) + ")";
     if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])

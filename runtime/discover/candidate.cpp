@@ -356,8 +356,7 @@ Model fitted(const Candidate& c) {
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     model.parameters[i].value = c.fit.theta[k];
-    const double variance = c.fit.covariance.rows() > k ? c.fit.covariance(k, k) : 0;
-    model.parameters[i].std = variance > 0 ? std::sqrt(variance) : NAN;  // none: fixed, at a bound, or not seen
+    model.parameters[i].std = c.fit.deviation(k);
   }
   return model;
 }

@@ -307,9 +307,8 @@ std::optional<std::size_t> least_told(const Candidate& c, std::size_t first) {
   double least = 2;
   for (std::size_t j = first; j < c.linear.size(); ++j) {
     const auto k = static_cast<Eigen::Index>(j);
-    if (!c.linear[j] || k >= c.fit.covariance.rows() || !(c.fit.covariance(k, k) > 0)) continue;
-    const double told = std::abs(c.fit.theta[k]) / std::sqrt(c.fit.covariance(k, k));
-    if (told < least) least = told, out = j;
+    const double told = std::abs(c.fit.theta[k]) / c.fit.deviation(k);  // not a number where it has no deviation
+    if (c.linear[j] && told < least) least = told, out = j;
   }
   return out;
 }

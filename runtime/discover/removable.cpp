@@ -20,8 +20,8 @@ std::vector<Removable> removable_terms(const Model& baseline, const Candidate& f
     Removable term;
     term.parameter = row.name;
     term.value = fit.theta[k];
-    term.std = fit.covariance.rows() > k ? std::sqrt(std::max(0.0, fit.covariance(k, k))) : 0;
-    if (!at_zero && !(term.std > 0)) continue;
+    term.std = at_zero ? 0 : fit.deviation(k);
+    if (std::isnan(term.std)) continue;
     term.p_value = at_zero ? 1 : std::erfc(std::abs(term.value) / term.std / std::sqrt(2.0));
     if (term.p_value < level) continue;
     for (int i = 0; i < baseline.degrees() && term.term.empty(); ++i)

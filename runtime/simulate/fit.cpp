@@ -172,7 +172,7 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
 
 Profile profile_likelihood(const System& system, const FitResult& result, const std::vector<FitData>& data,
                            const FitOptions& given, int index) {
-  if (index < 0 || index >= result.theta.size() || !(result.covariance(index, index) > 0))
+  if (index < 0 || index >= result.theta.size() || std::isnan(result.deviation(index)))
     throw InputError("profile: the parameter has no standard deviation: it is fixed, sits at a bound, or is not seen");
   constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
   FitOptions options = given;
@@ -181,7 +181,7 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
   if (result.solver == sundials_name(Solver::bdf)) options.solver = Solver::bdf;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   const Bounds bounds(system.model(), layout, given);
-  const double centre = result.theta[index], std = std::sqrt(result.covariance(index, index));
+  const double centre = result.theta[index], std = result.deviation(index);
   // where the residual is not white, the covariance is wider than the curvature of the cost; so is the interval
   const Eigen::MatrixXd white = pseudo_inverse(result.information) * (result.cost / result.freedom);
   const double widening =

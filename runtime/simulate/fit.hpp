@@ -1,6 +1,7 @@
 #pragma once
 // Parameters refined on the trajectory: least squares on the displacement of free runs, by exact sensitivities.
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -123,6 +124,12 @@ struct FitResult {
   int substeps = 1;
   std::string solver;                     ///< what integrated: "fixed DP5, 2 substeps", "CVODE BDF" ...
   Gradient gradient = Gradient::forward;  ///< what was used
+
+  /// Standard deviation of a parameter; not a number where it has none: fixed, at a bound, or not seen.
+  [[nodiscard]] double deviation(Eigen::Index parameter) const {
+    const double variance = parameter < covariance.rows() ? covariance(parameter, parameter) : 0;
+    return variance > 0 ? std::sqrt(variance) : NAN;
+  }
 };
 
 /// Levenberg-Marquardt with bounds (projected, active set; Nocedal & Wright 2006, chapters 10 and 16) on free runs

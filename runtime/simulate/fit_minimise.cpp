@@ -71,6 +71,8 @@ std::vector<Eigen::MatrixXd> scores_of(const Normal& normal, std::vector<Eigen::
   return out;
 }
 
+Philox noise_of_forces() { return Philox(1, stream_of("noise of forces")); }
+
 /// Empty where no force has any.
 std::vector<FitData> with_noise_again(const std::vector<FitData>& data, Philox& random) {
   std::vector<FitData> out = data;
@@ -93,19 +95,14 @@ NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitDa
                                    const Normal& normal, const FitResult& result,
                                    const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse) {
   constexpr int draws = 24;
-  Philox random(1, stream_of("noise of forces"));
+  Philox random = noise_of_forces();
   Eigen::Index rows = 0, ran = 0;
   for (const Normal::Part& part : normal.parts) rows += part.error.size();
   std::vector<Eigen::MatrixXd> by_states;
   for (const Eigen::MatrixXd& axx : normal.axx) by_states.push_back(pseudo_inverse(axx));
-  NoiseOfForces out;
+  NoiseOfForces out{Eigen::MatrixXd(rows, draws), Eigen::MatrixXd(inverse.rows(), draws)};
   for (int draw = 0; draw < draws; ++draw) {
     const std::vector<FitData> noisy = with_noise_again(data, random);
-    if (noisy.empty()) return {};
-    if (draw == 0) {
-      out.left.resize(rows, draws);
-      out.step.resize(inverse.rows(), draws);
-    }
     Problem problem(system, noisy, options, result.substeps);
     problem.clip = result.clip;
     problem.prepare(result.segments);
@@ -175,6 +172,14 @@ Eigen::MatrixXd inverse_information(const FitResult& result, const Bounds& bound
   return pseudo_inverse(information);
 }
 
+/// Of theta, by the residual's own noise and by what else is given; wider where the residual is not white.
+Eigen::MatrixXd covariance_of(const Normal& normal, std::vector<Eigen::MatrixXd> columns,
+                              const Eigen::MatrixXd& inverse, double freedom, const Eigen::MatrixXd& further) {
+  Eigen::MatrixXd out = inverse * (normal.cost / freedom) + further;
+  widen(scores_of(normal, std::move(columns)), inverse, out);
+  return out;
+}
+
 /// Covariance, ranks and residuals at the solution.
 void finish(const System& system, const std::vector<FitData>& data, const Bounds& bounds, const Normal& normal,
             FitResult& result) {
@@ -204,24 +209,24 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
       system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2 * system.degrees();
   result.freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
   const Eigen::MatrixXd inverse = inverse_information(result, bounds);
-  result.covariance = inverse * (normal.cost / result.freedom);
-  widen(scores_of(normal, projected_columns(normal)), inverse, result.covariance);
+  result.covariance =
+      covariance_of(normal, projected_columns(normal), inverse, result.freedom, Eigen::MatrixXd::Zero(p, p));
 }
 
 }  // namespace
 
 void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                            FitResult& result) {
-  if (system.model().imposed_motion || !std::isfinite(result.cost)) return;
+  Philox random = noise_of_forces();
+  if (system.model().imposed_motion || !std::isfinite(result.cost) || with_noise_again(data, random).empty()) return;
   Problem problem(system, data, options, result.substeps);
   problem.clip = result.clip;
   problem.prepare(result.segments);
   const Normal normal = problem.evaluate(result.theta, result.segments, true);
   const Eigen::MatrixXd inverse = inverse_information(result, Bounds(system.model(), problem.layout(), options));
   std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
-  result.covariance = inverse * (normal.cost / result.freedom) +
-                      by_noise_of_forces(system, data, options, normal, result, columns, inverse);
-  widen(scores_of(normal, std::move(columns)), inverse, result.covariance);
+  const Eigen::MatrixXd further = by_noise_of_forces(system, data, options, normal, result, columns, inverse);
+  result.covariance = covariance_of(normal, std::move(columns), inverse, result.freedom, further);
   result.runs += problem.runs;
 }
 

@@ -296,6 +296,8 @@ spec.case("help explains an effect", function()
     spec.contains(said, part)
   end
   spec.contains(spec.lunid "help stribeck_friction", "  with: Fs >= Fc\n")
+  spec.contains(spec.lunid "help hidden_mode", "may stand up to three times at one place")
+  assert(not said:find("three times", 1, true))
   spec.equal(spec.lunid "help effect smith_to", "no help on 'smith_to', did you mean 'smith_toe'?\n")
 end)
 

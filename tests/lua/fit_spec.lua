@@ -61,6 +61,19 @@ spec.case("outliers in one channel leave the weights of the channels alone", fun
   spec.equal(lunid.fit_trajectory { model = fit.model, record = wild, check = false }.summary.checked, nil)
 end)
 
+spec.case("a parameter that the rows do not show has no deviation", function()
+  local truth = lunid.model { mass = 1, restoring = 2e4*y + 10*v }
+  local push = lunid.excitation.multisine { from = 5, to = 60, rms = 60, period = 2, dt = 0.00125, duration = 2, seed = 1 }
+  local record = lunid.simulate { model = truth, excitation = push }:record():with_noise { seed = 1, y = 0.01 }
+  local stop = lunid.parameter { "ks", value = 1e4, min = 0 } * lunid.max(y - 1, 0)  -- a metre away
+  local fit = lunid.fit_trajectory { model = lunid.model { mass = 1, restoring = k*y + c*v + stop }:with { k = 1.8e4, c = 15 },
+    record = record }
+  assert(fit.model.parameters.k.std > 0)
+  spec.equal(fit.model.parameters.ks.std, nil)
+  spec.equal(fit.model.parameters.ks.value, 1e4)
+  assert(tostring(fit):find "ks = 10000\n" or tostring(fit):find "ks = 10000$", tostring(fit))
+end)
+
 local function fault(run, message)
   local good, said = pcall(run)
   assert(not good, "no error")
