@@ -155,6 +155,12 @@ RegressionSolver read_solver(lua_State* L, std::uint64_t seed) {
     });
     return options;
   }
+  if (kind == "instrumental_variables") {
+    InstrumentOptions options;
+    with_field(L, -1, "instruments",
+               [&] { for_each(L, -1, [&](lua_Integer) { options.instruments.push_back(check_value(L, -1).expr); }); });
+    return options;
+  }
   if (kind == "ensemble_of") {
     BaggingOptions options;
     with_field(L, -1, "solver", [&] { options.solver = read_statistic_solver(L, seed); });

@@ -1,6 +1,7 @@
 -- Every solver on one noisy record of case 1 (m*a + 2e4*y + 1e6*y^3 + 10*v = F) with the same 9 features: what each
 -- keeps, and how near k, c and k3 come. The acceleration is derived from noisy data, so that all share its bias; the weak
 -- form needs no derivative and has less of it. All of them are first guesses: the trajectory fit is the result.
+-- (instrumental_variables needs a reference: closed_loop.lua.)
 local lunid = require "lunid"
 local y, v = lunid.displacement, lunid.velocity
 

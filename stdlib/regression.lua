@@ -88,9 +88,6 @@ local function sorted(list)
   return bounds, groups, passive
 end
 
---- The features of a list of expressions and sets, laid flat; sets that need the range of the data take it from records.
-function regression.flat(list, records) return (features.flat(list, range_over(records or {}), core.place())) end
-
 local record = types.either(types.is("record", "lunid.read"), types.is("stream", "lunid.stream"))
 
 public.regress = schema.define({

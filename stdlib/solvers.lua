@@ -166,6 +166,17 @@ solver {
 }
 
 solver {
+  name = "instrumental_variables",
+  help = "Two-stage least squares: noise that enters the features linearly leaves no bias where the instruments are "
+    .. "functions of signals that it does not enter, such as the reference of a controller.",
+  fields = {
+    { "instruments", types.list(types.expression, 1), required = true,
+      help = "one or more for each coefficient, as the features are made but of the reference" },
+  },
+  example = "solver = lunid.instrumental_variables { instruments = { lunid.channel \"vr\", lunid.sign(lunid.channel \"vr\"), 1 } }",
+}
+
+solver {
   name = "huber",
   help = "Robust regression: residuals beyond a threshold count linearly; outliers are reported. Several passes over the data.",
   fields = {

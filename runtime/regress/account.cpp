@@ -66,7 +66,7 @@ VectorXd block_deviations(const Solved& solved, int threads) {
   const VectorXd none = VectorXd::Constant(n, std::nan(""));
   if (count < 3) return none;
   // All but part k is what comes before and what comes after it: three merges for each part.
-  std::vector<Statistic> after(count + 1, Statistic(fit.features)), before = after;
+  std::vector<Statistic> after(count + 1, Statistic(solved.parts.front().names())), before = after;
   parallel_for(2, threads, [&](int direction) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t k = direction == 0 ? i : count - 1 - i;

@@ -68,6 +68,24 @@ MatrixXd noise_root(const Data& data, const TotalOptions& options) {
   return root;
 }
 
+/// The statistics of features and instruments.
+std::vector<Statistic> with_instruments(const Data& data, const InstrumentOptions& options) {
+  std::vector<Expr> all = data.features;
+  std::vector<std::string> names = data.pass.columns.names();
+  for (const Expr& instrument : options.instruments) {
+    for (const Expr& s : symbols(instrument, SymbolKind::parameter))
+      if (!data.values->count(s.name()))
+        throw InputError("instrumental_variables: parameter '" + s.name() + "' in instrument '" + to_text(instrument) +
+                         "' has no value: fix it");
+    all.push_back(instrument);
+    names.push_back("instrument " + std::to_string(all.size() - data.features.size()));
+  }
+  const Columns columns(all, data.target, names);
+  std::vector<double> values;
+  for (const std::string& name : columns.parameters()) values.push_back(data.values->at(name));
+  return statistics(columns, data.pass.records, data.pass.blocks, values, data.pass.threads);
+}
+
 /// Least squares on the features that are not 0.
 std::function<VectorXd(const Statistic&)> refit(const Fit& fit, const std::vector<Constraint>& constraints) {
   std::vector<bool> zero(static_cast<std::size_t>(fit.coefficients.size()));
@@ -94,6 +112,19 @@ struct Solver {
     out.again = [noise, all = constraints](const Statistic& rest) {
       return total_least_squares(rest, noise, all).coefficients;
     };
+    return out;
+  }
+  Solved operator()(const InstrumentOptions& options) const {
+    need_rows("instrumental_variables");
+    const int features = static_cast<int>(data.features.size());
+    Solved out;
+    out.parts = with_instruments(data, options);
+    out.constraints = constraints;
+    const auto fit = [features, all = constraints](const Statistic& rows) {
+      return instrumental_variables(rows, features, all);
+    };
+    out.fit = fit(merged(out.parts));
+    out.again = [fit](const Statistic& rest) { return fit(rest).coefficients; };
     return out;
   }
   Solved operator()(const HuberOptions& options) const {

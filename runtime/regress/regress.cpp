@@ -194,12 +194,16 @@ void validate(const RegressOptions& options) {
                      std::to_string(options.bootstrap));
   if (!options.places.empty() && options.places.size() != options.features.size())
     throw InputError("regress: places: expected one for each feature");
+  if (options.bootstrap != 0 && std::holds_alternative<InstrumentOptions>(options.solver))
+    throw InputError(
+        "regress: bootstrap: not with instrumental_variables, whose intervals come from blocks left out in turn: leave "
+        "it out");
   if (options.passive) validate(*options.passive);
   if (options.weak) validate(*options.weak);
   std::visit(
       [](const auto& solver) {
         using Options = std::decay_t<decltype(solver)>;
-        if constexpr (std::is_same_v<Options, TotalOptions>)
+        if constexpr (std::is_same_v<Options, TotalOptions> || std::is_same_v<Options, InstrumentOptions>)
           return;
         else if constexpr (std::is_constructible_v<StatisticSolver, const Options&>)
           validate(StatisticSolver(solver));
@@ -215,8 +219,10 @@ namespace {
 void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
   const auto& solver = options.solver;
   if (options.weak || std::holds_alternative<TotalOptions>(solver) || std::holds_alternative<HuberOptions>(solver) ||
-      std::holds_alternative<BaggingOptions>(solver))
-    throw InputError("regress: objective: mean_force: not with a weak form, total_least_squares, huber or ensemble_of");
+      std::holds_alternative<BaggingOptions>(solver) || std::holds_alternative<InstrumentOptions>(solver))
+    throw InputError(
+        "regress: objective: mean_force: not with a weak form, total_least_squares, instrumental_variables, huber or "
+        "ensemble_of");
   for (Statistic& part : parts) part.weigh_mean(options.objective.mean_force);
 }
 

@@ -52,9 +52,15 @@ struct TotalOptions {
   std::map<std::string, double> noise;  ///< standard deviation by channel; empty: as estimated from the records
 };
 
+/// Instrumental variables: functions of signals whose noise has nothing to do with that of the features, such as the
+/// reference that a controller follows.
+struct InstrumentOptions {
+  std::vector<Expr> instruments;  ///< one or more for each feature that is to be told apart
+};
+
 using RegressionSolver = std::variant<LeastSquaresOptions, RidgeOptions, StlsqOptions, LassoOptions, NonNegativeOptions,
                                       Sr3Options, FrolsOptions, StepwiseOptions, BestSubsetOptions, SpikeSlabOptions,
-                                      BaggingOptions, TotalOptions, HuberOptions>;
+                                      BaggingOptions, TotalOptions, InstrumentOptions, HuberOptions>;
 
 /// What a regression minimises: (1 - mean_force) * mean square of the residual + mean_force * mean over the blocks of
 /// time of the squared mean residual. A penalty on the mean keeps the force from shifting where no constant is among

@@ -108,6 +108,14 @@ Fit ensemble(std::span<const Statistic> blocks, const BaggingOptions& options,
 Fit total_least_squares(const Statistic& data, const Eigen::MatrixXd& noise,
                         std::span<const Constraint> constraints = {});
 
+/// Instrumental variables, by two-stage least squares (Theil 1953; of machines in closed loops: Janot, Vandanjon &
+/// Gautier 2014, IEEE Trans. Control Syst. Technol. 22, 132): features and target are projected on the instruments,
+/// whose errors are independent of theirs, so that noise in the features leaves no bias. `data`: of the `features`
+/// first, then the instruments; those that are combinations of others are left out. Scores are those of the equation
+/// error. Throws InputError where the instruments do not tell the coefficients apart. Refuses constraints other than
+/// fixed coefficients.
+Fit instrumental_variables(const Statistic& data, int features, std::span<const Constraint> constraints = {});
+
 /// Intervals by resampling blocks of time with replacement (Carlstein 1986, Ann. Stat. 14, 1171) on the features that
 /// the fit kept, under its constraints. Works on the blocks' statistics: each replicate costs a sum of small matrices.
 struct Bootstrap {

@@ -254,6 +254,13 @@ function lunid.ensemble_of(fields) end
 ---@return lunid.solver
 function lunid.total_least_squares(fields) end
 
+---Two-stage least squares: noise that enters the features linearly leaves no bias where the instruments are functions of signals that it does not enter, such as the reference of a controller.
+---@class lunid.instrumental_variables.fields
+---@field instruments table # one or more for each coefficient, as the features are made but of the reference
+---@param fields lunid.instrumental_variables.fields
+---@return lunid.solver
+function lunid.instrumental_variables(fields) end
+
 ---Robust regression: residuals beyond a threshold count linearly; outliers are reported. Several passes over the data.
 ---@class lunid.huber.fields
 ---@field threshold? number # in deviations of the residual

@@ -165,4 +165,65 @@ spec.case("too few rows, constant channels", function()
 end)
 
 spec.clean()
+-- ---- instrumental variables ----
+
+--- F = m*a + c*v at every row, measured with noise that the force answers, as that of a loop does.
+local function loop(seed)
+  local clean = {}
+  local rows = 4000
+  local random = lunid.record({ channels = { { "p", (function()
+    for i = 1, rows do clean[i] = math.sin(i) end
+    return clean
+  end)() } }, dt = 1 }):with_noise { p = lunid.noise.gaussian { std = 1 }, seed = seed }
+  local columns = { F = {}, v = {}, a = {}, vr = {}, ar = {} }
+  for i = 1, rows do
+    local n, t = random:column "p"[i] - clean[i], 0.01 * i
+    local vr, ar = math.sin(3 * t) + math.sin(7.3 * t), 3 * math.cos(3 * t) + 7.3 * math.cos(7.3 * t)
+    local v, a = 0.9 * vr, 0.9 * ar - 2 * n
+    columns.F[i], columns.v[i], columns.a[i], columns.vr[i], columns.ar[i] = 5 * a + 3 * v, v + 0.3 * n, a + 2 * n, vr, ar
+  end
+  local channels = {}
+  for _, name in ipairs { "F", "v", "a", "vr", "ar" } do channels[#channels + 1] = { name, columns[name] } end
+  return lunid.record { channels = channels, dt = 0.01 }
+end
+
+local vr, ar = lunid.channel "vr", lunid.channel "ar"
+
+spec.case("noise that the force answers leaves no bias with the reference as instrument", function()
+  local a, v = lunid.acceleration, lunid.velocity
+  local record = loop(3)
+  local plain = lunid.regress { record = record, features = { a, v } }
+  local two = lunid.regress { record = record, features = { a, v },
+    solver = lunid.instrumental_variables { instruments = { ar, vr } } }
+  assert(math.abs(plain.terms.v.value - 3) > 10 * plain.terms.v.std, tostring(plain))
+  for name, truth in pairs { a = 5, v = 3 } do
+    local term = two.terms[name]
+    assert(math.abs(term.value - truth) < 4 * term.std and term.std < 0.1 * truth, tostring(two))
+    assert(term.lower < truth and truth < term.upper, tostring(two))
+  end
+  spec.contains(tostring(two), "two-stage least squares, 2 instruments")
+  local more = lunid.regress { record = record, features = { a, v }, constraints = { lunid.fixed(a, 5) },
+    solver = lunid.instrumental_variables { instruments = { vr, 2 * vr, ar } } }
+  spec.equal(more.terms.a.value, 5)
+  spec.contains(tostring(more), "two-stage least squares, 2 instruments")  -- 2*vr says nothing more
+end)
+
+spec.case("faults of instruments", function()
+  local a, v = lunid.acceleration, lunid.velocity
+  local function refused(message, given)
+    given.record, given.features = loop(1), { a, v }
+    local good, said = pcall(lunid.regress, given)
+    assert(not good)
+    spec.contains(tostring(said), message)
+  end
+  refused("the instruments tell 1 of 2 coefficients apart",
+    { solver = lunid.instrumental_variables { instruments = { vr, 3 * vr } } })
+  refused("parameter 'p' in instrument 'vr^p' has no value: fix it",
+    { solver = lunid.instrumental_variables { instruments = { ar, vr ^ lunid.parameter { "p", min = 1, max = 2 } } } })
+  refused("bootstrap: not with instrumental_variables", { bootstrap = 20,
+    solver = lunid.instrumental_variables { instruments = { ar, vr } } })
+  local good, said = pcall(lunid.instrumental_variables, {})
+  assert(not good and tostring(said):find("instruments", 1, true), said)
+end)
+
 spec.finish()

@@ -122,6 +122,37 @@ TEST(RegressNonNegative, agrees_with_all_subsets) {
   }
 }
 
+TEST(RegressInstrumentalVariables, is_the_textbook_formula) {
+  // b = (X'P X)^-1 X'P z with P = Z (Z'Z)^-1 Z', covariance s^2 (X'P X)^-1 (Theil 1953).
+  std::mt19937 random(5);
+  const Index rows = 300, n = 3, q = 5;
+  MatrixXd z = random_matrix(random, rows, q);
+  z.col(4) = z.col(0) - 2 * z.col(3);  // says nothing more: left out
+  const VectorXd common = random_matrix(random, rows, 1);
+  MatrixXd x = z.leftCols(4) * random_matrix(random, 4, n) + common * Eigen::RowVectorXd::Ones(n);
+  const VectorXd truth = Eigen::Vector3d(2, -1, 0.5);
+  const VectorXd target = x * truth + 3 * common + 0.1 * random_matrix(random, rows, 1);
+  MatrixXd all(rows, n + q);
+  all << x, z;
+  const Fit fit = instrumental_variables(data_of(all, target), n);
+  const MatrixXd own = z.leftCols(4);
+  const MatrixXd p = own * (own.transpose() * own).inverse() * own.transpose(), gram = x.transpose() * p * x;
+  const VectorXd expected = gram.inverse() * (x.transpose() * (p * target));
+  EXPECT_LE((fit.coefficients - expected).norm(), 1e-10);
+  const double variance = (target - x * expected).squaredNorm() / static_cast<double>(rows - n);
+  EXPECT_LE((fit.covariance - variance * gram.inverse()).norm(), 1e-9 * fit.covariance.norm());
+  EXPECT_GT((least_squares(data_of(x, target)).coefficients - truth).norm(), 0.3);
+  EXPECT_LT((fit.coefficients - truth).norm(), 4 * fit.std.norm());
+  EXPECT_EQ(fit.summary.solver, "two-stage least squares, 4 instruments");
+  // A fixed coefficient takes its part of the target.
+  const Fit held = instrumental_variables(data_of(all, target), n, std::vector{fixed(1, -1)});
+  MatrixXd rest(rows, n + q - 1);
+  rest << x.col(0), x.col(2), z;
+  const Fit less = instrumental_variables(data_of(rest, target + x.col(1)), n - 1);
+  EXPECT_NEAR(held.coefficients[0], less.coefficients[0], 1e-10);
+  EXPECT_NEAR(held.coefficients[2], less.coefficients[1], 1e-10);
+}
+
 TEST(RegressTotalLeastSquares, is_the_least_singular_vector_for_equal_noise) {
   // Golub & Van Loan 1980, SIAM J. Numer. Anal. 17, 883: [X z] v = sigma_min u, b = -v / v_last.
   std::mt19937 random(17);
