@@ -8,6 +8,7 @@
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
 #include "discover/ties.hpp"
+#include "discover/verdict.hpp"
 #include "record/random.hpp"
 #include "statistics/statistics.hpp"
 
@@ -42,12 +43,15 @@ class Resampler {
       : study_(study), tried_(found.grown.tried), chosen_(found.chosen) {
     can_be_told_ = add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) can_be_told_ = add(found.chosen, found.whitening) && can_be_told_;
-    // What likelihood alone prefers was refused by runs over left-out blocks, which a resample does not make again.
-    const auto refused = [&](const Candidate& c) {
-      return !found.chosen.choices.empty() && !not_rejected(study, found.chosen, c, tried_);
+    // What likelihood alone prefers was refused by runs over left-out blocks, and what the test took back by that
+    // record: a resample makes neither again.
+    const auto refused = [&](const Candidate& c, const std::string& remark) {
+      return !found.chosen.choices.empty() &&
+             (remark == not_confirmed || !not_rejected(study, found.chosen, c, tried_));
     };
-    for (const Candidate& c : found.rivals)
-      if (c.ran() && c.innovations.size() > 0 && !refused(c)) add(c, found.whitening);
+    for (std::size_t i = 0; i < found.rivals.size(); ++i)
+      if (const Candidate& c = found.rivals[i]; c.ran() && c.innovations.size() > 0 && !refused(c, found.remarks[i]))
+        add(c, found.whitening);
   }
 
   bool possible() const { return can_be_told_ && finalists_.size() > 1 && blocks_.size() >= 10; }
@@ -169,9 +173,13 @@ class Resampler {
     return p_value(all, 0, pick, rows) > alpha ? 0 : pick;
   }
 
-  /// The least gain that is asked of a larger set.
+  /// The least gain that is asked of a larger set. The gain that counted for the chosen one was that of runs over
+  /// left-out blocks: where its whitened error has less, half of what that has on all rows.
   bool gains(const std::vector<Drawn>& all, std::size_t small, std::size_t large) const {
-    const double least = required_gain(study_, rms_error(finalists_[large].candidate->fit) / study_.measured_std());
+    const auto whole = [&](std::size_t i) { return finalists_[i].candidate->whitened.cost; };
+    double least = required_gain(study_, rms_error(finalists_[large].candidate->fit) / study_.measured_std());
+    if (finalists_[large].candidate == &chosen_)
+      least = std::min(least, 0.5 * (1 - std::sqrt(whole(large) / whole(small))));
     return std::sqrt(all[large].cost) < (1 - least) * std::sqrt(all[small].cost);
   }
 

@@ -52,8 +52,10 @@ Fit instrumental_variables(const Statistic& data, int features, std::span<const 
   Eigen::ColPivHouseholderQR<MatrixXd> qr(projected);
   qr.setThreshold(dependent);
   if (instruments < f || qr.rank() < f)
-    throw InputError("instrumental_variables: the instruments tell " + std::to_string(instruments < f ? instruments : qr.rank()) +
-                     " of " + std::to_string(f) + " coefficients apart: give further functions of what shook the system, one or more for each feature");
+    throw InputError(
+        "instrumental_variables: the instruments tell " + std::to_string(instruments < f ? instruments : qr.rank()) +
+        " of " + std::to_string(f) +
+        " coefficients apart: give further functions of what shook the system, one or more for each feature");
   fit.coefficients = expand(p, qr.solve(r.block(0, instruments + f, instruments, 1)));
   detail::rescore(fit, own);
   const MatrixXd gram = projected.transpose() * projected;
