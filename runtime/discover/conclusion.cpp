@@ -32,27 +32,13 @@ std::string not_physics(const Choices& named) {
          (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
 }
 
-/// What lowers the left-out gap beyond chance, though by less than is asked of a name: the best such rival, and by how
-/// much.
+/// What lowers the left-out gap beyond chance, though by less than is asked of a name, and by how much.
 std::string below_the_least_gain(const Study& study, const SearchResult& found) {
-  constexpr std::size_t most = 5;
-  constexpr double chance = 0.01;
-  std::string name;
-  double best = found.baseline.left_out_gap;
-  for (std::size_t i = 0; i < std::min(most, found.rivals.size()); ++i) {
-    Candidate rival = found.rivals[i];
-    if (corrected(improvement_p_value(found.baseline, rival), found.grown.tried) > study.options->alpha) continue;
-    if (rival.left_out.size() == 0) run_left_out(study, rival);
-    if (!(rival.left_out_gap < best && left_out_p_value(study, found.baseline, rival) < chance)) continue;
-    best = rival.left_out_gap;
-    name = rival.name();
-  }
-  const double gain = 1 - best / found.baseline.left_out_gap;
-  if (name.empty() || gain >= study.options->minimum_gain) return "";
+  if (!found.faint) return "";
   char text[160];
   std::snprintf(text, sizeof text, " lowers it beyond chance, but by %.2g %%: less than the least gain of %.2g %%",
-                100 * gain, 100 * study.options->minimum_gain);
-  return name + text;
+                100 * (1 - found.faint->left_out_gap / found.baseline.left_out_gap), 100 * study.options->minimum_gain);
+  return found.faint->name() + text;
 }
 
 /// What forces without a name do on the test records.

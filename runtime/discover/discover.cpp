@@ -303,9 +303,20 @@ class Spine {
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
-  /// Opens the test record once. It can take names back, and leave what the training records held beside them (ties,
-  /// and common names that rarer ones displaced); it never adds one.
+  /// Opens the test record once. It can take names back, leave what the training records held beside them (ties, and
+  /// common names that rarer ones displaced), and bear out the one effect that these show by less than the least gain;
+  /// it adds no other.
   void validate_on_test(Round& round) {
+    if (std::optional<Round> named = borne_out(study_, round)) {
+      round = std::move(*named);
+      remark_ties(round.found);
+      char gain[32];
+      std::snprintf(gain, sizeof gain, "%.2g %%",
+                    100 * (1 - round.found.chosen.left_out_gap / round.found.baseline.left_out_gap));
+      out_.warnings.push_back("the training records show " + round.found.chosen.name() +
+                              " beyond chance, but by less than the least gain (" + gain +
+                              "): the test records bear it out. Train on one like these as well");
+    }
     SearchResult& found = round.found;
     std::optional<TestRuns> shorter;
     runs_.after_test = runs(study_, found.chosen, study_.test);

@@ -243,7 +243,10 @@ class Search {
           among.push_back(&field[i]);
       result_.ties = find_ties(study_, result_.baseline, chosen, among);
     }
-    if (!named) read_between_samples();
+    if (!named) {
+      read_between_samples();
+      hear_faint(field);
+    }
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
   }
@@ -304,14 +307,32 @@ class Search {
   }
 
   bool earns(const Candidate& without, const Candidate& with) {
+    return earns(without, with, required_gain(study_, with.left_out_gap));
+  }
+
+  bool earns(const Candidate& without, const Candidate& with, double least_gain) {
     if (!without.ran()) return true;
     if (!told_from_zero(study_, with, without) || !carries_force(study_, with, without)) return false;
-    if (!(with.left_out_gap < (1 - required_gain(study_, with.left_out_gap)) * without.left_out_gap)) return false;
+    if (!(with.left_out_gap < (1 - least_gain) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
     if (!(left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05))) return false;
     if (!is_between_samples(without, with)) return true;
     result_.as_read.push_back(with.name());
     return false;
+  }
+
+  /// Of the best single effects the one that would be named but for the least gain.
+  void hear_faint(const std::vector<Candidate>& field) {
+    int heard = 5;
+    for (const Candidate& c : field) {
+      if (c.choices.size() != 1 || corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
+        continue;
+      if (heard-- == 0) break;
+      Candidate with = c;
+      if (with.left_out.size() == 0) run_left_out(study_, with);
+      const bool better = !result_.faint || with.left_out_gap < result_.faint->left_out_gap;
+      if (better && earns(result_.baseline, with, 0)) result_.faint = std::move(with);
+    }
   }
 
   /// What the smaller set would do with a force that is read otherwise between its samples is no worse than the larger.

@@ -1,6 +1,7 @@
 #pragma once
 // Which effects: sets of catalogue entries grown from the baseline, fitted on the trajectory, the simplest kept.
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct SearchResult {
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
   std::vector<std::string> as_read;  ///< sets that are no better than a force that is read otherwise (between_samples)
+  /// Where nothing is named: the single effect that lowers the left-out gap beyond chance, by less than the least gain.
+  std::optional<Candidate> faint;
   /// How the force is to be read between its samples for nearly all to go that the baseline leaves, where nothing is
   /// named; else empty.
   std::string reading;

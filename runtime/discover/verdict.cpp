@@ -295,6 +295,39 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   return generic.value < 0.5 * last.value ? "did far worse on the test record than forces without a name" : "";
 }
 
+std::optional<Round> borne_out(const Study& study, const Round& round) {
+  const std::optional<Candidate>& faint = round.found.faint;
+  if (round.names() || !faint || !round.found.reading.empty()) return {};
+  const Candidate& baseline = round.found.baseline;
+  const std::vector<FreeRun> before = runs(study, baseline, study.test);
+  const Gap first = round.gap(before);
+  if (!far_from_the_floor(first, little_open) || hangs_on_parameters(study, baseline, round.gap(round.train), first))
+    return {};
+  Round out = round;
+  SearchResult& found = out.found;
+  found.chosen = *faint;
+  found.order = found.chosen.choices;
+  found.steps = {found.chosen};
+  std::vector<const Candidate*> others;
+  for (const Candidate& c : round.found.rivals)
+    if (c.choices.size() == 1) others.push_back(&c);
+  found.ties = find_ties(study, baseline, found.chosen, others);
+  const auto own = std::ranges::find(found.rivals, found.chosen.name(), &Candidate::name);
+  if (own != found.rivals.end()) {
+    found.remarks.erase(found.remarks.begin() + (own - found.rivals.begin()));
+    found.rivals.erase(own);
+  }
+  out.train = runs(study, found.chosen, study.full);
+  out.left = look_for_structure(study, found.chosen, out.train, found.whitening);
+  const std::vector<FreeRun> after = runs(study, found.chosen, study.test);
+  const double p_value = test_p_value(study, before, after);
+  const Gap last = out.gap(after);
+  const bool whole = closed_share(first.value, last.value, last.floor) >= most_closed(found.order);
+  if (!whole || !(p_value < study.options->alpha) || !refuted(study, out, p_value, before, after).empty()) return {};
+  out.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+  return out;
+}
+
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before) {
   std::vector<TiedRival> standing;

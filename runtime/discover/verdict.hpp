@@ -88,6 +88,11 @@ double test_p_value(const Study& study, const std::vector<FreeRun>& before, cons
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after);
 
+/// Nothing is named, and the training records show an effect by less than the least gain (two tones, a low level): the
+/// round in which it is named, where the test records, on which far more hangs on it, bear it out whole. Not where what
+/// the baseline leaves there hangs on its parameters.
+std::optional<Round> borne_out(const Study& study, const Round& round);
+
 /// A single effect that the training records cannot tell from the chosen one, and what it does.
 struct TiedRival {
   Candidate model;
