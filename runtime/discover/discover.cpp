@@ -213,6 +213,7 @@ class Spine {
     std::vector<Candidate*> all{&found.baseline, &found.chosen};
     for (std::size_t i = 0; i + 1 < found.steps.size(); ++i) all.push_back(&found.steps[i]);  // the last is the chosen
     for (Candidate& c : found.rivals) all.push_back(&c);
+    if (found.faint) all.push_back(&*found.faint);
     const auto fit_again = [&](int i) {
       Candidate& c = *all[static_cast<std::size_t>(i)];
       if (c.ran()) c.fit = fit_near(study_, c, c.fit.theta, 12, c.fit.substeps);
@@ -222,6 +223,7 @@ class Spine {
     parallel_for(static_cast<int>(all.size()), options_.threads,
                  [&](int i) { judge(study_, *all[static_cast<std::size_t>(i)], found.whitening, i < 2 ? 30 : 2); });
     for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study_, *c);
+    if (found.faint) run_left_out(study_, *found.faint);
     if (!found.steps.empty()) found.steps.back() = found.chosen;
     baseline_ = found.baseline;
     decide(study_, round);

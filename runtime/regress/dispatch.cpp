@@ -124,7 +124,13 @@ struct Solver {
       return instrumental_variables(rows, features, all);
     };
     out.fit = fit(merged(out.parts));
-    out.again = [fit](const Statistic& rest) { return fit(rest).coefficients; };
+    out.again = [fit, features](const Statistic& rest) -> VectorXd {
+      try {
+        return fit(rest).coefficients;
+      } catch (const InputError&) {  // without a block the instruments may not tell them apart
+        return VectorXd::Constant(features, std::nan(""));
+      }
+    };
     return out;
   }
   Solved operator()(const HuberOptions& options) const {
