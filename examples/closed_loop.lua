@@ -5,20 +5,13 @@ local v, a = lunid.velocity, lunid.acceleration
 
 local mass, c = 95, 200  -- kg, N s/m
 local gain, dt, rows, finer = 1500, 1e-3, 8000, 20
-local random = lunid.noise.gaussian { std = 1 }
 
 --- A smooth reference of several tones, m/s.
 local function reference(t) return 0.05*(math.sin(3*t) + math.sin(7.3*t + 1) + math.sin(23*t + 2)) end
 
---- White noise of that deviation, from the same source as that of records.
+--- White noise of that deviation.
 local function noise(std, seed)
-  local zeros = {}
-  for i = 1, rows do zeros[i] = math.sin(i) end
-  local clean = lunid.record { channels = { { "y", zeros } }, dt = dt }
-  local noisy = clean:with_noise { y = random, seed = seed }
-  local out = {}
-  for i = 1, rows do out[i] = std*(noisy:column "y"[i] - zeros[i]) end
-  return out
+  return lunid.excitation.white_noise { rms = std, dt = dt, duration = rows*dt, seed = seed }:column "F"
 end
 
 local of_v, of_a = noise(4e-3, 1), noise(0.15, 2)

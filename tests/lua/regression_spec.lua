@@ -169,15 +169,11 @@ spec.clean()
 
 --- F = m*a + c*v at every row, measured with noise that the force answers, as that of a loop does.
 local function loop(seed)
-  local clean = {}
   local rows = 4000
-  local random = lunid.record({ channels = { { "p", (function()
-    for i = 1, rows do clean[i] = math.sin(i) end
-    return clean
-  end)() } }, dt = 1 }):with_noise { p = lunid.noise.gaussian { std = 1 }, seed = seed }
+  local noise = lunid.excitation.white_noise { rms = 1, dt = 0.01, duration = rows * 0.01, seed = seed }:column "F"
   local columns = { F = {}, v = {}, a = {}, vr = {}, ar = {} }
   for i = 1, rows do
-    local n, t = random:column "p"[i] - clean[i], 0.01 * i
+    local n, t = noise[i], 0.01 * i
     local vr, ar = math.sin(3 * t) + math.sin(7.3 * t), 3 * math.cos(3 * t) + 7.3 * math.cos(7.3 * t)
     local v, a = 0.9 * vr, 0.9 * ar - 2 * n
     columns.F[i], columns.v[i], columns.a[i], columns.vr[i], columns.ar[i] = 5 * a + 3 * v, v + 0.3 * n, a + 2 * n, vr, ar
