@@ -292,20 +292,22 @@ std::vector<std::size_t> Offers::best_on_motion(const std::vector<Offer>& offers
     candidates.push_back(compile(study_, model_, o.set()));
   }
   const Whitening whitening = residual_colour(study_, parent);
-  std::vector<double> gains(others.size());
+  std::vector<MotionGain> gains(others.size());
   parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
     const Standing& s = offers[others[k]].standing;
     Eigen::VectorXd theta(candidates[k].parameters());
     theta << parent.fit.theta, s.own;
-    gains[k] = gain_on_motion(study_, whitening, parent, candidates[k], theta).gain;
+    gains[k] = gain_on_motion(study_, whitening, parent, candidates[k], theta);
   });
   std::vector<std::size_t> order(others.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return gains[a] > gains[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return gains[a].gain > gains[b].gain; });
+  // A small gain is no reason against: beside a poor model the noise has the colour of what is missing, which hides it.
   std::vector<std::size_t> out;
   for (const std::size_t k : order)
-    if (gains[k] > study_.options->minimum_gain && out.size() < runs_by_motion) out.push_back(others[k]);
+    if (gains[k].p_value < study_.options->alpha && out.size() < runs_by_motion) out.push_back(others[k]);
   return out;
 }
 
