@@ -406,12 +406,7 @@ class Spine {
     const std::string as_tied = tie_remark(found.chosen);
     withdraw(round, not_confirmed);
     std::ranges::replace(found.remarks, as_tied, not_confirmed);
-    const auto at = std::ranges::find(found.rivals, first.model.name(), &Candidate::name) - found.rivals.begin();
-    found.rivals.erase(found.rivals.begin() + at);
-    found.remarks.erase(found.remarks.begin() + at);
-    found.chosen = std::move(first.model);
-    found.order = found.chosen.choices;
-    found.steps = {found.chosen};
+    name_alone(found, std::move(first.model));
     for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
     remark_ties(found);
     round.left = std::move(first.left);

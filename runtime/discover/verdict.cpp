@@ -184,6 +184,16 @@ void withdraw(Round& round, const std::string& remark) {
   found.ties = {};
 }
 
+void name_alone(SearchResult& found, Candidate chosen) {
+  if (const auto at = std::ranges::find(found.rivals, chosen.name(), &Candidate::name); at != found.rivals.end()) {
+    found.remarks.erase(found.remarks.begin() + (at - found.rivals.begin()));
+    found.rivals.erase(at);
+  }
+  found.chosen = std::move(chosen);
+  found.order = found.chosen.choices;
+  found.steps = {found.chosen};
+}
+
 namespace {
 
 /// Forces that follow the training motion need not hold beyond it: whether the test records show some of their own
@@ -305,18 +315,11 @@ std::optional<Round> borne_out(const Study& study, const Round& round) {
     return {};
   Round out = round;
   SearchResult& found = out.found;
-  found.chosen = *faint;
-  found.order = found.chosen.choices;
-  found.steps = {found.chosen};
+  name_alone(found, *faint);
   std::vector<const Candidate*> others;
   for (const Candidate& c : round.found.rivals)
     if (c.choices.size() == 1) others.push_back(&c);
   found.ties = find_ties(study, baseline, found.chosen, others);
-  const auto own = std::ranges::find(found.rivals, found.chosen.name(), &Candidate::name);
-  if (own != found.rivals.end()) {
-    found.remarks.erase(found.remarks.begin() + (own - found.rivals.begin()));
-    found.rivals.erase(own);
-  }
   out.train = runs(study, found.chosen, study.full);
   out.left = look_for_structure(study, found.chosen, out.train, found.whitening);
   const std::vector<FreeRun> after = runs(study, found.chosen, study.test);

@@ -81,6 +81,9 @@ inline constexpr auto not_confirmed = "not confirmed by the test record";
 /// Takes the names back; the model is the baseline again.
 void withdraw(Round& round, const std::string& remark);
 
+/// Names a single effect, which is among the rivals no more.
+void name_alone(SearchResult& found, Candidate chosen);
+
 /// That the named model is better than the baseline on the test records, by their runs over these.
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
 

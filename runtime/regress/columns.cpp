@@ -47,6 +47,12 @@ Columns::Columns(std::vector<Expr> features, Expr target, std::vector<std::strin
   lag_ = largest_lag(features);
 }
 
+std::vector<double> Columns::values(const std::map<std::string, double>& by_name) const {
+  std::vector<double> out;
+  for (const std::string& name : parameters_) out.push_back(by_name.at(name));
+  return out;
+}
+
 Columns::Loaded Columns::load(const Stream& stream, Index first, Index count) const {
   return {stream, first - lag_, stream.read(first - lag_, count + lag_)};
 }

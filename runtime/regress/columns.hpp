@@ -2,6 +2,7 @@
 // Inside regress: the columns of a regression, built by one tape in blocks of rows, and their statistics.
 #include <Eigen/Core>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ class Columns {
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& parameters() const { return parameters_; }
+  /// Of the tape's parameters, in their order, as runs take them.
+  std::vector<double> values(const std::map<std::string, double>& by_name) const;
 
   /// False: only this thread may run them (external functions).
   bool thread_safe() const { return tape_.thread_safe(); }
@@ -35,7 +38,7 @@ class Columns {
   /// Rows [first, first + count) of a stream and those before them that lags need.
   Loaded load(const Stream& stream, Eigen::Index first, Eigen::Index count) const;
   /// Rows [first, first + work.rows()) of the stream into columns 1.. of `work` (features, then the target). `values`:
-  /// one for each of parameters(). A channel such as y_lag3 is y three rows before: `first` is at least the largest
+  /// as values() gives them. A channel such as y_lag3 is y three rows before: `first` is at least the largest
   /// lag. Throws InputError (Fault::data) naming record, feature and time of a value that is not finite.
   void fill(const Loaded& data, Eigen::Index first, std::span<const double> values, Eigen::MatrixXd& work) const;
 

@@ -25,12 +25,12 @@ MatrixXd slopes(const Data& data, Expr channel, std::size_t record) {
     names.push_back(std::to_string(names.size()));
   }
   const Columns columns(slope, derivative(data.target, channel), names);
-  std::vector<double> values;
-  for (const std::string& name : columns.parameters()) values.push_back(data.values->at(name));
   std::vector<TimeBlock> blocks;
   for (const TimeBlock& block : data.pass.blocks)
     if (block.record == record) blocks.push_back(block);
-  return merged(statistics(columns, data.pass.records, blocks, values, data.pass.threads)).factor().cast<double>();
+  return merged(statistics(columns, data.pass.records, blocks, columns.values(*data.values), data.pass.threads))
+      .factor()
+      .cast<double>();
 }
 
 /// Root of the covariances of the errors of features and target, to first order in the noise of the channels.
@@ -81,9 +81,7 @@ std::vector<Statistic> with_instruments(const Data& data, const InstrumentOption
     names.push_back("instrument " + std::to_string(all.size() - data.features.size()));
   }
   const Columns columns(all, data.target, names);
-  std::vector<double> values;
-  for (const std::string& name : columns.parameters()) values.push_back(data.values->at(name));
-  return statistics(columns, data.pass.records, data.pass.blocks, values, data.pass.threads);
+  return statistics(columns, data.pass.records, data.pass.blocks, columns.values(*data.values), data.pass.threads);
 }
 
 /// Least squares on the features that are not 0.

@@ -217,9 +217,10 @@ namespace {
 
 /// Gives the mean residual of each block its share of the objective.
 void weigh_means(const RegressOptions& options, std::vector<Statistic>& parts) {
-  const auto& solver = options.solver;
-  if (options.weak || std::holds_alternative<TotalOptions>(solver) || std::holds_alternative<HuberOptions>(solver) ||
-      std::holds_alternative<BaggingOptions>(solver) || std::holds_alternative<InstrumentOptions>(solver))
+  const auto of_statistics = [](const auto& solver) {
+    return std::is_constructible_v<StatisticSolver, decltype(solver)>;
+  };
+  if (options.weak || !std::visit(of_statistics, options.solver))
     throw InputError(
         "regress: objective: mean_force: not with a weak form, total_least_squares, instrumental_variables, huber or "
         "ensemble_of");
@@ -286,8 +287,7 @@ Regression regress(std::span<const Stream> records, const RegressOptions& option
   const auto dissipation = dissipation_of(options, known, records, constraints);
 
   const detail::Columns columns(options.features, target);
-  std::vector<double> values;
-  for (const std::string& name : columns.parameters()) values.push_back(known.at(name));
+  const std::vector<double> values = columns.values(known);
   std::vector<Statistic> parts =
       weak ? detail::weak_statistics(*weak, columns.names(), *options.weak, known, records, blocks, options.threads)
            : detail::statistics(columns, records, blocks, values, options.threads);

@@ -164,7 +164,7 @@ std::vector<Statistic> weak_statistics(const WeakProblem& problem, const std::ve
   std::vector<std::string> texts = names;
   for (std::size_t i = names.size(); i < expressions.size(); ++i) texts.push_back(to_text(expressions[i]));
   Integrals integrals{Columns(expressions, expressions.front().pool().constant(0), texts), derivative, {}};
-  for (const std::string& name : integrals.columns.parameters()) integrals.values.push_back(values.at(name));
+  integrals.values = integrals.columns.values(values);
   std::vector<Statistic> out(blocks.size());
   parallel_for(static_cast<int>(blocks.size()), integrals.columns.thread_safe() ? threads : 1, [&](int block) {
     const auto i = static_cast<std::size_t>(block);

@@ -1,5 +1,6 @@
 // Levenberg-Marquardt on free runs, and what is known of the solution.
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "simulate/fit_problem.hpp"
 
@@ -73,16 +74,15 @@ std::vector<Eigen::MatrixXd> scores_of(const Normal& normal, std::vector<Eigen::
 
 Philox noise_of_forces() { return Philox(1, stream_of("noise of forces")); }
 
-/// Empty where no force has any.
-std::vector<FitData> with_noise_again(const std::vector<FitData>& data, Philox& random) {
-  std::vector<FitData> out = data;
-  bool any = false;
-  for (FitData& d : out)
-    if (std::optional<Excitations> noisy = with_noise_again(d, random)) {
-      d.excitation = std::move(*noisy);
-      any = true;
-    }
-  return any ? out : std::vector<FitData>{};
+bool any_force_has_noise(const std::vector<FitData>& data) {
+  Philox random = noise_of_forces();
+  return std::ranges::any_of(data, [&](const FitData& d) { return with_noise_again(d, random).has_value(); });
+}
+
+std::vector<FitData> with_noise_again(std::vector<FitData> data, Philox& random) {
+  for (FitData& d : data)
+    if (std::optional<Excitations> noisy = with_noise_again(d, random)) d.excitation = std::move(*noisy);
+  return data;
 }
 
 /// What noise on the forces does to the residual and to theta, to first order.
@@ -217,8 +217,7 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
 
 void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                            FitResult& result) {
-  Philox random = noise_of_forces();
-  if (system.model().imposed_motion || !std::isfinite(result.cost) || with_noise_again(data, random).empty()) return;
+  if (system.model().imposed_motion || !std::isfinite(result.cost) || !any_force_has_noise(data)) return;
   Problem problem(system, data, options, result.substeps);
   problem.clip = result.clip;
   problem.prepare(result.segments);

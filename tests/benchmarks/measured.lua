@@ -101,5 +101,5 @@ do
     train = { lunid.read(folder .. "train_0.5Hz_1in.csv"), lunid.read(folder .. "train_0.5Hz_0.5in.csv") },
     test = lunid.read(folder .. "test_0.25Hz_1.5in.csv") }
   answer("friction damper, k*y + c*v", found)
-  print(tostring(found):match "(named.-)\nequation")
+  print(tostring(found):match "\n(named .-)\nequation")
 end

@@ -164,7 +164,6 @@ spec.case("too few rows, constant channels", function()
     "regress: features: 'y' is constant on these data: it has no range")
 end)
 
-spec.clean()
 -- ---- instrumental variables ----
 
 --- F = m*a + c*v at every row, measured with noise that the force answers, as that of a loop does.
@@ -222,4 +221,5 @@ spec.case("faults of instruments", function()
   assert(not good and tostring(said):find("instruments", 1, true), said)
 end)
 
+spec.clean()
 spec.finish()
