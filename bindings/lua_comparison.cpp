@@ -5,7 +5,7 @@
 #include "expr/tape.hpp"
 #include "fields.hpp"
 #include "runtime.hpp"
-#include "simulate/fit.hpp"
+#include "simulate/one_step.hpp"
 #include "statistics/agreement.hpp"
 #include "types.hpp"
 
@@ -69,8 +69,7 @@ int evaluate(lua_State* L) {
   return 1;
 }
 
-/// predict_one_step(model, record) -> column y, column v, as their channels show them: each row but the first is run to
-/// from the measured state of the row before it, over four substeps.
+/// predict_one_step(model, record) -> column y, column v of lunid::predict_one_step, without the first row.
 int predict_one_step(lua_State* L) {
   const System system(check<Model>(L, 1));
   const Record& record = check<Record>(L, 2);
@@ -79,19 +78,9 @@ int predict_one_step(lua_State* L) {
                      "' is not measured: take mode = \"free_run\"");
   const std::vector<double> theta = system.model().values();
   const Excitations excitation = excitations_of(system, record);
-  SimulateOptions options;
-  options.solver = Solver::fixed;
-  options.substeps = 4;
-  VectorXd y = VectorXd::Constant(record.rows(), std::nan("")), v = y;
-  for (Index row = 0; row + 1 < record.rows(); ++row) {
-    if (row % 256 == 0) throw_if_cancelled(runtime(L));
-    const Run run =
-        simulate(system, theta, excitation.part(row, 2), measured_state(system, theta, record, row), options);
-    y[row + 1] = shown(system, theta, run, "y")[1];
-    v[row + 1] = shown(system, theta, run, "v")[1];
-  }
-  push_column(L, y.tail(record.rows() - 1));
-  push_column(L, v.tail(record.rows() - 1));
+  const OneStep next = predict_one_step(system, theta, record, excitation, &runtime(L).cancelled());
+  push_column(L, next.y.tail(record.rows() - 1));
+  push_column(L, next.v.tail(record.rows() - 1));
   return 2;
 }
 

@@ -152,7 +152,7 @@ local function gap_section(data)
   return "<h2>The gap</h2>" .. html_table({ "", "baseline", "final model", "noise alone" }, {
     { "training record", number(data.baseline.gap_train, data.baseline.cause), number(data.final.gap_train, data.final.cause),
       number(floor.gap_train, floor.reason) },
-    { "test record, opened after the verdict", number(data.baseline.gap_test, data.baseline.cause),
+    { "test record, opened when the training records had chosen", number(data.baseline.gap_test, data.baseline.cause),
       number(data.final.gap_test, data.final.cause), number(floor.gap_test, floor.reason) },
     { "rows of the training record that the fit did not see", number(data.left_out.gap_before, data.left_out.reason),
       number(data.left_out.gap_after, data.left_out.reason), "" } }) .. outputs_table(data)
@@ -280,6 +280,28 @@ local function removable_section(data)
     .. "away and run again.</p>" .. html_table({ "term", "why" }, rows)
 end
 
+--- Of a closed loop: what answers what, the parameters by instruments, the gaps by other ways of looking.
+local function loop_section(found)
+  local loop = found.data.closed_loop
+  if not loop then return "" end
+  local lines = { "<h2>Closed loop</h2><p>" .. escape(loop.sentence) .. ".</p>" }
+  if loop.reference and next(loop.by_instruments) then
+    local names = {}
+    for _, name in ipairs(names_of(found.model)) do names[#names + 1] = loop.by_instruments[name] and name end
+    lines[#lines + 1] = "<p>The final model's parameters with <code>" .. escape(loop.reference)
+      .. "</code> as instrument, whose motion no noise enters:</p>" .. parameter_table(loop.by_instruments, names, {})
+  end
+  local rows = {}
+  for _, part in ipairs { "train", "test" } do
+    local before, after = loop.baseline[part], loop.final[part]
+    rows[#rows + 1] = { "force along the measured motion, " .. part, number(before.force, before.reason), number(after.force, after.reason) }
+    rows[#rows + 1] = { "one step, " .. part, number(before.one_step, before.reason), number(after.one_step, after.reason) }
+  end
+  lines[#lines + 1] = "<p>The gap by other ways of looking, which do not let errors add up as a free run does:</p>"
+    .. html_table({ "", "baseline", "final model" }, rows)
+  return table.concat(lines, "\n")
+end
+
 local function figure_section(drawn, why_none)
   local lines = { "<h2>Figures</h2>", '<p class="small">' .. page_of.hint .. "</p>" }
   if why_none then lines[#lines + 1] = "<p>" .. escape(why_none) .. "</p>" end
@@ -330,7 +352,7 @@ function report.write(found, prefix)
     "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
     named_section(found), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
-    removable_section(data), rivals_section(data), next_section(data), figure_section(drawn, why_none),
+    removable_section(data), loop_section(found), rivals_section(data), next_section(data), figure_section(drawn, why_none),
     warnings_section(data), provenance(data), page_of.script(), "</body></html>\n" }, "\n")
   return { path = output.write(prefix .. "report.html", page), count = count, note = why_none,
     folder = count > 0 and output.shown(prefix .. "figures") or nil }

@@ -24,15 +24,21 @@ bool force_varies(const Study& study) {
 
 double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
   if (study.imposed || !model.ran() || !force_varies(study)) return 0;
-  const Interpolation before = study.interpolation;
-  Interpolation best = before;
+  const BetweenSamples before = study.between;
+  BetweenSamples best = before;
   const double first = squared_error(model.fit);
   double cost = first;
   const double needed = std::exp(-12.0 / static_cast<double>(model.fit.rows));
-  for (const auto kind :
-       {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
-    if (kind == before) continue;
-    const Study& other = read(kind);
+  const auto is_first = [&](Interpolation guess) { return guess == study.guesses.front(); };
+  const bool one_look = std::ranges::all_of(study.guesses, is_first);
+  std::vector<BetweenSamples> ways;
+  for (const bool alike : {before.alike, !before.alike})
+    for (const auto kind :
+         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold})
+      if (const BetweenSamples way{kind, alike}; (alike == before.alike || !one_look) && way != before)
+        ways.push_back(way);
+  for (const BetweenSamples way : ways) {
+    const Study& other = read(way);
     FitOptions options = full_fit(other, 6);
     options.tolerance = 1e-4;
     options.substeps = model.fit.substeps;
@@ -40,7 +46,7 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
     const FitResult fit = fit_trajectory(*model.system, model.fit.theta, other.train, options);
     if (fit.cost < needed * cost) {
       cost = fit.cost;
-      best = kind;
+      best = way;
     }
   }
   read(best);
@@ -93,7 +99,7 @@ std::string words_of_reading(const Study& study, const Reading& reading) {
   const double mass = 100 * reading.parameters[0], samples = reading.parameters[1] / study.full.front().dt();
   std::snprintf(words, sizeof words, "%.2g of a sample %s, and a mass that is %.2g %% %s", std::abs(samples),
                 samples > 0 ? "earlier" : "later", std::abs(mass), mass < 0 ? "less" : "more");
-  if (reading.between == study.interpolation) return words;
+  if (reading.between == study.between.kind) return words;
   const std::string between = reading.between == Interpolation::hold     ? "held"
                               : reading.between == Interpolation::linear ? "straight"
                               : reading.between == Interpolation::cubic  ? "curved"

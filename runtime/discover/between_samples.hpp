@@ -10,8 +10,8 @@
 
 namespace lunid {
 
-/// Makes the study read the force so, and returns it.
-using ReadForce = std::function<const Study&(Interpolation)>;
+/// Makes the study read the forces so, and returns it.
+using ReadForce = std::function<const Study&(BetweenSamples)>;
 
 /// Asked of a model whose misfit no longer hides what the force does between its samples; the first choice (study.cpp)
 /// is made on the force alone. Where another kind is clearly likelier the study is left with it. Returns the relative

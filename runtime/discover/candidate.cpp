@@ -46,7 +46,7 @@ double regress_force(const Study& study, const Candidate& candidate, Eigen::Vect
   double squares = 0;
   for (const auto& data : study.force) {
     Eigen::MatrixXd jacobian;
-    const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+    const std::span<const double> values = view(theta);
     const Eigen::VectorXd model = imposed_force(system, values, data.record, &jacobian, start_substeps);
     if (!model.allFinite() || !jacobian.allFinite()) return INFINITY;
     Eigen::MatrixXd columns(model.size(), p);
@@ -309,7 +309,7 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
 }
 
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const std::span<const double> values = view(theta);
   return late_forces(candidate, values, record) - imposed_force(*candidate.force_system, values, record);
 }
 
@@ -318,8 +318,7 @@ Eigen::MatrixXd gram_of_force(const Study& study, const Candidate& candidate, co
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(theta.size(), theta.size());
   for (const auto& data : study.force) {
     Eigen::MatrixXd jacobian;
-    imposed_force(*candidate.force_system, {theta.data(), static_cast<std::size_t>(theta.size())}, data.record,
-                  &jacobian, substeps);
+    imposed_force(*candidate.force_system, view(theta), data.record, &jacobian, substeps);
     gram += jacobian.transpose() * jacobian;
   }
   return gram;

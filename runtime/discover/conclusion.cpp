@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "discover/closed_loop.hpp"
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
 #include "discover/naming.hpp"
@@ -98,7 +99,7 @@ void check_by_sundials(const Study& study, const Candidate& c, Discovery& out) {
   SimulateOptions options;
   options.solver = Solver::fixed;
   options.substeps = c.fit.substeps;
-  const std::span<const double> theta(c.fit.theta.data(), static_cast<std::size_t>(c.fit.theta.size()));
+  const std::span<const double> theta = view(c.fit.theta);
   const Excitations part = study.train.front().excitation.part(0, rows);
   const Run fast = simulate(*c.system, theta, part, segment.x0, options);
   options.solver = Solver::bdf;
@@ -190,6 +191,13 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
          by_nameless_forces(out) + nearest;
 }
 
+/// Two estimates of a parameter are further apart than their deviations allow, and than matters.
+bool disagree(const Parameter& a, const Parameter& b) {
+  constexpr double deviations = 4, part = 0.05;
+  const double apart = std::abs(a.value - b.value);
+  return apart > deviations * std::hypot(a.std, b.std) && apart > part * std::abs(b.value);
+}
+
 /// Fills a Discovery whose gaps are there.
 class Conclusion {
  public:
@@ -227,6 +235,7 @@ class Conclusion {
     }
     if (out_.verdict == "ambiguous") progress_("design the experiment that would decide", 0.97);
     design_next(study_, found, out_);
+    look_for_loop(found);
     check_by_sundials(study_, found.chosen, out_);
     list_records(study_.full, "train");
     list_records(study_.test, "test");
@@ -238,7 +247,7 @@ class Conclusion {
       if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
     out_.output = study_.output();
     out_.run_length = study_.run_length;
-    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.interpolation);
+    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.between.kind);
     out_.solver =
         study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
     out_.noise_model = found.whitening.ar.empty()
@@ -323,6 +332,31 @@ class Conclusion {
   std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
     const std::string text = describe_residual(study_, model, reference, place);
     return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
+  }
+
+  /// Whether the force answers the motion, and what a reference says then.
+  void look_for_loop(const SearchResult& found) {
+    const auto has_reference = [this](const FitData& d) { return d.record.has(study_.reference()); };
+    const bool referenced = !study_.imposed && std::ranges::all_of(study_.train, has_reference);
+    ClosedLoop loop;
+    loop.answer = answer_of_force(study_, runs_.after_train);
+    if (!referenced && !(loop.answer > 0)) return;
+    if (referenced) {
+      loop.reference = study_.reference();
+      loop.by_instruments = by_instruments(study_, found.chosen, runs_.after_train);
+      for (const Parameter& p : loop.by_instruments)
+        if (const Parameter* fit = out_.final.find(p.name); disagree(p, *fit)) {
+          char text[200];
+          std::snprintf(text, sizeof text, "%s is %.4g by the fit and %.4g with %s as instrument: ", p.name.c_str(),
+                        fit->value, p.value, loop.reference.c_str());
+          out_.warnings.push_back(text + std::string("the loop has biased the fit, or the model lacks something"));
+        }
+    }
+    loop.baseline_train = other_gaps(study_, found.baseline, study_.full);
+    loop.baseline_test = other_gaps(study_, found.baseline, study_.test);
+    loop.final_train = other_gaps(study_, found.chosen, study_.full);
+    loop.final_test = other_gaps(study_, found.chosen, study_.test);
+    out_.loop = std::move(loop);
   }
 
   /// With several coordinates: where the first effect was named, or generic forces see most.

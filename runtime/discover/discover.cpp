@@ -162,13 +162,13 @@ class Spine {
     };
     Round round;
     round.found = search(study_, model_, baseline_, part, known, step);
-    const Interpolation before = study_.interpolation;
+    const BetweenSamples before = study_.between;
     const double open = 1 - std::pow(study_.sensor_noise() / rms_error(round.found.chosen.fit), 2);
     const double gain = rechoose_interpolation(round.found.chosen);
     if (gain > std::max(interpolation_gain, interpolation_part * open)) {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found = search(study_, model_, baseline_, part, {}, step);
-    } else if (study_.interpolation != before) {
+    } else if (study_.between != before) {
       refit(round.found);
     }
     if (lower_noise(whole_, round.found.chosen)) {
@@ -177,7 +177,7 @@ class Spine {
     }
     tried_ = std::max(tried_, round.found.grown.tried);
     progress("decide", until);
-    round.interpolation = study_.interpolation;
+    round.between = study_.between;
     decide(study_, round);
     return round;
   }
@@ -187,10 +187,10 @@ class Spine {
   /// others take their place.
   void look_further(Round& round, const std::string& stage, std::size_t entries) {
     progress(stage, done_);
-    const Interpolation before = study_.interpolation;
+    const BetweenSamples before = study_.between;
     const Candidate baseline = baseline_;
-    if (before != study_.guesses.front()) {  // chosen beside a model that was not the right one
-      take_interpolation(study_.guesses.front());
+    if (before != BetweenSamples{study_.guesses.front()}) {  // chosen beside a model that was not the right one
+      read_force({study_.guesses.front()});
       fit(study_, baseline_, full_fit(study_, 40));
       round.found.grown.sets.clear();
     }
@@ -199,7 +199,7 @@ class Spine {
       if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
       round = std::move(further);
     } else {
-      take_interpolation(before);
+      read_force(before);
       baseline_ = baseline;
     }
   }
@@ -253,16 +253,39 @@ class Spine {
   }
 
   // ---- force between its samples ----
-  void take_interpolation(Interpolation kind) {
-    set_interpolation(whole_, kind);
+  void read_force(BetweenSamples between) {
+    lunid::read_force(whole_, between);
     study_ = shortened(whole_);
   }
 
   double rechoose_interpolation(const Candidate& chosen) {
-    return lunid::rechoose_interpolation(study_, chosen, [this](Interpolation kind) -> const Study& {
-      take_interpolation(kind);
+    return lunid::rechoose_interpolation(study_, chosen, [this](BetweenSamples between) -> const Study& {
+      read_force(between);
       return study_;
     });
+  }
+
+  /// A test force that looks otherwise than the training records' may come from the same machine all the same (a
+  /// controller holds noise and tones alike): it is read as theirs where the model as it was chosen follows it far
+  /// better so. Not where they differ among themselves, and say which look is read how.
+  void read_test_force(const Candidate& chosen) {
+    if (study_.between.alike || !chosen.ran() || !look_alike(study_, study_.full) || look_alike(study_, study_.test))
+      return;
+    constexpr double far_better = 0.8;
+    Study alike = study_;
+    alike.between.alike = true;
+    const auto error = [&](const Study& study) {
+      double squares = 0;
+      for (const FreeRun& run : runs(study, chosen, study.test, false)) squares += run.squares;
+      return squares;
+    };
+    const double as_it_looks = error(study_), as_training = error(alike);
+    if (!(as_training < far_better * as_it_looks || (std::isfinite(as_training) && !std::isfinite(as_it_looks))))
+      return;
+    whole_.between.alike = study_.between.alike = true;
+    out_.warnings.push_back(
+        "between its samples the force of the test records is read as that of the training records (" +
+        std::string(to_string(study_.between.kind)) + "), though it looks otherwise");
   }
 
   /// What the first entries say may stand in for another entry: where the free run stays above its floor, where generic
@@ -309,6 +332,7 @@ class Spine {
   /// common names that rarer ones displaced), and bear out the one effect that these show by less than the least gain;
   /// it adds no other.
   void validate_on_test(Round& round) {
+    read_test_force(round.found.chosen);
     if (std::optional<Round> named = borne_out(study_, round)) {
       round = std::move(*named);
       remark_ties(round.found);
@@ -426,7 +450,7 @@ class Spine {
     Ground as_found = ground();
     Round common = std::move(*round.displaced);
     round.displaced.reset();
-    take_interpolation(common.interpolation);
+    read_force({common.between.kind, study_.between.alike});
     baseline_ = common.found.baseline;
     fit_all_rows(common);
     std::vector<FreeRun> before = runs(study_, common.found.baseline, study_.test, false),

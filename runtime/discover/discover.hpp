@@ -136,6 +136,24 @@ struct UnknownForce {
   std::optional<Closure> closure;  ///< whose force `force` is; where there is none it is what the baseline leaves
 };
 
+/// What a model leaves by the two other ways of looking: of the force along the smoothed measured motion (over the
+/// force's standard deviation), and of predictions from each row to the next (over that of the motion). NaN where they
+/// cannot be asked.
+struct OtherGaps {
+  double force = 0, one_step = 0;
+};
+
+/// Records whose force answers the motion, or that hold what a controller was to follow.
+struct ClosedLoop {
+  double answer = 0;      ///< share of what is new in the force that follows what the final model leaves; 0: none seen
+  std::string reference;  ///< the channel that serves as instrument; empty: none
+  std::vector<Parameter> by_instruments;  ///< of the final model; empty: no reference, or it does not tell them apart
+  OtherGaps baseline_train, baseline_test, final_train, final_test;
+};
+
+/// Whether the force answers, without a full stop.
+std::string sentence_of(const ClosedLoop& loop);
+
 struct Discovery {
   std::string verdict;    ///< explained | nothing-missing | ambiguous | unknown-effect
   std::string sentence;   ///< the verdict in one sentence
@@ -168,6 +186,7 @@ struct Discovery {
     Gap baseline, final;
   } short_test;
   std::optional<UnknownForce> unknown;  ///< of an unknown effect
+  std::optional<ClosedLoop> loop;       ///< of records from a closed loop
   std::string interpolation, solver, noise_model;
   double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;

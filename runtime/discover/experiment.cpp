@@ -1,10 +1,10 @@
 #include "discover/experiment.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
+#include "discover/views.hpp"
 #include "record/parallel.hpp"
 #include "simulate/fit.hpp"
 
@@ -32,8 +32,6 @@ struct Answer {
   bool completed = false;
   std::string cause;
 };
-
-std::span<const double> view(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 Channel channel(const Units& units, const std::string& name, VectorXd values, double noise, Interpolation between) {
   Channel c;

@@ -101,7 +101,7 @@ double noise_beside(const FreeRun& run, const Record& record) {
   const Eigen::Map<const Eigen::VectorXd> measured(record[run.output].data(), record.rows());
   const Eigen::VectorXd left = measured.tail(run.rows) - run.model.tail(run.rows);
   if (!left.allFinite()) return channel.noise;
-  const double level = noise_level({left.data(), static_cast<std::size_t>(left.size())});
+  const double level = noise_level(view(left));
   return level < clearly * channel.noise ? level : channel.noise;
 }
 
@@ -140,7 +140,7 @@ Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& th
                                  const SimulateOptions& options) {
   const Eigen::Index own = 2 * system.degrees();
   if (system.states() == own) return {};
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const std::span<const double> values = view(theta);
   const Eigen::VectorXd start = measured_state(system, values, data.record, 0);
   const Run run = simulate(system, values, data.excitation, start, options);
   Eigen::VectorXd spread = Eigen::VectorXd::Zero(system.states());
@@ -151,7 +151,7 @@ Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& th
 }
 
 void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
-  out.model = imposed_force(system, {theta.data(), static_cast<std::size_t>(theta.size())}, record);
+  out.model = imposed_force(system, view(theta), record);
   const double noise = record.channel("F").noise;
   out.floor_squares = noise * noise * static_cast<double>(out.rows);
 }
@@ -170,7 +170,7 @@ void motion_run(const Study& study, const System& system, const Eigen::VectorXd&
   options.solver = Solver::fixed;
   options.substeps = substeps;
   options.cancelled = study.options->cancelled;
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const std::span<const double> values = view(theta);
   StateEstimate state;
   Run run;
   // A test may go faster than what the substeps were chosen on: they are halved until the run is completed and halves

@@ -13,8 +13,6 @@ namespace lunid {
 
 namespace {
 
-std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
 /// Parameters of the whitened fit are kept where they raise the error of the free run by no more than this factor. A
 /// model that lacks something has no noise to whiten: it is shown at its least error.
 constexpr double tolerable_loss = 1.05;

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 std::vector<MatrixXd> slopes(const Study& study, const System& system, const VectorXd& theta, const FitResult& at,
                              std::size_t record) {
   const FitData& data = study.train[record];
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const std::span<const double> values = view(theta);
   if (study.imposed) {
     std::vector<MatrixXd> out(1);
     imposed_force(system, values, data.record, &out[0]);

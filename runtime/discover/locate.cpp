@@ -12,11 +12,6 @@ namespace {
 
 constexpr int cells = 24;
 
-Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
-  const auto x = record[name];
-  return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
-
 Eigen::VectorXd times_of(const Record& record) {
   Eigen::VectorXd t(record.rows());
   for (Eigen::Index i = 0; i < t.size(); ++i) t[i] = record.time(i);
@@ -41,7 +36,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
   const std::vector<std::string> outputs = study.outputs();
   for (std::size_t c = 0; c < outputs.size(); ++c) {
     Channel shown = record.channel(outputs[c]);
-    shown.values = column(record, outputs[c]);
+    shown.values = as_vector(record[outputs[c]]);
     for (Eigen::Index i = 0; i < shown.values.size(); ++i)
       if (std::isfinite(runs[c][i])) shown.values[i] = runs[c][i];
     own = own.with(std::move(shown));
@@ -63,7 +58,7 @@ Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, c
   std::vector<Eigen::VectorXd> runs;
   for (const std::string& output : study.outputs()) {
     const std::size_t c = runs.size();
-    runs.push_back(column(record, output) - reference.fit.residual[c * study.train.size() + index] / weights[c]);
+    runs.push_back(as_vector(record[output]) - reference.fit.residual[c * study.train.size() + index] / weights[c]);
   }
   return residual - smoothing_error(study, reference, record, runs);
 }
@@ -130,11 +125,11 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
     out.role = role;
     out.output = final[c].output;
     out.t = times_of(record);
-    out.measured = column(record, final[c].output);
+    out.measured = as_vector(record[final[c].output]);
     out.baseline = baseline[c].model;
     out.final = final[c].model;
-    out.y = column(smooth, study.channel('y', static_cast<int>(c)));
-    out.v = column(smooth, study.channel('v', static_cast<int>(c)));
+    out.y = as_vector(smooth[study.channel('y', static_cast<int>(c))]);
+    out.v = as_vector(smooth[study.channel('v', static_cast<int>(c))]);
     out.residual_before = left_before.segment(first, record.rows());
     out.residual_after = left_after.segment(first, record.rows());
     out.named_force = named.segment(first, record.rows());

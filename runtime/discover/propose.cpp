@@ -15,8 +15,6 @@ namespace {
 /// Longer records are looked at by their first part.
 constexpr Eigen::Index most_rows = 20000;
 
-std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
 /// A step that keeps within bounds: what would leave them is held and the rest solved again.
 Eigen::VectorXd bounded_step(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& at,
                              const std::vector<Parameter>& table) {

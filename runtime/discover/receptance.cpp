@@ -13,11 +13,6 @@ namespace {
 constexpr double least_frequency = 0.3, least_damping = 0.05;
 constexpr double fastest = 2;  // [rad per row]: modes beyond it follow the force
 
-Eigen::Map<const Eigen::VectorXd> column(const Record& record, const std::string& name) {
-  const auto x = record[name];
-  return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
-
 /// Least squares from the normal equations, columns of length one.
 Eigen::MatrixXd regress(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& right) {
   const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -48,9 +43,9 @@ Eigen::Vector3d linear_system(const Study& study, const Candidate& baseline) {
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const auto& data : study.force) {
     Eigen::MatrixXd x(data.record.rows(), 3);
-    x << column(data.record, "a"), column(data.record, "v"), column(data.record, "y");
+    x << as_vector(data.record["a"]), as_vector(data.record["v"]), as_vector(data.record["y"]);
     gram += x.transpose() * x;
-    right += x.transpose() * column(data.record, "F");
+    right += x.transpose() * as_vector(data.record["F"]);
   }
   const Eigen::Vector3d found = regress(gram, right);
   if (found[0] > 0) return found;
@@ -95,15 +90,14 @@ void Receptance::find_modes(const Study& study, const Candidate& baseline, const
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(2 * n, 2 * n), right = Eigen::MatrixXd::Zero(2 * n, n);
   for (const auto& data : data_of) {
     const Eigen::Index rows = data.record.rows();
-    const Eigen::VectorXd force = imposed_force(
-        system, std::span<const double>(theta.data(), static_cast<std::size_t>(theta.size())), data.record);
+    const Eigen::VectorXd force = imposed_force(system, view(theta), data.record);
     if (!force.allFinite()) continue;
     Eigen::MatrixXd motion(rows, 2 * n), open(rows, n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto coordinate = static_cast<int>(i);
-      motion.col(i) = column(data.record, study.channel('y', coordinate));
-      motion.col(n + i) = column(data.record, study.channel('v', coordinate));
-      open.col(i) = force.segment(i * rows, rows) - mass[i] * column(data.record, study.channel('a', coordinate));
+      motion.col(i) = as_vector(data.record[study.channel('y', coordinate)]);
+      motion.col(n + i) = as_vector(data.record[study.channel('v', coordinate)]);
+      open.col(i) = force.segment(i * rows, rows) - mass[i] * as_vector(data.record[study.channel('a', coordinate)]);
     }
     gram += motion.transpose() * motion;
     right += motion.transpose() * open;

@@ -355,13 +355,13 @@ class Search {
       judge(study, c, result_.whitening);
       return c.ran() && does(c);
     };
-    if (judged_as(study_)) return Reading{c.fit.theta.tail<2>(), study_.interpolation};
+    if (judged_as(study_)) return Reading{c.fit.theta.tail<2>(), study_.between.kind};
     if (!(c.fit.cost < most * of.fit.cost)) return {};
     Study other = study_;
     for (const Interpolation kind :
          {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
-      if (kind == study_.interpolation) continue;
-      set_interpolation(other, kind);
+      if (kind == study_.between.kind) continue;
+      read_force(other, {kind, study_.between.alike});
       if (judged_as(other)) return Reading{c.fit.theta.tail<2>(), kind};
     }
     return {};

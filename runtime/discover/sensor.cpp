@@ -15,11 +15,6 @@ namespace lunid {
 
 namespace {
 
-Eigen::Map<const Eigen::VectorXd> column(const Record& record, std::string_view name) {
-  const auto x = record[name];
-  return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
-
 /// The map of a channel in a list, which gets the channel itself where it is not there yet.
 Expr& map_of(std::vector<ChannelMap>& maps, const std::string& channel, Pool& pool) {
   for (auto& [name, map] : maps)
@@ -200,7 +195,7 @@ namespace {
 double squares_of_runs(const Study& study, const Candidate& candidate, const Eigen::VectorXd& theta,
                        const FitResult& states) {
   const System& system = *candidate.system;
-  const std::span<const double> values(theta.data(), static_cast<std::size_t>(theta.size()));
+  const std::span<const double> values = view(theta);
   SimulateOptions options;
   options.solver = Solver::fixed;
   options.substeps = states.substeps;
@@ -209,7 +204,7 @@ double squares_of_runs(const Study& study, const Candidate& candidate, const Eig
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const FitData& data = study.train[r];
     if (study.imposed) {
-      squares += (column(data.record, study.output()) - imposed_force(system, values, data.record)).squaredNorm();
+      squares += (as_vector(data.record[study.output()]) - imposed_force(system, values, data.record)).squaredNorm();
       continue;
     }
     Eigen::VectorXd x0 = measured_state(system, values, data.record, 0);
@@ -221,7 +216,7 @@ double squares_of_runs(const Study& study, const Candidate& candidate, const Eig
     const std::vector<double> weights = study.weights(data.record);
     for (std::size_t i = 0; i < outputs.size(); ++i)
       squares +=
-          (weights[i] * (column(data.record, outputs[i]) - shown(system, values, run, outputs[i]))).squaredNorm();
+          (weights[i] * (as_vector(data.record[outputs[i]]) - shown(system, values, run, outputs[i]))).squaredNorm();
   }
   return std::isfinite(squares) ? squares : INFINITY;
 }
@@ -273,8 +268,7 @@ std::vector<double> strongest_lines(Eigen::VectorXd x, double dt) {
   for (Eigen::Index i = 0; i < x.size(); ++i)
     x[i] *= 1 - std::cos(2 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(x.size()));
   const Eigen::Index length = padding * power_of_two_above(x.size());
-  const Eigen::VectorXd power =
-      half_spectrum({x.data(), static_cast<std::size_t>(x.size())}, length).cwiseAbs2().cwiseMax(1e-300);
+  const Eigen::VectorXd power = half_spectrum(view(x), length).cwiseAbs2().cwiseMax(1e-300);
   const double step = 2 * M_PI / (static_cast<double>(length) * dt);
   const double apart = 4 * M_PI / (static_cast<double>(x.size()) * dt);  // half of the window's main lobe
   std::vector<std::pair<double, double>> peaks;
@@ -326,11 +320,11 @@ Record with_shaft(const Record& record) {
   const auto at = std::ranges::find_if(sources, has);
   if (at == sources.end() || std::ranges::all_of(derived, has)) return record;
   const char* source = *at;
-  Eigen::VectorXd x = column(record, source);
+  Eigen::VectorXd x = as_vector(record[source]);
   if (record.channel(source).unit == "Hz") x *= 2 * M_PI;
   for (Eigen::Index i = 1; angle && i < x.size(); ++i)  // a counter that begins anew after each turn
     x[i] += 2 * M_PI * std::round((x[i - 1] - x[i]) / (2 * M_PI));
-  const std::span<const double> values(x.data(), static_cast<std::size_t>(x.size()));
+  const std::span<const double> values = view(x);
   const double noise = noise_level(values);
   const auto derivative = [&](int order) {
     return savitzky_golay(values, record.dt(), order, choose_savitzky_golay(values, noise, order));
@@ -398,9 +392,7 @@ double trend_share(const Eigen::VectorXd& residual) {
 double lag_share(const Study& study, const Candidate& baseline, std::size_t index) {
   const Record& smooth = study.smooth[index];
   const Eigen::VectorXd force =
-      column(smooth, "F") -
-      imposed_force(*baseline.force_system,
-                    {baseline.fit.theta.data(), static_cast<std::size_t>(baseline.fit.theta.size())}, smooth);
+      as_vector(smooth["F"]) - imposed_force(*baseline.force_system, view(baseline.fit.theta), smooth);
   const Eigen::VectorXd jerk =
       savitzky_golay(smooth["a"], smooth.dt(), 1, smoothing_kernel(study, study.train[index].record));
   std::vector<Eigen::Index> rows;
@@ -408,7 +400,7 @@ double lag_share(const Study& study, const Candidate& baseline, std::size_t inde
     if (study.force[index].use[static_cast<std::size_t>(i)] && std::isfinite(force[i])) rows.push_back(i);
   if (rows.size() < 30) return 0;
   std::vector<Eigen::VectorXd> known{Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()))};
-  for (const char* name : {"y", "v", "a"}) known.push_back(column(smooth, name)(rows));
+  for (const char* name : {"y", "v", "a"}) known.push_back(as_vector(smooth[name])(rows));
   return partial_share(columns_of(known), columns_of({jerk(rows)}), force(rows));
 }
 
@@ -420,7 +412,7 @@ std::string sensor_hint(const Study& study, const Candidate& baseline) {
   std::string text;
   double flat = 0, trend = 0, lag = 0;
   for (std::size_t i = 0; i < study.train.size(); ++i) {
-    flat = std::max(flat, flat_share(column(study.full[i], study.imposed ? "y" : study.output())));
+    flat = std::max(flat, flat_share(as_vector(study.full[i][study.imposed ? "y" : study.output()])));
     if (study.imposed || !baseline.ran()) continue;
     if (study.run_length == 0) trend = std::max(trend, trend_share(baseline.fit.residual[i]));
     lag = std::max(lag, lag_share(study, baseline, i));

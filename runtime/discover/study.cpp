@@ -15,10 +15,6 @@ namespace lunid {
 
 namespace {
 
-Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
-  return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
-
 /// The share of the force's power in the last tenth of its band: nothing there means that the record holds the whole
 /// signal (sampling theorem), however few samples a period has.
 double power_at_band_edge(std::span<const double> f) {
@@ -71,7 +67,7 @@ Interpolation guess_interpolation(const Study& study, const Record& record) {
 }
 
 Interpolation between_samples(const Study& study, Interpolation guess) {
-  return guess == study.guesses.front() ? study.interpolation : guess;
+  return study.between.alike || guess == study.guesses.front() ? study.between.kind : guess;
 }
 
 /// Beside a held force, where signals have to be held: one that is smooth at the middle of each interval.
@@ -127,6 +123,7 @@ Record thinned(const Study& study, const Record& record) {
   const std::vector<std::string> outputs = study.outputs();
   names.insert(names.begin(), outputs.begin(), outputs.end());
   names.insert(names.begin(), study.forces.begin(), study.forces.end());
+  if (const std::string reference = study.reference(); record.has(reference)) names.push_back(reference);
   for (const std::string& name : names) {
     Channel c = record.channel(name);
     const auto x = record[name];
@@ -175,18 +172,21 @@ constexpr int difference_accuracy = 8;
 /// The derivative of a smooth column.
 Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
   if (order == 0) return x;
-  return differentiate({x.data(), static_cast<std::size_t>(x.size())}, dt, 0, order,
-                       FiniteDifferences{difference_accuracy, 1})
-      .values;
+  return differentiate(view(x), dt, 0, order, FiniteDifferences{difference_accuracy, 1}).values;
 }
 
 }  // namespace
 
-/// All through one kernel, so that m*a + f(y, v) = F stays true for linear terms: what lies above the measured channel
-/// are its derivatives, what lies below its integrals, smoothed. The derivatives of a polynomial window are not quite
-/// those of the smoothed column: with one coordinate its k and c take that up, with several modes nothing does, and it
-/// would look like a missing spring.
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
+  return smooth_motion(study, record, kernel, study.degrees() > 1 ? Slopes::of_column : Slopes::of_window);
+}
+
+Eigen::Index edge_of(const SavitzkyGolay& kernel, Slopes slopes) {
+  return kernel.half_width + (slopes == Slopes::of_column ? difference_accuracy / 2 : 0);
+}
+
+/// What lies above the measured channel are its derivatives, what lies below its integrals, smoothed.
+Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel, Slopes slopes) {
   auto channel = [](const std::string& name, const std::string& unit, Eigen::VectorXd values) {
     Channel c;
     c.name = c.source = name;
@@ -207,7 +207,7 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     };
     for (int rank = 0; rank < 3; ++rank) {
       const int order = std::max(0, rank - known);
-      if (study.degrees() == 1)
+      if (slopes == Slopes::of_window)
         channels.push_back(channel(names[rank], units.of(names[rank]), smoothed(std::min(rank, known), order)));
       else
         channels.push_back(channel(names[rank], units.of(names[rank]),
@@ -229,6 +229,8 @@ std::vector<std::string> Study::outputs() const {
   for (int i = 0; i < degrees(); ++i) out.push_back(channel(measured[0], i));
   return out;
 }
+
+std::string Study::reference() const { return measured + "_reference"; }
 
 std::vector<double> Study::weights(const Record& record) const {
   if (degrees() == 1) return {1};
@@ -286,8 +288,8 @@ void smooth_all(Study& study) {
   for (const FitData& data : study.train) {
     const SavitzkyGolay kernel = smoothing_kernel(study, data.record);
     study.smooth.push_back(study.imposed ? data.record : smooth_motion(study, data.record, kernel));
-    const Eigen::Index edge = kernel.half_width + (study.degrees() > 1 ? difference_accuracy / 2 : 0);
-    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge));
+    const Slopes slopes = study.degrees() > 1 ? Slopes::of_column : Slopes::of_window;
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge_of(kernel, slopes)));
   }
 }
 
@@ -333,7 +335,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   smooth_all(study);
   for (auto& record : study.test) record = with_shaft(with_motion(study, record));
   for (const auto& record : study.full) study.guesses.push_back(guess_interpolation(study, record));
-  set_interpolation(study, study.guesses.front());
+  read_force(study, {study.guesses.front()});
   return study;
 }
 
@@ -341,8 +343,14 @@ FitData fit_data(const Study& study, const Record& record) {
   return with_force(study, record, between_samples(study, guess_interpolation(study, record)));
 }
 
-void set_interpolation(Study& study, Interpolation interpolation) {
-  study.interpolation = interpolation;
+bool look_alike(const Study& study, const std::vector<Record>& records) {
+  return study.imposed || std::ranges::all_of(records, [&](const Record& record) {
+           return guess_interpolation(study, record) == study.guesses.front();
+         });
+}
+
+void read_force(Study& study, BetweenSamples between) {
+  study.between = between;
   for (std::size_t i = 0; i < study.train.size(); ++i)
     study.train[i] = with_force(study, study.train[i].record, between_samples(study, study.guesses[i]));
 }

@@ -4,6 +4,7 @@
 
 #include "discover/discover.hpp"
 #include "discover/units.hpp"
+#include "discover/views.hpp"
 #include "simulate/fit.hpp"
 #include "statistics/moments.hpp"
 #include "statistics/statistics.hpp"
@@ -11,6 +12,13 @@
 namespace lunid {
 
 using moments::standard_deviation;
+
+/// How forces are read between their samples.
+struct BetweenSamples {
+  Interpolation kind = Interpolation::linear;  ///< of the first training record and all that look like it
+  bool alike = false;  ///< of all records, whatever they look like: one machine put the forces out
+  bool operator==(const BetweenSamples&) const = default;
+};
 
 struct Study {
   const DiscoverOptions* options = nullptr;
@@ -25,7 +33,7 @@ struct Study {
   std::vector<std::string> warnings;
   double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
-  Interpolation interpolation = Interpolation::linear;  ///< of the first training record and all that look like it
+  BetweenSamples between;
 
   Model model;                              ///< the baseline
   std::vector<std::string> forces = {"F"};  ///< what drives it: F, or F1 ... of the driven coordinates
@@ -38,6 +46,8 @@ struct Study {
   /// What free runs are held against, one channel for each coordinate.
   std::vector<std::string> outputs() const;
   const std::string output() const { return outputs().front(); }
+  /// What a controller was to follow: the channel y_reference, or v_reference, a_reference where that was measured.
+  std::string reference() const;
   Units units() const;  ///< of the first training record and its first coordinate
   /// Of the outputs of a record: the noise of the first over their own. All pooled numbers are of weighted outputs.
   std::vector<double> weights(const Record& record) const;
@@ -55,13 +65,15 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
 void smooth_all(Study& study);
 
 /// The force between the samples of the first training record and of all records that look like it; others keep what
-/// their own force suggests (a held random force to train on, a recorded sweep to test).
-void set_interpolation(Study& study, Interpolation interpolation);
+/// their own force suggests (a held random force to train on, a recorded sweep to test), unless all are read alike.
+void read_force(Study& study, BetweenSamples between);
 FitData fit_data(const Study& study, const Record& record);
+/// The forces of these records look like that of the first training record between their samples.
+bool look_alike(const Study& study, const std::vector<Record>& records);
 
 /// The study on pieces of its training records where those are long: a search that takes minutes to each candidate on
 /// all rows is made on these. `full` and `test` stay what they are; short records, and an imposed motion, whose
-/// internal states need all that came before, are taken whole. To be made again after set_interpolation.
+/// internal states need all that came before, are taken whole. To be made again after read_force.
 Study shortened(const Study& whole);
 
 /// The study on consecutive parts of its records, each so many periods of its upper frequency long and with a first
@@ -77,6 +89,14 @@ Record with_motion(const Study& study, const Record& record);
 /// The kernel that a record's noise calls for, and y v a F and side channels of a record through one kernel.
 SavitzkyGolay smoothing_kernel(const Study& study, const Record& record);
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel);
+
+/// How a smoothed column is differentiated. The derivatives of a polynomial window have less noise, but are not quite
+/// those of the smoothed column: with one coordinate its k and c take that up, with several modes nothing does, and it
+/// would look like a missing spring. By differences of the column m*a + f(y, v) = F stays true for linear terms.
+enum class Slopes { of_window, of_column };
+Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel, Slopes slopes);
+/// Rows at either end that are smoothed with others.
+Eigen::Index edge_of(const SavitzkyGolay& kernel, Slopes slopes);
 
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);

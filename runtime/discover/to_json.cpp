@@ -93,6 +93,30 @@ json naming(const Naming& n) {
            "order"}};
 }
 
+json closed_loop(const ClosedLoop& loop) {
+  json out = {{"sentence", sentence_of(loop)},
+              {"answer", loop.answer},
+              {"meaning",
+               "answer: share of what is new in the force that follows what the final model leaves of the motion; "
+               "force: F - m a - f along the smoothed measured motion over the force's standard deviation; one_step: "
+               "prediction from each row to the next over that of the motion"}};
+  if (!loop.reference.empty()) {
+    out["reference"] = loop.reference;
+    out["by_instruments"] = parameters(loop.by_instruments);
+    if (loop.by_instruments.empty())
+      out["by_instruments_reason"] = "the reference does not tell the parameters apart, or a reading is falsified";
+  }
+  const auto gaps = [](const OtherGaps& g) {
+    json row = {{"force", number(g.force)}, {"one_step", number(g.one_step)}};
+    if (!std::isfinite(g.one_step))
+      row["reason"] = "not asked: internal states, several coordinates, or y not measured";
+    return row;
+  };
+  out["baseline"] = {{"train", gaps(loop.baseline_train)}, {"test", gaps(loop.baseline_test)}};
+  out["final"] = {{"train", gaps(loop.final_train)}, {"test", gaps(loop.final_test)}};
+  return out;
+}
+
 json removable(const std::vector<Removable>& terms) {
   json out = json::array();
   for (const auto& t : terms)
@@ -214,6 +238,7 @@ json to_json(const Discovery& d) {
     out["left_out"]["reason"] = "a free run stopped early";
   if (d.naming.resamples > 0) out["naming"] = naming(d.naming);
   out["removable"] = removable(d.removable);
+  if (d.loop) out["closed_loop"] = closed_loop(*d.loop);
   if (!d.experiment.empty()) out["next_experiment"] = to_json(d.experiment);
   out["test_p_value"] = d.test_p_value;
   out["warnings"] = d.warnings;

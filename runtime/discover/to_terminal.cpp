@@ -76,6 +76,17 @@ std::string resampled(const Naming& naming) {
 
 }  // namespace
 
+/// Whether the loop was closed, the instruments' parameters and the other gaps: three lines at most.
+std::string words_of(const ClosedLoop& loop) {
+  std::string out = sentence_of(loop);
+  if (!loop.by_instruments.empty()) out += "\nwith " + loop.reference + " as instrument: " + list(loop.by_instruments);
+  const auto both = [](double before, double after) { return number(before) + " -> " + number(after); };
+  out += "\ngap  force, test " + both(loop.baseline_test.force, loop.final_test.force);
+  if (std::isfinite(loop.final_test.one_step))
+    out += "   one step, test " + both(loop.baseline_test.one_step, loop.final_test.one_step);
+  return out;
+}
+
 std::string to_terminal(const Discovery& d) {
   std::ostringstream out;
   auto line = [&](const char* head, std::string text) {
@@ -125,6 +136,7 @@ std::string to_terminal(const Discovery& d) {
   if (d.short_test.seconds > 0)
     line("", "test, in runs of " + number(d.short_test.seconds) + " s " + gap(d.short_test.baseline) + " -> " +
                  gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor) + ")");
+  if (d.loop) line("loop", words_of(*d.loop));
   line("verdict", d.verdict + ": " + d.sentence);
   return out.str();
 }

@@ -23,7 +23,7 @@ Candidate with_forces(const Study& study, const Closure& closure) {
 std::optional<Candidate> fitted_forces(Study& study, const Round& round) {
   const Closure& at_once = round.left.closure;
   if (!round.left.seen || !at_once.system || !std::isfinite(at_once.fit.cost)) return {};
-  set_interpolation(study, study.guesses.front());
+  read_force(study, {study.guesses.front()});
   Candidate baseline = round.found.chosen;
   fit(study, baseline, full_fit(study, 40));
   const Closure grown = grow_closure(study, baseline, round.found.whitening, at_once.place);
@@ -34,8 +34,8 @@ std::optional<Candidate> fitted_forces(Study& study, const Round& round) {
     run_left_out(study, one_by_one);
     if (one_by_one.left_out_gap < out.left_out_gap) out = std::move(one_by_one);
   }
-  rechoose_interpolation(study, out, [&](Interpolation kind) -> const Study& {
-    set_interpolation(study, kind);
+  rechoose_interpolation(study, out, [&](BetweenSamples between) -> const Study& {
+    read_force(study, between);
     return study;
   });
   out.fit = fit_trajectory(*out.system, out.fit.theta, study.train, full_fit(study, 40));
@@ -64,7 +64,7 @@ UnknownForce unknown_force(const Study& study, const Round& round, const std::op
     const Gap with = pool_gap(runs(own, *forces, own.test), 0);
     if (with.value < test.value) {
       out.closure = {fitted(*forces), pool_gap(runs(own, *forces, own.full), 0), with,
-                     study.imposed ? "none: the motion is imposed" : to_string(own.interpolation)};
+                     study.imposed ? "none: the motion is imposed" : to_string(own.between.kind)};
       map = residual_map(own, baseline, *forces, place);
       map.before -= map.after;
     }

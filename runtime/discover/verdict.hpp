@@ -26,9 +26,9 @@ struct Round {
   Left left;
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
   std::string verdict, withdrawn;
-  bool loose_test = false;  ///< nothing is named, and what is left on the test records hangs on the parameters
-  Interpolation interpolation = Interpolation::linear;  ///< of the force between its samples, under which it was made
-  std::shared_ptr<Round> displaced;                     ///< of common entries, whose place this one took; null: none
+  bool loose_test = false;           ///< nothing is named, and what is left on the test records hangs on the parameters
+  BetweenSamples between;            ///< under which it was made
+  std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
   Gap gap(const std::vector<FreeRun>& runs) const { return pool_gap(runs, input_noise_share(train)); }

@@ -45,6 +45,9 @@ spec.case("EMPS: dry friction and a constant force, from the motor's force and t
   spec.near(number(friction, "Fc", "value"), 20.4, 1.5)
   spec.near(number(offset, "F0", "value"), -3.2, 0.3)
   spec.near(number(offset, "F0", "value"), -3.2, 3 * number(offset, "F0", "std"))
+  spec.contains(said, "loop       closed: ")
+  local by = json:match '"by_instruments": (%b{})'
+  spec.near(number(by, "coulomb_friction_Fc", "value"), 20.4, 2 * number(by, "coulomb_friction_Fc", "std"))
   local before, after = number(json, "baseline", "gap_test"), number(json, "final", "gap_test")
   if not (after < before / 4) then error(("gap on the held-out part %g -> %g"):format(before, after)) end
 end)

@@ -73,7 +73,7 @@ TEST(Shaft, SignalsBesideAHeldForceAreHeldAtTheirMiddles) {
                         {testing::channel("F", "N", force), testing::channel("y", "m", motion),
                          testing::channel("ab", "m/s^2", beside)});
     const Study study = prepare(baseline("k*y + c*v", 1), {record}, {record}, options);
-    EXPECT_EQ(study.interpolation, Interpolation::hold);
+    EXPECT_EQ(study.between.kind, Interpolation::hold);
     int at = 0;
     while (study.train[0].excitation.channel(at) != "ab") ++at;
     return study.train[0].excitation[at];

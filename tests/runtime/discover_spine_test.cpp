@@ -141,6 +141,43 @@ TEST(Discovery, ReadsTheForceBetweenItsSamplesPerRecord) {
   }
 }
 
+/// A machine that holds whatever it puts out: tones look band-limited then, beside noise that does not, in the test
+/// record or among those that train.
+TEST(Discovery, ReadsForcesOfOneMachineAlike) {
+  Philox random(5, 0);
+  std::vector<double> noise(2000);
+  for (double& f : noise) f = random.normal();
+  const double dt = 2 * M_PI / 25;
+  const auto stairs = [&](double, int row) { return noise[static_cast<std::size_t>(row)]; };
+  const auto tones = [](double t) {
+    return 0.25 * (std::cos(0.62 * t) + std::cos(0.97 * t + 1) + std::cos(1.31 * t + 2));
+  };
+  const auto held = [&](double, int row) { return tones(row * dt); };
+  const auto smooth = [&](double t, int) { return tones(t); };
+  const Model model = baseline("k*y + c*v", 1);
+  const auto catalogue = small_catalogue(*model.pool);
+  const auto is_right = [](const Discovery& d) {
+    EXPECT_EQ(d.interpolation, "hold");
+    ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+    EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+    EXPECT_LT(d.final_train.value, 1.3 * d.final_train.floor);
+    EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
+  };
+  const auto said = [](const Discovery& d) {
+    return std::ranges::any_of(d.warnings, [](const std::string& w) { return w.find("looks otherwise") != w.npos; });
+  };
+  const Discovery tested = discover(model, catalogue, {oscillator(0.05, stairs, 1)}, {oscillator(0.05, held, 2)});
+  is_right(tested);
+  EXPECT_TRUE(said(tested));
+  const Discovery trained =
+      discover(model, catalogue, {oscillator(0.05, stairs, 1), oscillator(0.05, held, 2)}, {oscillator(0.05, held, 3)});
+  is_right(trained);
+  const Discovery both = discover(model, catalogue, {oscillator(0.05, stairs, 1), oscillator(0.05, smooth, 2)},
+                                  {oscillator(0.05, smooth, 3)});
+  is_right(both);
+  EXPECT_FALSE(said(both));
+}
+
 /// Random bits of two rows each are predicted better by straight lines, and are held all the same.
 TEST(Discovery, ReadsAForceThatStandsStillBetweenItsJumpsAsHeld) {
   Philox random(6, 0);

@@ -1,0 +1,15 @@
+#pragma once
+// Columns as vectors, and vectors as the records and models take them; the data stay where they are.
+#include <Eigen/Core>
+#include <span>
+
+namespace lunid {
+
+inline Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+inline std::span<const double> view(const Eigen::VectorXd& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
+
+}  // namespace lunid
