@@ -293,9 +293,9 @@ local function loop_section(found)
   end
   local rows = {}
   for _, part in ipairs { "train", "test" } do
-    local before, after = loop.baseline[part], loop.final[part]
-    rows[#rows + 1] = { "force along the measured motion, " .. part, number(before.force, before.reason), number(after.force, after.reason) }
-    rows[#rows + 1] = { "one step, " .. part, number(before.one_step, before.reason), number(after.one_step, after.reason) }
+    for _, way in ipairs { { "force along the measured motion", loop.force[part] }, { "one step", loop.one_step[part] } } do
+      rows[#rows + 1] = { way[1] .. ", " .. part, number(way[2].before, way[2].reason), number(way[2].after, way[2].reason) }
+    end
   end
   lines[#lines + 1] = "<p>The gap by other ways of looking, which do not let errors add up as a free run does:</p>"
     .. html_table({ "", "baseline", "final model" }, rows)

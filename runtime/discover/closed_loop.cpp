@@ -137,9 +137,11 @@ std::string sentence_of(const ClosedLoop& loop) {
   std::snprintf(text, sizeof text, "closed: %.2g %% of what is new in the force follows what the model leaves",
                 100 * loop.answer);
   std::string out = loop.answer > 0 ? text
-                                    : loop.reference + " says that it is closed; the force is not seen to answer what the "
-                                                       "model leaves";
-  if (loop.reference.empty()) out += "; what the controller was to follow (a channel y_reference) would serve as instrument";
+                                    : loop.reference +
+                                          " says that it is closed; the force is not seen to answer what the "
+                                          "model leaves";
+  if (loop.reference.empty())
+    out += "; what the controller was to follow (a channel y_reference) would serve as instrument";
   return out;
 }
 
@@ -160,8 +162,8 @@ std::vector<Parameter> by_instruments(const Study& study, const Candidate& model
     const Record smooth = smooth_in_step(study, record, kernel),
                  reference = smooth_motion(study, moving(study, record, as_vector(record[study.reference()])), kernel,
                                            Slopes::of_column);
-    const VectorXd open = open_force(model, model.fit.theta, smooth) -
-                          open_by_noise(study, model, record, runs[left.size()], kernel);
+    const VectorXd open =
+        open_force(model, model.fit.theta, smooth) - open_by_noise(study, model, record, runs[left.size()], kernel);
     instruments.push_back(columns_of_force(model, reference, free).middleRows(rows.first, rows.count));
     columns.push_back(columns_of_force(model, smooth, free).middleRows(rows.first, rows.count));
     left.push_back(open.segment(rows.first, rows.count));
@@ -224,9 +226,8 @@ OtherGaps other_gaps(const Study& study, const Candidate& model, const std::vect
     open += open_force(model, model.fit.theta, smooth).segment(rows.first, rows.count).squaredNorm();
     acting += square(as_vector(smooth[force]).segment(rows.first, rows.count));
     if (!steps) continue;
-    const OneStep next =
-        predict_one_step(*model.system, view(model.fit.theta), smooth_motion(study, record, kernel),
-                         fit_data(study, record).excitation, study.options->cancelled);
+    const OneStep next = predict_one_step(*model.system, view(model.fit.theta), smooth_motion(study, record, kernel),
+                                          fit_data(study, record).excitation, study.options->cancelled);
     const auto y = as_vector(smooth[study.measured]).segment(rows.first + 1, rows.count - 1);
     missed += (y - next.y.segment(rows.first + 1, rows.count - 1)).squaredNorm();
     moved += square(y);

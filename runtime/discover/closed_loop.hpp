@@ -5,10 +5,10 @@
 namespace lunid {
 
 /// The share of what is new in the force of the training records (its innovations, by an autoregression) that follows
-/// what is new in what these runs over them leave, within twenty rows: a controller answers the noise of its sensor, and
-/// disturbances. 0 where it is below one percent, six times what chance makes of white series, or three times the share
-/// the other way round: what a model that lacks something leaves follows the force. Not of imposed
-/// motion, of short runs, and of decays.
+/// what is new in what these runs over them leave, within twenty rows: a controller answers the noise of its sensor,
+/// and disturbances. 0 where it is below one percent, six times what chance makes of white series, or three times the
+/// share the other way round: what a model that lacks something leaves follows the force. Not of imposed motion, of
+/// short runs, and of decays.
 double answer_of_force(const Study& study, std::span<const FreeRun> runs);
 
 /// The parameters that were fitted, each by one step of the instrumental-variable equations from the fit (exact where

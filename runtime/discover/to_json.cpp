@@ -106,14 +106,18 @@ json closed_loop(const ClosedLoop& loop) {
     if (loop.by_instruments.empty())
       out["by_instruments_reason"] = "the reference does not tell the parameters apart, or a reading is falsified";
   }
-  const auto gaps = [](const OtherGaps& g) {
-    json row = {{"force", number(g.force)}, {"one_step", number(g.one_step)}};
-    if (!std::isfinite(g.one_step))
-      row["reason"] = "not asked: internal states, several coordinates, or y not measured";
-    return row;
+  const auto gaps = [&loop](double OtherGaps::*which) {
+    const auto row = [which](const OtherGaps& before, const OtherGaps& after) {
+      json out = {{"before", number(before.*which)}, {"after", number(after.*which)}};
+      if (!std::isfinite(before.*which) || !std::isfinite(after.*which))
+        out["reason"] = "not asked: internal states, several coordinates, or y not measured";
+      return out;
+    };
+    return json{{"train", row(loop.baseline_train, loop.final_train)},
+                {"test", row(loop.baseline_test, loop.final_test)}};
   };
-  out["baseline"] = {{"train", gaps(loop.baseline_train)}, {"test", gaps(loop.baseline_test)}};
-  out["final"] = {{"train", gaps(loop.final_train)}, {"test", gaps(loop.final_test)}};
+  out["force"] = gaps(&OtherGaps::force);
+  out["one_step"] = gaps(&OtherGaps::one_step);
   return out;
 }
 

@@ -8,8 +8,6 @@ namespace lunid {
 inline Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
-inline std::span<const double> view(const Eigen::VectorXd& x) {
-  return {x.data(), static_cast<std::size_t>(x.size())};
-}
+inline std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 }  // namespace lunid

@@ -78,9 +78,9 @@ spec.case("without a reference it is said too, and what would help", function()
   local loop = found.data.closed_loop
   spec.equal(loop.by_instruments, nil)
   spec.contains(loop.sentence, "y_reference")
-  local before, after = loop.baseline.test, loop.final.test
-  if not (after.force < 0.8 * before.force and after.one_step < 0.9*before.one_step) then
-    error(("force %g -> %g, one step %g -> %g"):format(before.force, after.force, before.one_step, after.one_step))
+  local force, step = loop.force.test, loop.one_step.test
+  if not (force.after < 0.8 * force.before and step.after < 0.9 * step.before) then
+    error(("force %g -> %g, one step %g -> %g"):format(force.before, force.after, step.before, step.after))
   end
 end)
 
