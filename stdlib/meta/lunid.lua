@@ -1369,7 +1369,7 @@ function lunid.thesis_validation(fields) end
 ---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
----@field minimum_gain? number # least relative drop of the left-out gap for which an effect is named
+---@field minimum_gain? number # least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole
 ---@field max_effects? integer # named one after another
 ---@field blocks? integer # left-out blocks of the training records
 ---@field holdout? number # part held out when no test is given
