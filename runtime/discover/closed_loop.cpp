@@ -16,6 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index lags = 20;
+constexpr Index most_rows = 20000;  ///< of a record that other gaps are asked of
 
 /// Innovations of a series, of length one, in step with their rows; zero in the first `lags` rows. None of a constant.
 VectorXd own_innovations(const VectorXd& x) {
@@ -71,11 +72,15 @@ VectorXd as_it_accelerates(const Excitation& force) {
   return out;
 }
 
-/// A record of one coordinate through one kernel, its force in step with the displacement's derivatives.
-Record smooth_in_step(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
+/// A record of one coordinate, its force in step with the displacement's derivatives.
+Record in_step(const Study& study, const Record& record) {
   Channel force = record.channel(study.forces.front());
   force.values = as_it_accelerates(fit_data(study, record).excitation[0]);
-  return smooth_motion(study, record.with(std::move(force)), kernel, Slopes::of_column);
+  return record.with(std::move(force));
+}
+
+Record smooth_by_columns(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
+  return smooth_motion(study, record, kernel, Slopes::of_column);
 }
 
 /// A record with another motion.
@@ -95,10 +100,70 @@ VectorXd open_by_noise(const Study& study, const Candidate& model, const Record&
   for (int draw = 0; draw < draws; ++draw) {
     Philox random(study.options->seed, static_cast<std::uint64_t>(5000 + draw));
     for (Index i = run.lead; i < motion.size(); ++i) motion[i] = run.model[i] + noise * random.normal();
-    const Record smooth = smooth_in_step(study, moving(study, record, motion), kernel);
+    const Record smooth = smooth_by_columns(study, moving(study, record, motion), kernel);
     mean += open_force(model, model.fit.theta, smooth) / draws;
   }
   return mean;
+}
+
+/// Of each training record the equations columns * step = left, and the instruments that solve them.
+struct Equations {
+  std::vector<MatrixXd> instruments, columns;
+  std::vector<VectorXd> left;
+  VectorXd size;  ///< of a column, which is of length one here
+
+  bool gather(const Study& study, const Candidate& model, std::span<const FreeRun> runs,
+              const std::vector<Index>& free);
+  MatrixXd covariance(const Study& study, const VectorXd& step, const MatrixXd& inverse) const;
+
+ private:
+  /// Of each matrix's columns over all records.
+  static VectorXd lengths(const std::vector<MatrixXd>& parts) {
+    VectorXd squares = VectorXd::Zero(parts.front().cols());
+    for (const MatrixXd& part : parts) squares += part.colwise().squaredNorm().transpose();
+    return squares.cwiseSqrt();
+  }
+};
+
+/// False where they are not finite, or a column is zero.
+bool Equations::gather(const Study& study, const Candidate& model, std::span<const FreeRun> runs,
+                       const std::vector<Index>& free) {
+  for (const Record& given : study.full) {
+    const Record record = in_step(study, given);
+    const SavitzkyGolay kernel = smoothing_kernel(study, given);
+    const Inner rows = inside(kernel, given);
+    const Record smooth = smooth_by_columns(study, record, kernel),
+                 reference =
+                     smooth_by_columns(study, moving(study, record, as_vector(record[study.reference()])), kernel);
+    const VectorXd open =
+        open_force(model, model.fit.theta, smooth) - open_by_noise(study, model, record, runs[left.size()], kernel);
+    instruments.push_back(columns_of_force(model, reference, free).middleRows(rows.first, rows.count));
+    columns.push_back(columns_of_force(model, smooth, free).middleRows(rows.first, rows.count));
+    left.push_back(open.segment(rows.first, rows.count));
+    if (!instruments.back().allFinite() || !columns.back().allFinite() || !left.back().allFinite()) return false;
+  }
+  const VectorXd of_instrument = lengths(instruments);
+  size = lengths(columns);
+  if (!(of_instrument.minCoeff() > 0) || !(size.minCoeff() > 0)) return false;
+  for (MatrixXd& part : instruments) part *= of_instrument.cwiseInverse().asDiagonal();
+  for (MatrixXd& part : columns) part *= size.cwiseInverse().asDiagonal();
+  return true;
+}
+
+/// From sums of the scores over blocks of two periods.
+MatrixXd Equations::covariance(const Study& study, const VectorXd& step, const MatrixXd& inverse) const {
+  MatrixXd scores = MatrixXd::Zero(step.size(), step.size());
+  for (std::size_t r = 0; r < left.size(); ++r) {
+    const double period = study.omega > 0 ? 2 * M_PI / study.omega / study.full[r].dt() : 1;
+    const Index block = std::clamp<Index>(static_cast<Index>(2 * period), 5, std::max<Index>(5, left[r].size() / 20));
+    const VectorXd rest = left[r] - columns[r] * step;
+    for (Index from = 0; from < rest.size(); from += block) {
+      const Index rows = std::min(block, rest.size() - from);
+      const VectorXd score = instruments[r].middleRows(from, rows).transpose() * rest.segment(from, rows);
+      scores += score * score.transpose();
+    }
+  }
+  return inverse * scores * inverse.transpose();
 }
 
 }  // namespace
@@ -151,63 +216,28 @@ std::vector<Parameter> by_instruments(const Study& study, const Candidate& model
   std::vector<Index> free;
   for (std::size_t i = 0; i < table.size(); ++i)
     if (!std::isnan(model.fit.deviation(static_cast<Index>(i)))) free.push_back(static_cast<Index>(i));
+  const auto has_reference = [&](const Record& record) { return record.has(study.reference()); };
+  if (free.empty() || !std::ranges::all_of(study.full, has_reference)) return {};
+  Equations equations;
+  if (!equations.gather(study, model, runs, free)) return {};
   const auto p = static_cast<Index>(free.size());
-  if (p == 0) return {};
-  std::vector<MatrixXd> instruments, columns;
-  std::vector<VectorXd> left;
-  for (const Record& record : study.full) {
-    if (!record.has(study.reference())) return {};
-    const SavitzkyGolay kernel = smoothing_kernel(study, record);
-    const Inner rows = inside(kernel, record);
-    const Record smooth = smooth_in_step(study, record, kernel),
-                 reference = smooth_motion(study, moving(study, record, as_vector(record[study.reference()])), kernel,
-                                           Slopes::of_column);
-    const VectorXd open =
-        open_force(model, model.fit.theta, smooth) - open_by_noise(study, model, record, runs[left.size()], kernel);
-    instruments.push_back(columns_of_force(model, reference, free).middleRows(rows.first, rows.count));
-    columns.push_back(columns_of_force(model, smooth, free).middleRows(rows.first, rows.count));
-    left.push_back(open.segment(rows.first, rows.count));
-    if (!instruments.back().allFinite() || !columns.back().allFinite() || !left.back().allFinite()) return {};
-  }
-  VectorXd size = VectorXd::Zero(p), of_column = size;
-  for (std::size_t r = 0; r < left.size(); ++r) {
-    size += instruments[r].colwise().squaredNorm().transpose();
-    of_column += columns[r].colwise().squaredNorm().transpose();
-  }
-  if (!(size.minCoeff() > 0) || !(of_column.minCoeff() > 0)) return {};
-  size = size.cwiseSqrt();
-  of_column = of_column.cwiseSqrt();
   MatrixXd system = MatrixXd::Zero(p, p);
   VectorXd right = VectorXd::Zero(p);
-  for (std::size_t r = 0; r < left.size(); ++r) {
-    instruments[r] *= size.cwiseInverse().asDiagonal();
-    columns[r] *= of_column.cwiseInverse().asDiagonal();
-    system += instruments[r].transpose() * columns[r];
-    right += instruments[r].transpose() * left[r];
+  for (std::size_t r = 0; r < equations.left.size(); ++r) {
+    system += equations.instruments[r].transpose() * equations.columns[r];
+    right += equations.instruments[r].transpose() * equations.left[r];
   }
   const Eigen::FullPivLU<MatrixXd> lu(system);
   constexpr double dependent = 1e-4;
   if (!(lu.rcond() > dependent)) return {};
   const VectorXd step = lu.solve(right);
-  MatrixXd scores = MatrixXd::Zero(p, p);
-  for (std::size_t r = 0; r < left.size(); ++r) {
-    const double period = study.omega > 0 ? 2 * M_PI / study.omega / study.full[r].dt() : 1;
-    const Index block = std::clamp<Index>(static_cast<Index>(2 * period), 5, std::max<Index>(5, left[r].size() / 20));
-    const VectorXd rest = left[r] - columns[r] * step;
-    for (Index from = 0; from < rest.size(); from += block) {
-      const Index rows = std::min(block, rest.size() - from);
-      const VectorXd score = instruments[r].middleRows(from, rows).transpose() * rest.segment(from, rows);
-      scores += score * score.transpose();
-    }
-  }
-  const MatrixXd inverse = lu.inverse();
-  const MatrixXd covariance = inverse * scores * inverse.transpose();
+  const MatrixXd covariance = equations.covariance(study, step, lu.inverse());
   std::vector<Parameter> out;
   for (Index j = 0; j < p; ++j) {
     const Index own = free[static_cast<std::size_t>(j)];
     out.push_back(table[static_cast<std::size_t>(own)]);
-    out.back().value = model.fit.theta[own] + step[j] / of_column[j];
-    out.back().std = std::sqrt(covariance(j, j)) / of_column[j];
+    out.back().value = model.fit.theta[own] + step[j] / equations.size[j];
+    out.back().std = std::sqrt(covariance(j, j)) / equations.size[j];
   }
   return out;
 }
@@ -219,10 +249,11 @@ OtherGaps other_gaps(const Study& study, const Candidate& model, const std::vect
   const bool steps = study.measured == "y" && model.system->model().states.empty() && model.seen_by_force;
   double open = 0, acting = 0, missed = 0, moved = 0;
   const auto square = [](const auto& x) { return (x.array() - x.mean()).square().sum(); };
-  for (const Record& record : records) {
+  for (const Record& whole : records) {
+    const Record record = whole.slice(0, std::min(whole.rows(), most_rows));
     const SavitzkyGolay kernel = smoothing_kernel(study, record);
     const Inner rows = inside(kernel, record);
-    const Record smooth = smooth_in_step(study, record, kernel);
+    const Record smooth = smooth_by_columns(study, in_step(study, record), kernel);
     open += open_force(model, model.fit.theta, smooth).segment(rows.first, rows.count).squaredNorm();
     acting += square(as_vector(smooth[force]).segment(rows.first, rows.count));
     if (!steps) continue;

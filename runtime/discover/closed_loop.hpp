@@ -19,7 +19,8 @@ double answer_of_force(const Study& study, std::span<const FreeRun> runs);
 /// whose readings a sensor falsifies, and where the reference does not tell the parameters apart.
 std::vector<Parameter> by_instruments(const Study& study, const Candidate& model, std::span<const FreeRun> runs);
 
-/// Pooled over records. One step is not asked of models with internal states, neither of several coordinates.
+/// Pooled over records, of no more than the first 20 000 rows of each. One step is not asked of models with internal
+/// states, neither of several coordinates.
 OtherGaps other_gaps(const Study& study, const Candidate& model, const std::vector<Record>& records);
 
 }  // namespace lunid

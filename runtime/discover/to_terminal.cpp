@@ -81,7 +81,8 @@ std::string words_of(const ClosedLoop& loop) {
   std::string out = sentence_of(loop);
   if (!loop.by_instruments.empty()) out += "\nwith " + loop.reference + " as instrument: " + list(loop.by_instruments);
   const auto both = [](double before, double after) { return number(before) + " -> " + number(after); };
-  out += "\ngap  force, test " + both(loop.baseline_test.force, loop.final_test.force);
+  if (std::isfinite(loop.final_test.force))
+    out += "\ngap  force, test " + both(loop.baseline_test.force, loop.final_test.force);
   if (std::isfinite(loop.final_test.one_step))
     out += "   one step, test " + both(loop.baseline_test.one_step, loop.final_test.one_step);
   return out;
