@@ -22,6 +22,10 @@ bool force_varies(const Study& study) {
 
 }  // namespace
 
+bool one_look(const Study& study) {
+  return std::ranges::all_of(study.guesses, [&](Interpolation guess) { return guess == study.guesses.front(); });
+}
+
 double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
   if (study.imposed || !model.ran() || !force_varies(study)) return 0;
   const BetweenSamples before = study.between;
@@ -29,13 +33,11 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
   const double first = squared_error(model.fit);
   double cost = first;
   const double needed = std::exp(-12.0 / static_cast<double>(model.fit.rows));
-  const auto is_first = [&](Interpolation guess) { return guess == study.guesses.front(); };
-  const bool one_look = std::ranges::all_of(study.guesses, is_first);
+  const bool as_one = one_look(study);
   std::vector<BetweenSamples> ways;
   for (const bool alike : {before.alike, !before.alike})
-    for (const auto kind :
-         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold})
-      if (const BetweenSamples way{kind, alike}; (alike == before.alike || !one_look) && way != before)
+    for (const auto kind : every_kind)
+      if (const BetweenSamples way{kind, alike}; (alike == before.alike || !as_one) && way != before)
         ways.push_back(way);
   for (const BetweenSamples way : ways) {
     const Study& other = read(way);

@@ -235,7 +235,8 @@ class Conclusion {
     }
     if (out_.verdict == "ambiguous") progress_("design the experiment that would decide", 0.97);
     design_next(study_, found, out_);
-    look_for_loop(found);
+    out_.loop = look_for_loop(study_, found, runs_.after_train);
+    if (out_.loop) warn_of_loop(*out_.loop);
     check_by_sundials(study_, found.chosen, out_);
     list_records(study_.full, "train");
     list_records(study_.test, "test");
@@ -334,29 +335,15 @@ class Conclusion {
     return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
   }
 
-  /// Whether the force answers the motion, and what a reference says then.
-  void look_for_loop(const SearchResult& found) {
-    const auto has_reference = [this](const FitData& d) { return d.record.has(study_.reference()); };
-    const bool referenced = !study_.imposed && std::ranges::all_of(study_.train, has_reference);
-    ClosedLoop loop;
-    loop.answer = answer_of_force(study_, runs_.after_train);
-    if (!referenced && !(loop.answer > 0)) return;
-    if (referenced) {
-      loop.reference = study_.reference();
-      loop.by_instruments = by_instruments(study_, found.chosen, runs_.after_train);
-      for (const Parameter& p : loop.by_instruments)
-        if (const Parameter* fit = out_.final.find(p.name); disagree(p, *fit)) {
-          char text[200];
-          std::snprintf(text, sizeof text, "%s is %.4g by the fit and %.4g with %s as instrument: ", p.name.c_str(),
-                        fit->value, p.value, loop.reference.c_str());
-          out_.warnings.push_back(text + std::string("the loop has biased the fit, or the model lacks something"));
-        }
-    }
-    loop.baseline_train = other_gaps(study_, found.baseline, study_.full);
-    loop.baseline_test = other_gaps(study_, found.baseline, study_.test);
-    loop.final_train = other_gaps(study_, found.chosen, study_.full);
-    loop.final_test = other_gaps(study_, found.chosen, study_.test);
-    out_.loop = std::move(loop);
+  /// Where the loop has biased the fit.
+  void warn_of_loop(const ClosedLoop& loop) {
+    for (const Parameter& p : loop.by_instruments)
+      if (const Parameter* fit = out_.final.find(p.name); disagree(p, *fit)) {
+        char text[200];
+        std::snprintf(text, sizeof text, "%s is %.4g by the fit and %.4g with %s as instrument: ", p.name.c_str(),
+                      fit->value, p.value, loop.reference.c_str());
+        out_.warnings.push_back(text + std::string("the loop has biased the fit, or the model lacks something"));
+      }
   }
 
   /// With several coordinates: where the first effect was named, or generic forces see most.

@@ -269,19 +269,16 @@ class Spine {
   /// controller holds noise and tones alike): it is read as theirs where the model as it was chosen follows it far
   /// better so. Not where they differ among themselves, and say which look is read how.
   void read_test_force(const Candidate& chosen) {
-    if (study_.between.alike || !chosen.ran() || !look_alike(study_, study_.full) || look_alike(study_, study_.test))
-      return;
+    if (study_.between.alike || !chosen.ran() || !one_look(study_) || look_alike(study_, study_.test)) return;
     constexpr double far_better = 0.8;
     Study alike = study_;
     alike.between.alike = true;
     const auto error = [&](const Study& study) {
       double squares = 0;
       for (const FreeRun& run : runs(study, chosen, study.test, false)) squares += run.squares;
-      return squares;
+      return std::isfinite(squares) ? squares : INFINITY;
     };
-    const double as_it_looks = error(study_), as_training = error(alike);
-    if (!(as_training < far_better * as_it_looks || (std::isfinite(as_training) && !std::isfinite(as_it_looks))))
-      return;
+    if (!(error(alike) < far_better * error(study_))) return;
     whole_.between.alike = study_.between.alike = true;
     out_.warnings.push_back(
         "between its samples the force of the test records is read as that of the training records (" +

@@ -257,10 +257,13 @@ double closed_share(double before, double after, double floor) {
 }
 
 Eigen::Index bootstrap_block(const Study& study) {
-  const auto& record = study.train.front().record;
-  const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 1;
-  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * period), 5,
-                                  std::max<Eigen::Index>(5, record.rows() / 20));
+  const Record& record = study.train.front().record;
+  return bootstrap_block(study, record.dt(), record.rows());
+}
+
+Eigen::Index bootstrap_block(const Study& study, double dt, Eigen::Index rows) {
+  const double period = study.omega > 0 ? 2 * M_PI / study.omega / dt : 1;
+  return std::clamp<Eigen::Index>(static_cast<Eigen::Index>(2 * period), 5, std::max<Eigen::Index>(5, rows / 20));
 }
 
 double left_out_p_value(const Study& study, const Candidate& before, const Candidate& after) {

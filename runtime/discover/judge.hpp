@@ -88,5 +88,7 @@ double closed_share(double before, double after, double floor);
 
 /// Block length [rows] for bootstraps: two periods of the motion.
 Eigen::Index bootstrap_block(const Study& study);
+/// The same of so many rows at another rate.
+Eigen::Index bootstrap_block(const Study& study, double dt, Eigen::Index rows);
 
 }  // namespace lunid

@@ -358,8 +358,7 @@ class Search {
     if (judged_as(study_)) return Reading{c.fit.theta.tail<2>(), study_.between.kind};
     if (!(c.fit.cost < most * of.fit.cost)) return {};
     Study other = study_;
-    for (const Interpolation kind :
-         {Interpolation::linear, Interpolation::cubic, Interpolation::band_limited, Interpolation::hold}) {
+    for (const Interpolation kind : every_kind) {
       if (kind == study_.between.kind) continue;
       read_force(other, {kind, study_.between.alike});
       if (judged_as(other)) return Reading{c.fit.theta.tail<2>(), kind};

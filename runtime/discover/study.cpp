@@ -177,8 +177,12 @@ Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
 
 }  // namespace
 
+namespace {
+Slopes slopes_of(const Study& study) { return study.degrees() > 1 ? Slopes::of_column : Slopes::of_window; }
+}  // namespace
+
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {
-  return smooth_motion(study, record, kernel, study.degrees() > 1 ? Slopes::of_column : Slopes::of_window);
+  return smooth_motion(study, record, kernel, slopes_of(study));
 }
 
 Eigen::Index edge_of(const SavitzkyGolay& kernel, Slopes slopes) {
@@ -288,8 +292,7 @@ void smooth_all(Study& study) {
   for (const FitData& data : study.train) {
     const SavitzkyGolay kernel = smoothing_kernel(study, data.record);
     study.smooth.push_back(study.imposed ? data.record : smooth_motion(study, data.record, kernel));
-    const Slopes slopes = study.degrees() > 1 ? Slopes::of_column : Slopes::of_window;
-    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge_of(kernel, slopes)));
+    study.force.push_back(force_data(study.smooth.back(), study.imposed ? 0 : edge_of(kernel, slopes_of(study))));
   }
 }
 

@@ -74,8 +74,6 @@ std::string resampled(const Naming& naming) {
   return out;
 }
 
-}  // namespace
-
 /// Whether the loop was closed, the instruments' parameters and the other gaps: three lines at most.
 std::string words_of(const ClosedLoop& loop) {
   std::string out = sentence_of(loop);
@@ -87,6 +85,8 @@ std::string words_of(const ClosedLoop& loop) {
     out += "   one step, test " + both(loop.baseline_test.one_step, loop.final_test.one_step);
   return out;
 }
+
+}  // namespace
 
 std::string to_terminal(const Discovery& d) {
   std::ostringstream out;
