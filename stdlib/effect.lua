@@ -145,7 +145,7 @@ return schema.define({
     { "formula", types.either(types.string, types.list(types.string, 1)),
       help = "as an engineer writes it, one for all forms or one for each; else the text of each contribution" },
     { "parameters", types.list(types.table, 1), required = true,
-      help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess" },
+      help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds" },
     { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit = }" },
     { "requires", types.list(types.string), default = {}, help = "what holds between parameters, as \"Fs >= Fc\"" },
     { "guess", types.callable,

@@ -60,6 +60,24 @@ local function check_conditions(where, entry, given)
   end
 end
 
+--- A number that the variant does not hold would do nothing.
+local function check_variant(where, entry, given)
+  local held, number = {}, given.variant or 1
+  local parts = { entry.variants[number] }
+  for _, state in ipairs(entry.states) do
+    for _, part in ipairs { state.rate, state.min or 0, state.max or 0 } do parts[#parts + 1] = part end
+  end
+  for _, part in ipairs(parts) do
+    for _, symbol in ipairs(core.is_expression(part) and part:symbols() or {}) do held[symbol.name] = true end
+  end
+  for i, row in ipairs(entry.rows) do
+    local own = entry.parameters[i][1]
+    if given[own] ~= nil and not held[row.name] then
+      schema.fail(where, ("%s: variant %d, %s, has no %s"):format(own, number, entry.formulas[number], own))
+    end
+  end
+end
+
 --- What stands for each symbol of the entry in this element.
 local function replacements(where, entry, given)
   local by = {}
@@ -85,6 +103,7 @@ function element.make(entry, ...)
   local given, where = schema.validate(definition, ...), definition.name
   symbols.check_name(where, given.prefix)
   check_conditions(where, entry, given)
+  check_variant(where, entry, given)
   local by, states = replacements(where, entry, given), {}
   for i, state in ipairs(entry.states) do
     states[i] = core.state { name = given.prefix .. "_" .. state.own, initial = state.initial, place = core.place(),

@@ -135,7 +135,7 @@ Model extend(const Study& study, const Model& baseline, const Choices& choices,
   Model model = baseline;
   for (const auto& c : choices) {
     const Ranges ranges = c.effect->range ? ranges_of(c, scales(study, 0, c.effect->place)) : Ranges{};
-    for (const Parameter& p : limited(c.effect->parameters, ranges)) {
+    for (const Parameter& p : limited(c.parameters(), ranges)) {
       if (const auto limits = ranges.find(p.name); limits != ranges.end())
         shown.push_back({model.parameters.size(), limits->second});
       model.parameters.push_back(p);
@@ -147,7 +147,11 @@ Model extend(const Study& study, const Model& baseline, const Choices& choices,
 
 Tape margins_of(const Choices& choices, const Model& model) {
   std::vector<Expr> margins, parameters;
-  for (const auto& c : choices) margins.insert(margins.end(), c.effect->margins.begin(), c.effect->margins.end());
+  for (const auto& c : choices)
+    for (const Expr margin : c.effect->margins)
+      if (std::ranges::all_of(symbols(margin, SymbolKind::parameter),
+                              [&](Expr symbol) { return model.find(symbol.name()); }))
+        margins.push_back(margin);
   for (const auto& p : model.parameters) parameters.push_back(model.pool->parameter(p.name));
   return Tape(margins, parameters);
 }
@@ -156,7 +160,7 @@ Tape margins_of(const Choices& choices, const Model& model) {
 
 std::size_t Candidate::added() const {
   std::size_t count = 0;
-  for (const auto& c : choices) count += c.effect->parameters.size();
+  for (const auto& c : choices) count += c.parameters().size();
   return count;
 }
 

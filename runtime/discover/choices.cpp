@@ -20,6 +20,12 @@ std::vector<std::pair<std::string, int>> contents(const Choices& set) {
 
 }  // namespace
 
+bool Choice::is_special_case(const Choice& general) const {
+  const std::size_t own = parameters().size();
+  if (effect == general.effect) return own < general.parameters().size();
+  return effect->is_special_case(*general.effect) && own == parameters_of(*effect, 0).size();
+}
+
 std::string name_of(const Choices& choices) {
   std::string text;
   for (const auto& c : choices) text += (text.empty() ? "" : " + ") + c.effect->label();
@@ -68,17 +74,14 @@ Choices beyond(const Choices& set, const Choices& other) {
 }
 
 bool related(const Choices& a, const Choices& b) {
-  const auto are = [](const Choice& x, const Choice& y) {
-    return x.effect->is_special_case(*y.effect) || y.effect->is_special_case(*x.effect);
-  };
+  const auto are = [](const Choice& x, const Choice& y) { return x.is_special_case(y) || y.is_special_case(x); };
   return std::ranges::any_of(
       a, [&](const Choice& x) { return std::ranges::any_of(b, [&](const Choice& y) { return are(x, y); }); });
 }
 
 bool is_general_form(const Choices& general, const Choices& special) {
   const auto is_covered = [&](const Choice& s) {
-    return std::ranges::any_of(
-        general, [&](const Choice& g) { return s.effect == g.effect || s.effect->is_special_case(*g.effect); });
+    return std::ranges::any_of(general, [&](const Choice& g) { return s.effect == g.effect || s.is_special_case(g); });
   };
   return general.size() == special.size() && std::ranges::all_of(special, is_covered);
 }

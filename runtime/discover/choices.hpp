@@ -11,6 +11,11 @@ struct Choice {
   const Effect* effect = nullptr;
   int variant = 0;
   const EffectVariant& form() const { return effect->variants[static_cast<std::size_t>(variant)]; }
+  /// Of the entry's, those that the form leads to.
+  std::vector<Parameter> parameters() const { return parameters_of(*effect, variant); }
+  /// By the entries' word for it, which is about the first form and others with as many parameters; or a form of the
+  /// same entry with fewer.
+  bool is_special_case(const Choice& general) const;
   friend bool operator==(const Choice&, const Choice&) = default;
 };
 using Choices = std::vector<Choice>;

@@ -278,7 +278,7 @@ class Conclusion {
       named.label = effect.label();
       if (effect.place) named.place = motion_of(*effect.place);
       named.where = where(i == 0 ? found.baseline : found.steps[i - 1], found.chosen, effect.place);
-      named.parameters = own_parameters(found.chosen, effect);
+      named.parameters = own_parameters(found.chosen, found.order[i]);
       const bool last = i + 1 == found.steps.size();
       named.gap_train =
           last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), runs_.share).value;
@@ -294,7 +294,7 @@ class Conclusion {
         for (const Choices& tie : found.ties.rivals)
           if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
             named.indistinguishable.push_back(std::move(other));
-      for (std::string& other : in_other_words(effect))
+      for (std::string& other : in_other_words(found.order[i]))
         if (std::ranges::find(named.indistinguishable, other) == named.indistinguishable.end())
           named.indistinguishable.push_back(std::move(other));
       out_.effects.push_back(std::move(named));
@@ -302,12 +302,12 @@ class Conclusion {
   }
 
   /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
-  std::vector<std::string> in_other_words(const Effect& effect) const {
+  std::vector<std::string> in_other_words(const Choice& choice) const {
     std::vector<std::string> out;
-    for (const Effect& general : catalogue_) {
-      const bool is_general = std::ranges::find(effect.special_case_of, general.name) != effect.special_case_of.end();
-      if (is_general && general.parameters.size() == effect.parameters.size())
-        out.push_back(effect.place ? general.name + " " + words_of(*effect.place) : general.name);
+    for (Effect general : catalogue_) {
+      general.place = choice.effect->place;
+      if (choice.is_special_case({&general, 0}) && parameters_of(general, 0).size() == choice.parameters().size())
+        out.push_back(general.label());
     }
     return out;
   }
@@ -320,12 +320,12 @@ class Conclusion {
   }
 
   /// The entry's parameters from the final model, under their own short names.
-  static std::vector<Parameter> own_parameters(const Candidate& final_model, const Effect& effect) {
+  static std::vector<Parameter> own_parameters(const Candidate& final_model, const Choice& choice) {
     std::vector<Parameter> out;
     const Model model = fitted(final_model);
-    for (const auto& p : effect.parameters) {
+    for (const auto& p : choice.parameters()) {
       out.push_back(*model.find(p.name));
-      out.back().name = own_name(effect, p.name);
+      out.back().name = own_name(*choice.effect, p.name);
     }
     return out;
   }

@@ -96,7 +96,7 @@ class Contest {
 
   /// Beside the other effects as they are in the whole set.
   void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
-    const auto is_special = [&](const Shape& shape) { return shape.choice.effect->is_special_case(*old.effect); };
+    const auto is_special = [&](const Shape& shape) { return shape.choice.is_special_case(old); };
     if (std::ranges::none_of(offers_.shapes(), is_special)) return;
     Candidate rest = without(whole, old);
     rest.fit.theta = values_of(rest, {&whole});
@@ -123,8 +123,8 @@ class Contest {
     Eigen::VectorXd start = values_of(c, {known, &whole});
     const auto& all = c.system->model().parameters;
     const auto& values = whole.system->model().parameters;
-    for (const Parameter& own : shape.choice.effect->parameters)
-      for (const Parameter& other : general.effect->parameters) {
+    for (const Parameter& own : shape.choice.parameters())
+      for (const Parameter& other : general.parameters()) {
         if (own_name(*shape.choice.effect, own.name) != own_name(*general.effect, other.name)) continue;
         const auto to = std::ranges::find(all, own.name, &Parameter::name) - all.begin();
         const auto from = std::ranges::find(values, other.name, &Parameter::name) - values.begin();
@@ -143,7 +143,7 @@ class Contest {
   }
 
   void fit_as_simple(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
-    const std::size_t own = old.effect->parameters.size();
+    const std::size_t own = old.parameters().size();
     const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own; };
     if (std::ranges::none_of(offers_.shapes(), is_as_simple)) return;
     Candidate rest = without(whole, old);

@@ -14,7 +14,48 @@ Values renamed(const Values& values, const std::string& suffix) {
   return out;
 }
 
+std::vector<Expr> parts_of(const EffectVariant& form) {
+  std::vector<Expr> parts{form.force, form.delay};
+  for (const auto* maps : {&form.measures, &form.acts})
+    for (const ChannelMap& map : *maps) parts.push_back(map.map);
+  return parts;
+}
+
+bool holds_parameter(Expr part, const std::string& name) {
+  return part.valid() &&
+         std::ranges::any_of(symbols(part, SymbolKind::parameter), [&](Expr symbol) { return symbol.name() == name; });
+}
+
 }  // namespace
+
+std::vector<InternalState> states_of(const Effect& effect, int variant) {
+  const std::vector<InternalState>& states = effect.states;
+  std::vector<Expr> parts = parts_of(effect.variants[static_cast<std::size_t>(variant)]);
+  std::vector<std::uint8_t> keep(states.size(), 0);
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto holds = [&](Expr part) { return part.valid() && depends_on(part, states[i].symbol); };
+      if (keep[i] || std::ranges::none_of(parts, holds)) continue;
+      parts.insert(parts.end(), {states[i].rate, states[i].min, states[i].max});
+      keep[i] = again = true;
+    }
+  }
+  std::vector<InternalState> out;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (keep[i]) out.push_back(states[i]);
+  return out;
+}
+
+std::vector<Parameter> parameters_of(const Effect& effect, int variant) {
+  std::vector<Expr> parts = parts_of(effect.variants[static_cast<std::size_t>(variant)]);
+  for (const InternalState& state : states_of(effect, variant))
+    parts.insert(parts.end(), {state.rate, state.min, state.max});
+  std::vector<Parameter> out;
+  for (const Parameter& p : effect.parameters)
+    if (std::ranges::any_of(parts, [&](Expr part) { return holds_parameter(part, p.name); })) out.push_back(p);
+  return out;
+}
 
 Effect with_suffix(Pool& pool, const Effect& effect, const std::string& suffix,
                    std::vector<std::pair<Expr, Expr>> symbols) {

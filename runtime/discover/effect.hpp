@@ -59,7 +59,7 @@ struct Effect {
       place;  ///< with several coordinates: where its forms, names and states are those of (places.hpp)
   std::string family;
   /// Contribution to f, and its mirror images or signs where the entry has some (one_sided_stop), or the channels whose
-  /// sensor may be at fault. At least one. States that a variant does not lead to are not part of it.
+  /// sensor may be at fault. At least one. States and parameters that a variant does not lead to are not part of it.
   std::vector<EffectVariant> variants;
   std::vector<Parameter> parameters;
   std::vector<InternalState> states;
@@ -83,6 +83,10 @@ struct Effect {
   /// is another, simpler one (a stop that is always in contact), and is not named.
   std::function<Ranges(const RecordScales&, int variant)> range;
 };
+
+/// Of the entry's states and parameters, those that the form leads to.
+std::vector<InternalState> states_of(const Effect& effect, int variant);
+std::vector<Parameter> parameters_of(const Effect& effect, int variant);
 
 /// The entry under other names: its parameters, states, guesses and ranges with this behind them, and other symbols by
 /// these. Changes the pool.

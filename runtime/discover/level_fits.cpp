@@ -86,7 +86,7 @@ void LevelFits::add_faults(const Candidate& parent, std::size_t fewest, std::vec
     if (!may_join(parent.choices, *fault.choice.effect)) continue;
     if (find_in(known_.sets, with(parent.choices, fault.choice))) continue;
     if (!goes_with(parent.choices, fault.choice)) continue;
-    if (parent.added() + fault.choice.effect->parameters.size() >= fewest) continue;
+    if (parent.added() + fault.choice.parameters().size() >= fewest) continue;
     found.push_back(compile(study_, model_, with(parent.choices, fault.choice)));
     guesses.push_back(fault.guesses);
     out_.tried += std::max<int>(1, static_cast<int>(fault.guesses.size()));
@@ -159,7 +159,7 @@ void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
   const std::span<const Candidate> best(sorted.data(), std::min<std::size_t>(led_out, sorted.size()));
   const auto is_simpler_than_the_best = [&](const Candidate& c) {
     return std::ranges::any_of(
-        best, [&](const Candidate& b) { return c.choices.front().effect->is_special_case(*b.choices.front().effect); });
+        best, [&](const Candidate& b) { return c.choices.front().is_special_case(b.choices.front()); });
   };
   std::vector<std::size_t> list;
   for (std::size_t i = 0; i < sorted.size(); ++i)

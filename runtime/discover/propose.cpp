@@ -211,7 +211,7 @@ Shape Proposer::shape(const Model& model, const Choice& choice, const RecordScal
   alone.further.assign(model.further.size(), {alone.mass, alone.restoring});
   add_variant(alone, effect, choice.variant);
   alone.imposed_motion = true;
-  alone.parameters = limited(effect.parameters, ranges_of(choice, scales));
+  alone.parameters = limited(choice.parameters(), ranges_of(choice, scales));
   shape.linear = linear_parameters(alone);
   shape.system = std::make_shared<const System>(alone);
   if (effect.guess) shape.guesses = effect.guess(scales, choice.variant);

@@ -145,7 +145,7 @@ class Search {
     for (const Choice& old : whole.choices)
       for (const Candidate& alone : sets) {
         const Choice& simple = alone.choices.front();
-        if (alone.choices.size() > 1 || !simple.effect->is_special_case(*old.effect)) continue;
+        if (alone.choices.size() > 1 || !simple.is_special_case(old)) continue;
         const auto has_it = [&](const Candidate& c) { return within(alone.choices, c.choices); };
         hear_in_place(old, simple, *std::ranges::find_if(sets, has_it), whole, field);
       }
@@ -154,10 +154,9 @@ class Search {
   /// `as_in`: the fitted set from which `other` has its values.
   void hear_in_place(const Choice& old, const Choice& other, const Candidate& as_in, const Candidate& whole,
                      std::vector<Candidate>& field) const {
-    if (holds(whole.choices, other.effect)) return;
     Choices set = whole.choices;
     std::erase(set, old);
-    if (!goes_with(set, other)) return;
+    if (holds(set, other.effect) || !goes_with(set, other)) return;
     set.push_back(other);
     if (find_in(field, set)) return;
     Candidate c = compile(study_, model_, set);

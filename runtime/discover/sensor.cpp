@@ -23,24 +23,6 @@ Expr& map_of(std::vector<ChannelMap>& maps, const std::string& channel, Pool& po
   return maps.back().map;
 }
 
-/// The states that some expressions lead to, in the order of the list.
-std::vector<InternalState> states_of(const std::vector<InternalState>& states, std::vector<Expr> parts) {
-  std::vector<std::uint8_t> keep(states.size(), 0);
-  for (bool again = true; again;) {
-    again = false;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      const auto holds = [&](Expr part) { return part.valid() && depends_on(part, states[i].symbol); };
-      if (keep[i] || std::none_of(parts.begin(), parts.end(), holds)) continue;
-      parts.insert(parts.end(), {states[i].rate, states[i].min, states[i].max});
-      keep[i] = again = true;
-    }
-  }
-  std::vector<InternalState> out;
-  for (std::size_t i = 0; i < states.size(); ++i)
-    if (keep[i]) out.push_back(states[i]);
-  return out;
-}
-
 bool all_hold(const std::vector<Record>& records, const std::string& channel) {
   return std::all_of(records.begin(), records.end(), [&](const Record& r) { return r.has(channel); });
 }
@@ -128,23 +110,20 @@ std::vector<Effect> testable(const Study& study, const Candidate& baseline, cons
 void add_variant(Model& model, const Effect& effect, int variant) {
   const EffectVariant& form = effect.variants[static_cast<std::size_t>(variant)];
   Pool& pool = *model.pool;
-  std::vector<Expr> parts{form.force};
   if (form.force.valid()) add_force(model, effect.place, form.force);
   std::vector<std::pair<Expr, Expr>> shown;  // a channel by what the model shows of it already
   for (const auto& [channel, map] : form.measures) {
-    parts.push_back(map);
     Expr& known = map_of(model.measures, channel, pool);
     shown.emplace_back(pool.channel(channel), known);
     known = substitute(map, shown);
   }
   for (const auto& [channel, map] : form.acts) {
-    parts.push_back(map);
     Expr& known = map_of(model.acts, channel, pool);
     const std::pair<Expr, Expr> acting[] = {{pool.channel(channel), known}};
     known = substitute(map, acting);
   }
   if (form.delay.valid()) model.delay = model.delay.valid() ? model.delay + form.delay : form.delay;
-  for (InternalState state : states_of(effect.states, parts)) {
+  for (InternalState state : states_of(effect, variant)) {
     for (Expr* part : {&state.rate, &state.min, &state.max})
       if (part->valid() && !shown.empty()) *part = substitute(*part, shown);
     model.states.push_back(state);

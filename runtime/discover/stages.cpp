@@ -51,13 +51,14 @@ struct Stage {
   }
 };
 
-std::vector<Parameter> own_parameters(const Candidate& candidate, const Effect& effect, const VectorXd& theta) {
+/// Of the only choice.
+std::vector<Parameter> own_parameters(const Candidate& candidate, const VectorXd& theta) {
   std::vector<Parameter> out;
   const auto& table = candidate.system->model().parameters;
-  for (std::size_t i = table.size() - effect.parameters.size(); i < table.size(); ++i) {
+  for (std::size_t i = table.size() - candidate.added(); i < table.size(); ++i) {
     Parameter row = table[i];
     row.value = theta[static_cast<Index>(i)];
-    row.name = own_name(effect, row.name);
+    row.name = own_name(*candidate.choices.front().effect, row.name);
     out.push_back(row);
   }
   return out;
@@ -205,7 +206,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
       return;
     }
     found[k].force_gain = 1 - std::sqrt(c.force_cost / force_before);
-    found[k].parameters = own_parameters(c, *c.choices.front().effect, c.starts.front());
+    found[k].parameters = own_parameters(c, c.starts.front());
     MotionGain motion = gain_on_motion(stage.study, whitening, stage.baseline, c, c.starts.front());
     found[k].gain = motion.gain;
     found[k].p_value = motion.p_value;

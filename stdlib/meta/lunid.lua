@@ -129,7 +129,7 @@ function lunid.state(fields) end
 ---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
 ---@field delay? any # by which the force acts later than its channel says
 ---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution
----@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess
+---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds
 ---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit = }
 ---@field requires? table # what holds between parameters, as "Fs >= Fc"
 ---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters

@@ -39,12 +39,27 @@ inline Effect entry_with_state(Pool& pool, const std::string& name, const std::s
   return effect;
 }
 
+/// In two forms, sharp and rounded; the second has a parameter that the first has not.
+inline Effect friction(Pool& pool) {
+  Effect effect = entry(pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)",
+                        {row("coulomb_friction_Fc", 0), row("coulomb_friction_vr", 0)});
+  effect.variants.push_back(parse(pool, "coulomb_friction_Fc*tanh(v/coulomb_friction_vr)"));
+  effect.variants[1].formula = "Fc*tanh(v/vr)";
+  const auto only_rounded = [](int variant, auto values) { return variant == 1 ? values : decltype(values){}; };
+  effect.guess = [=](const RecordScales& s, int variant) {
+    return only_rounded(variant, std::vector{Guess{{"coulomb_friction_vr", 0.05 * s.v_max}}});
+  };
+  effect.range = [=](const RecordScales& s, int variant) {
+    return only_rounded(variant, Ranges{{"coulomb_friction_vr", {2e-3 * s.v_max, s.v_max}}});
+  };
+  return effect;
+}
+
 inline std::vector<Effect> small_catalogue(Pool& pool) {
   return {entry(pool, "cubic_stiffness", "cubic_stiffness_k3*y^3", {row("cubic_stiffness_k3")}),
           entry(pool, "quadratic_stiffness", "quadratic_stiffness_k2*y^2", {row("quadratic_stiffness_k2")}),
           entry(pool, "constant_force", "constant_force_F0", {row("constant_force_F0")}),
-          entry(pool, "viscous_damping", "viscous_damping_c*v", {row("viscous_damping_c", 0)}),
-          entry(pool, "coulomb_friction", "coulomb_friction_Fc*sign(v)", {row("coulomb_friction_Fc", 0)})};
+          entry(pool, "viscous_damping", "viscous_damping_c*v", {row("viscous_damping_c", 0)}), friction(pool)};
 }
 
 /// A fault of the displacement's channel that shows `map` of the true one.

@@ -56,6 +56,28 @@ TEST(Discovery, NamesCubicStiffnessAtThreeScales) {
 }
 
 TEST(Discovery, NamesCoulombFriction) { expect_named(find("coulomb_friction", "milli", 40), "coulomb_friction"); }
+
+TEST(Discovery, NamesFrictionThatIsRoundedAtRestByTheFormThatIs) {
+  for (const char* scale : {"micro", "metre"}) {
+    const Found rounded = find("rounded_friction", scale, 40);
+    expect_named(rounded, "coulomb_friction");
+    ASSERT_EQ(rounded.discovery.effects[0].parameters.size(), 2u);
+    const Parameter& vr = rounded.discovery.effects[0].parameters[1];
+    const truth::TrueParameter& known = truth::case_named("rounded_friction").parameters[1];
+    EXPECT_EQ(vr.name, "vr");
+    EXPECT_NEAR(vr.value, known.in(truth::scale_named(scale)), 4 * vr.std);
+    EXPECT_EQ(rounded.discovery.effects[0].formula, "Fc*tanh(v/vr)");
+  }
+}
+
+/// The sharp form has the parameter of the rounded one neither in the model nor in what is reported.
+TEST(Discovery, ASharpFormKeepsItsOneParameter) {
+  const Found sharp = find("coulomb_friction", "milli", 30);
+  expect_named(sharp, "coulomb_friction");
+  ASSERT_EQ(sharp.discovery.effects[0].parameters.size(), 1u);
+  EXPECT_EQ(sharp.discovery.final.find("coulomb_friction_vr"), nullptr);
+}
+
 TEST(Discovery, NamesConstantForceInMuchNoise) { expect_named(find("constant_force", "metre", 20), "constant_force"); }
 TEST(Discovery, NamesViscousDamping) { expect_named(find("viscous_damping", "milli", 30), "viscous_damping"); }
 

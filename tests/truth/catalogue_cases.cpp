@@ -28,6 +28,15 @@ Case effect(const char* name, Law law, double k = 1, const char* baseline = line
   return law_case(name, Kind::effect, std::move(law), k, baseline);
 }
 
+/// Dry friction that is rounded at rest, over a twentieth of the speed.
+Case rounded_friction() {
+  Case each = law_case("rounded_friction", Kind::effect,
+                       laws::of_motion([](double, double v) { return 0.2 * std::tanh(v / 0.1); }));
+  each.effects = {"coulomb_friction"};
+  each.parameters = {{"coulomb_friction", "Fc", 0.2, 1, 0, 0}, {"coulomb_friction", "vr", 0.1, 0, 0, 1}};
+  return each;
+}
+
 std::vector<Case> of_the_motion() {
   using laws::of_motion;
   return {
@@ -45,6 +54,7 @@ std::vector<Case> of_the_motion() {
              of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); }, speed)),
       effect("van_der_pol_damping", of_motion([](double x, double v) { return 0.12 * x * x * v; })),
       effect("asymmetric_damping", of_motion([](double, double v) { return 0.25 * above(v); })),
+      rounded_friction(),
       effect("position_dependent_friction",
              of_motion([](double x, double v) { return (0.05 + 0.15 * std::abs(x)) * sign(v); }, speed)),
       effect("stribeck_friction",
