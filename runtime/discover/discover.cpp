@@ -25,7 +25,9 @@ namespace {
 /// Drop of the squared error at which a force that is read otherwise between its samples is worth a new search.
 constexpr double interpolation_gain = 0.02;
 constexpr double interpolation_part = 0.1;  ///< the same, of what is above the sensor's noise
-constexpr double lost = 0.3;                ///< gap beyond which a run follows nothing
+constexpr double left_open = 0.1;  ///< part of the squared error above the noise, at which more models are asked
+constexpr std::size_t asked_sets = 3;
+constexpr double lost = 0.3;         ///< gap beyond which a run follows nothing
 constexpr double runaway = 10;       ///< gap of a run that grows beyond all motion: no noise leads a stable model there
 constexpr double short_run = 2;      ///< in periods of the motion's upper frequency
 constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
@@ -163,9 +165,7 @@ class Spine {
     Round round;
     round.found = search(study_, model_, baseline_, part, known, step);
     const BetweenSamples before = study_.between;
-    const double open = 1 - std::pow(study_.sensor_noise() / rms_error(round.found.chosen.fit), 2);
-    const double gain = rechoose_interpolation(round.found.chosen);
-    if (gain > std::max(interpolation_gain, interpolation_part * open)) {
+    if (reading_shows_beside(round.found.chosen) || reading_shows_beside_the_best(round.found)) {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found = search(study_, model_, baseline_, part, {}, step);
     } else if (study_.between != before) {
@@ -258,12 +258,30 @@ class Spine {
     study_ = shortened(whole_);
   }
 
-  double rechoose_interpolation(const Candidate& chosen) {
-    return lunid::rechoose_interpolation(study_, chosen, [this](BetweenSamples between) -> const Study& {
+  /// The force is left as this model would have it read. Whether that is worth a new search.
+  bool reading_shows_beside(const Candidate& model) {
+    const double gain = rechoose_interpolation(study_, model, [this](BetweenSamples between) -> const Study& {
       read_force(between);
       return study_;
     });
+    return gain > std::max(interpolation_gain, interpolation_part * open(model));
   }
+
+  /// A model that lacks something may hide half a sample in its damper, where what it lacks would show it: the sets
+  /// that follow best are asked too, where what was chosen leaves anything.
+  bool reading_shows_beside_the_best(const SearchResult& found) {
+    if (!(open(found.chosen) > left_open)) return false;
+    const BetweenSamples chosen = study_.between;
+    const std::vector<Candidate>& sets = found.grown.sets;
+    for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
+      if (reading_shows_beside(sets[i])) return true;
+      read_force(chosen);
+    }
+    return false;
+  }
+
+  /// Part of the squared error that is not the sensor's noise.
+  double open(const Candidate& model) const { return 1 - std::pow(study_.sensor_noise() / rms_error(model.fit), 2); }
 
   /// A test force that looks otherwise than the training records' may come from the same machine all the same (a
   /// controller holds noise and tones alike): it is read as theirs where the model as it was chosen follows it far

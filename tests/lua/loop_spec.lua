@@ -16,20 +16,26 @@ local function tones(t, seed)
   return 0.29 * sum
 end
 
+--- A sweep through the resonance, of rms about 1.
+local function sweep(t)
+  local part = t / (rows * dt)
+  return 1.4 * math.sin(omega * t * (0.3 + 0.7*part))
+end
+
 local function noise(std, seed)
   return lunid.excitation.white_noise { rms = std, dt = dt, duration = rows*dt, seed = seed }:column "F"
 end
 
 --- What a proportional-differential controller does, `gain` 0: an open loop. `law`: force beside k*y + c*v, in units of
 --- k times the size. The reference is a channel where `follows`; `level`: of the sensor's noise; `hidden`: of a force
---- that no channel holds, both in those units.
-local function record(gain, law, seed, follows, level, hidden)
+--- that no channel holds, both in those units. `shape_of`: of the reference over time and seed, in sizes.
+local function record(gain, law, seed, follows, level, hidden, shape_of)
   local of_y, of_F, n = noise(level * size, seed), noise(1, seed + 10), { y = {}, F = {}, y_reference = {} }
   local other = 0
   local at, speed, before, filtered = 0, 0, 0, 0
   local h = dt / finer
   for i = 1, rows do
-    local measured, shape = at + of_y[i], tones((i - 1)*dt, seed) * size
+    local measured, shape = at + of_y[i], (shape_of or tones)((i - 1)*dt, seed) * size
     filtered = 0.6*filtered + 0.4*(i > 1 and (measured - before)/dt or 0)
     before = measured
     local force = stiffness * (gain * (shape - measured) - 0.3 * gain / omega * filtered)
@@ -95,6 +101,18 @@ end)
 spec.case("an open loop is none, whatever the model lacks", function()
   spec.equal(discover(0, none, false, { "coulomb_friction" }).data.closed_loop, nil)
   spec.equal(discover(0, friction, false, { "cubic_stiffness" }).data.closed_loop, nil)
+end)
+
+-- A held force is half a sample late, which looks like negative damping: beside a baseline that lacks a drag the damper
+-- takes both, and the force looks smooth.
+spec.case("how a smooth force was held is asked beside what is missing, too", function()
+  local function drag(_, b) return 0.1 * math.abs(b) * b end
+  local found = lunid.discover { model = lunid.model { mass = mass, restoring = k*y + c*v },
+    catalogue = { "quadratic_drag", "coulomb_friction", "cubic_stiffness", "damping_drift" },
+    train = record(0.5, drag, 1, false, 0.01, 0, sweep), test = record(0.5, drag, 2, false, 0.01, 0, tones) }
+  spec.equal(found.verdict, "explained")
+  spec.equal(spec.names_of(found), "quadratic_drag")
+  spec.near(found.effects[1].parameters.c2.value, 0.1 * stiffness * size / (omega*size)^2, 0.1 * stiffness * size / (omega*size)^2 * 0.1)
 end)
 
 spec.finish()
