@@ -11,6 +11,7 @@
 #include "discover/between_samples.hpp"
 #include "discover/conclusion.hpp"
 #include "discover/gap.hpp"
+#include "discover/naming.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
@@ -60,6 +61,7 @@ class Spine {
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
     fit_all_rows(round);
+    doubt_names(round);
     progress("open the test record", 0.94);
     validate_on_test(round);
     warn_of_untried(round.found);
@@ -227,6 +229,24 @@ class Spine {
     if (!found.steps.empty()) found.steps.back() = found.chosen;
     baseline_ = found.baseline;
     decide(study_, round);
+  }
+
+  /// What a quarter of the resampled training records would have named in place of the chosen set is a tie. Not a part
+  /// of it, nor what holds it: these were told apart by free runs over left-out blocks, which no resample makes.
+  void doubt_names(Round& round) const {
+    if (!round.names()) return;
+    constexpr double doubt = 0.25;
+    SearchResult& found = round.found;
+    const Choices& chosen = found.chosen.choices;
+    const Naming naming = bootstrap_naming(study_, found);
+    for (const Candidate& rival : found.rivals) {
+      const Choices& set = rival.choices;
+      const int count = naming.of(rival.name());
+      if (count == 0 || count < doubt * naming.resamples || within(set, chosen) || within(chosen, set)) continue;
+      if (!is_among(found.ties.rivals, set)) found.ties.rivals.push_back(set);
+    }
+    remark_ties(found);
+    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
   }
 
   /// A search that is made again shows what it has shown before.

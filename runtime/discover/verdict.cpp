@@ -331,13 +331,22 @@ std::optional<Round> borne_out(const Study& study, const Round& round) {
   return out;
 }
 
+namespace {
+
+/// Tied with what is named, or a more general form of it: that one follows the training records as well.
+bool may_stand_instead(const SearchResult& found, const Candidate& rival) {
+  return holds_name(found.ties.rivals, rival.name()) ||
+         std::ranges::find(found.ties.aliases, rival.name()) != found.ties.aliases.end() ||
+         is_general_form(rival.choices, found.chosen.choices);
+}
+
+}  // namespace
+
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before) {
   std::vector<TiedRival> standing;
   for (const Candidate& rival : round.found.rivals) {
-    const bool tied = holds_name(round.found.ties.rivals, rival.name()) ||
-                      std::ranges::find(round.found.ties.aliases, rival.name()) != round.found.ties.aliases.end();
-    if (rival.choices.size() != 1 || !tied) continue;
+    if (rival.choices.size() != 1 || !may_stand_instead(round.found, rival)) continue;
     Round other;
     other.found.baseline = round.found.baseline;
     other.found.chosen = rival;

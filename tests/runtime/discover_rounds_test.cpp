@@ -112,6 +112,58 @@ TEST(DiscoveryRounds, ATestThatShowsNoMoreDoesNot) {
   EXPECT_NE(d.sentence.find("quadratic_drag lowers it beyond chance, but by"), std::string::npos) << d.sentence;
 }
 
+/// Friction, and the power of |v| of which it is a special case.
+std::vector<Effect> friction_and_power(Pool& pool) {
+  Effect power = entry(pool, "power_law_damping", "power_law_damping_c*abs(v)^power_law_damping_p*sign(v)",
+                       {row("power_law_damping_c", 0), row("power_law_damping_p", 0)});
+  power.guess = [](const RecordScales&, int) {
+    return std::vector<Guess>{{{"power_law_damping_p", 0.4}}, {{"power_law_damping_p", 0.7}}};
+  };
+  power.range = [](const RecordScales&, int) { return Ranges{{"power_law_damping_p", {0.1, 5}}}; };
+  Effect friction = testing::friction(pool);
+  friction.special_case_of = {"power_law_damping"};
+  return {friction, power};
+}
+
+Discovery find_power_law(truth::RecordOptions options) {
+  options.rows = 1400;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = truth::make_records(truth::case_named("power_law_damping"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  std::vector<Record> train{record_of(records.train, "train")};
+  for (const truth::Columns& more : records.more) train.push_back(record_of(more, "train2"));
+  return discover(model, friction_and_power(*model.pool), train, {record_of(records.test, "test")}, {});
+}
+
+/// Two tones show a root of |v| as friction but for less than the least gain; a multisine does not.
+TEST(DiscoveryRounds, AGeneralFormStandsWhereTheTestTakesItsSpecialCaseBack) {
+  truth::RecordOptions options;
+  options.noise_db = 40;
+  options.excited = truth::Excited::tones;
+  options.seed = 7;
+  const Discovery d = find_power_law(options);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "power_law_damping");
+  EXPECT_TRUE(testing::warns(d, "the training records could not tell coulomb_friction from power_law_damping"));
+}
+
+/// What a quarter of the resampled records and more would have named is a tie.
+TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
+  for (const std::uint64_t seed : {2, 3}) {
+    truth::RecordOptions options;
+    options.noise_db = 20;
+    options.seed = seed;
+    const Discovery d = find_power_law(options);
+    ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+    const bool first = d.effects[0].name == "coulomb_friction";
+    const std::vector<std::string> other{first ? "power_law_damping" : "coulomb_friction"};
+    const bool doubted = d.naming.of(other[0]) >= 25;
+    EXPECT_EQ(doubted, seed == 3) << d.naming.of(other[0]);
+    EXPECT_EQ(d.verdict, doubted ? "ambiguous" : "explained");
+    EXPECT_EQ(d.effects[0].indistinguishable, doubted ? other : std::vector<std::string>{});
+  }
+}
+
 /// Damping by |v|^1.6 (mass 1, k = 1), with noise in the force that its share of the motion leaves above the sensor's:
 /// the general form cannot close all that the special case leaves.
 Record damped(std::uint64_t seed) {
