@@ -86,6 +86,23 @@ std::string words_of(const ClosedLoop& loop) {
   return out;
 }
 
+/// The equation, and of its states no more than can be read: an iwan has ten, each with limits of 200 characters.
+std::string short_equation(const Model& model) {
+  constexpr std::size_t widest = 160, most_states = 3;
+  std::istringstream whole(model.equation());
+  std::string out, line;
+  const std::size_t most = static_cast<std::size_t>(model.degrees()) + most_states;
+  for (std::size_t lines = 0; std::getline(whole, line); ++lines) {
+    if (lines < most && line.size() <= widest) {
+      out += (lines > 0 ? "\n" : "") + line;
+      continue;
+    }
+    if (lines == 0) out += line.substr(0, widest - 1);
+    return out + (lines == 0 ? " ..." : "\n...") + " (whole in model.lua and the report)";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string to_terminal(const Discovery& d) {
@@ -130,7 +147,7 @@ std::string to_terminal(const Discovery& d) {
   }
   if (d.naming.resamples > 0) line("", resampled(d.naming));
   for (const auto& r : d.removable) line("absent?", r.term + ": " + r.reason + "; it may be removed from the baseline");
-  line("equation", d.final.equation());
+  line("equation", short_equation(d.final));
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " +
                   number(d.gap_left_out_after) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));

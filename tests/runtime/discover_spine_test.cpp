@@ -271,6 +271,22 @@ TEST(Discovery, JsonKeepsItsContract) {
   EXPECT_TRUE(j.at("noise_floor").at("gap_train").is_number());
 }
 
+TEST(Discovery, TheTerminalShowsNoMoreOfAnEquationThanCanBeRead) {
+  Discovery d;
+  d.final = baseline("k*y + c*v", 1);
+  EXPECT_NE(to_terminal(d).find("equation   a + k*y + c*v = F\n"), std::string::npos) << to_terminal(d);
+  Pool& pool = *d.final.pool;
+  for (int i = 0; i < 10; ++i) {
+    const Expr z = pool.state("z" + std::to_string(i));
+    d.final.restoring = d.final.restoring + z;
+    d.final.states.push_back({z, parse(pool, "v"), 0, Expr(), Expr()});
+  }
+  const std::string shown = to_terminal(d);
+  EXPECT_NE(shown.find("dz2/dt = v"), std::string::npos) << shown;
+  EXPECT_EQ(shown.find("dz3/dt"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("... (whole in model.lua and the report)"), std::string::npos) << shown;
+}
+
 TEST(Discovery, SameBitsForAnyNumberOfThreads) {
   const truth::Case& which = truth::case_named("cubic_hardening");
   const truth::Scale& scale = truth::scale_named("milli");
