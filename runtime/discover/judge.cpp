@@ -198,6 +198,13 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
   return told || !any;
 }
 
+std::size_t added_near_zero(const Candidate& c) {
+  std::size_t count = 0;
+  for (Eigen::Index k = c.parameters() - static_cast<Eigen::Index>(c.added()); k < c.parameters(); ++k)
+    count += within_two_deviations_of_zero(c.fit, k);
+  return count;
+}
+
 bool carries_force(const Study& study, const Candidate& larger, const Candidate& smaller) {
   constexpr double least = 1e-3;
   const auto& table = larger.system->model().parameters;

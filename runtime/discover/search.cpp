@@ -191,6 +191,7 @@ class Search {
     std::size_t pick = in_the_usual_words(field, alike);
     for (const auto i : alike)
       if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
+    pick = in_special_form(field, pick);
     const std::size_t judged = field.size();
     hear_faults_in_place(field[pick], field);
     judge_from(judged, field);
@@ -199,6 +200,21 @@ class Search {
     Candidate chosen = field[pick];
     progress_("free runs over left-out blocks", 0.8);
     accept(field, chosen, alike, pick);
+  }
+
+  /// A general form whose one further number may be zero is its special case, a stop that moves by nothing: colour that
+  /// no whitening takes away is followed by any further number. Of several that hang on each other the general form has
+  /// to outgrow the special one.
+  std::size_t in_special_form(const std::vector<Candidate>& field, std::size_t pick) const {
+    const Candidate& general = field[pick];
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      const Candidate& special = field[i];
+      if (special.added() >= general.added() || !is_general_form(general.choices, special.choices)) continue;
+      const std::size_t further = general.added() - special.added();
+      const bool may_be_zero = added_near_zero(general) >= further;
+      if (may_be_zero && (further == 1 || !outgrows(study_, general, special, result_.grown.tried))) return i;
+    }
+    return pick;
   }
 
   /// Drops effects without which a fitted set is not worse.

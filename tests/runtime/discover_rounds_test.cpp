@@ -164,6 +164,39 @@ TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
   }
 }
 
+/// A force that was recorded to so many steps either way.
+void quantise(std::vector<double>& force, double steps) {
+  const double most = *std::ranges::max_element(force, {}, [](double f) { return std::abs(f); });
+  for (double& f : force) f = std::round(f / std::abs(most) * steps) * std::abs(most) / steps;
+}
+
+/// Steps of the recorded force leave a colour that no whitening takes away, and that a stop which moves may follow.
+TEST(DiscoveryRounds, AStopThatMovesByNothingIsAStop) {
+  truth::RecordOptions options;
+  options.rows = 2500;
+  options.noise_db = 45;
+  options.seed = 9;
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::Records records = truth::make_records(truth::case_named("one_sided_stop"), scale, options);
+  quantise(records.train.F, 40);
+  quantise(records.test.F, 40);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  Pool& pool = *model.pool;
+  Effect stop = entry(pool, "one_sided_stop", "one_sided_stop_k*max(y - one_sided_stop_g, 0)",
+                      {row("one_sided_stop_k", 0), row("one_sided_stop_g")});
+  Effect crane = entry(pool, "crane_lowering", "crane_lowering_k*max(y - crane_lowering_g - crane_lowering_V*t, 0)",
+                       {row("crane_lowering_k", 0), row("crane_lowering_g"), row("crane_lowering_V")});
+  stop.special_case_of = {"crane_lowering"};
+  stop.guess = [](const RecordScales& s, int) { return std::vector{Guess{{"one_sided_stop_g", 0.3 * s.y_max}}}; };
+  crane.guess = [](const RecordScales& s, int) {
+    return std::vector{Guess{{"crane_lowering_g", 0.3 * s.y_max}, {"crane_lowering_V", 0.0}}};
+  };
+  const Discovery d = testing::discover_case(model, {stop, crane}, records, {});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "one_sided_stop");
+  EXPECT_EQ(d.verdict, "explained");
+}
+
 /// Damping by |v|^1.6 (mass 1, k = 1), with noise in the force that its share of the motion leaves above the sensor's:
 /// the general form cannot close all that the special case leaves.
 Record damped(std::uint64_t seed) {
