@@ -26,6 +26,10 @@ bool one_look(const Study& study) {
   return std::ranges::all_of(study.guesses, [&](Interpolation guess) { return guess == study.guesses.front(); });
 }
 
+std::string words_of_interpolation(const Study& study) {
+  return study.imposed ? no_free_run : to_string(study.between.kind);
+}
+
 double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
   if (study.imposed || !model.ran() || !force_varies(study)) return 0;
   const BetweenSamples before = study.between;

@@ -17,6 +17,10 @@ inline constexpr std::array every_kind{Interpolation::linear, Interpolation::cub
 /// The forces of all training records look alike between their samples.
 bool one_look(const Study& study);
 
+inline constexpr auto no_free_run = "none: the motion is imposed";
+/// How the force is read: "cubic", ...
+std::string words_of_interpolation(const Study& study);
+
 /// Makes the study read the forces so, and returns it.
 using ReadForce = std::function<const Study&(BetweenSamples)>;
 

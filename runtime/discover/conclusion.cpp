@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "discover/between_samples.hpp"
 #include "discover/closed_loop.hpp"
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
@@ -248,9 +249,8 @@ class Conclusion {
       if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
     out_.output = study_.output();
     out_.run_length = study_.run_length;
-    out_.interpolation = study_.imposed ? "none: the motion is imposed" : to_string(study_.between.kind);
-    out_.solver =
-        study_.imposed ? "none: the motion is imposed" : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
+    out_.interpolation = words_of_interpolation(study_);
+    out_.solver = study_.imposed ? no_free_run : fixed_solver_name(found.chosen.fit.substeps) + " per sample";
     out_.noise_model = found.whitening.ar.empty()
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
