@@ -20,12 +20,17 @@ class Contest {
       : study_(study), model_(model), baseline_(baseline), known_(known), offers_(offers), fits_(fits), out_(out) {}
 
   void run() {
-    std::vector<Choices> contested;
+    std::vector<Choices> generalised, contested;
     for (int pass = 0; pass < study_.options->max_effects; ++pass) {
       std::vector<Candidate> more;
       for (const Candidate& whole : out_.sets) {
         if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
         for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
+      }
+      for (const Candidate* best : open_of_several()) {
+        if (is_among(generalised, best->choices)) continue;
+        generalised.push_back(best->choices);
+        for (const Choice& old : best->choices) fit_general_forms(*best, old, more);
       }
       for (const Candidate* best : best_of_several()) {
         if (is_among(contested, best->choices)) continue;
@@ -40,6 +45,16 @@ class Contest {
   }
 
  private:
+  /// The best of each number of effects from two on, where it leaves more than the noise.
+  std::vector<const Candidate*> open_of_several() const {
+    std::vector<const Candidate*> out;
+    for (std::size_t size = 2; size <= static_cast<std::size_t>(study_.options->max_effects); ++size) {
+      const auto best = std::ranges::find(out_.sets, size, [](const Candidate& c) { return c.choices.size(); });
+      if (best != out_.sets.end() && is_above_noise(study_, *best)) out.push_back(&*best);
+    }
+    return out;
+  }
+
   /// The best set, and the best of fewer effects that fits nearly as well: the simpler one may be named.
   std::vector<const Candidate*> best_of_several() const {
     std::vector<const Candidate*> out;
@@ -64,11 +79,12 @@ class Contest {
     return set.empty() ? baseline_ : known ? *known : compile(study_, model_, set);
   }
 
+  using Wanted = std::function<bool(const Shape&)>;
+
   /// `more`: sets that are fitted already, beside those of out_, which are fitted once more where they cost more than
   /// `badly`.
   std::vector<Offer> offers_beside(const Candidate& rest, const Proposer::Parent& space,
-                                   const std::vector<Candidate>& more, double badly,
-                                   const std::function<bool(const Shape&)>& wanted) {
+                                   const std::vector<Candidate>& more, double badly, const Wanted& wanted) {
     return offers_.beside(rest, space, [&](const Shape& shape) {
       if (!may_join(rest.choices, *shape.choice.effect) || many_states(shape) || !wanted(shape)) return false;
       const Choices set = with(rest.choices, shape.choice);
@@ -95,21 +111,30 @@ class Contest {
   }
 
   /// Beside the other effects as they are in the whole set.
-  void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
-    const auto is_special = [&](const Shape& shape) { return shape.choice.is_special_case(old); };
-    if (std::ranges::none_of(offers_.shapes(), is_special)) return;
+  void fit_in_its_place(const Candidate& whole, const Choice& old, double badly, const Wanted& wanted,
+                        std::vector<Candidate>& more) {
+    if (std::ranges::none_of(offers_.shapes(), wanted)) return;
     Candidate rest = without(whole, old);
     rest.fit.theta = values_of(rest, {&whole});
     rest.fit.cost = INFINITY;  // of no run
-    const Proposer::Parent space = offers_.space_of(rest, rest.fit.theta);
-    const double badly = nearly * whole.fit.cost;
-    const std::vector<Offer> offers = offers_beside(rest, space, more, badly, is_special);
+    const std::vector<Offer> offers = offers_beside(rest, offers_.space_of(rest, rest.fit.theta), more, badly, wanted);
     std::vector<std::size_t> all(offers.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     fit_in_place(offers, all, more);
+  }
+
+  void fit_general_forms(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const auto is_general = [&](const Shape& shape) { return old.is_special_case(shape.choice); };
+    fit_in_its_place(whole, old, whole.fit.cost, is_general, more);
+  }
+
+  void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    const auto is_special = [&](const Shape& shape) { return shape.choice.is_special_case(old); };
+    const double badly = nearly * whole.fit.cost;
+    fit_in_its_place(whole, old, badly, is_special, more);
+    const Choices rest = without(whole, old).choices;
     for (const Shape& shape : offers_.shapes())
-      if (is_special(shape) && may_join(rest.choices, *shape.choice.effect))
-        fit_as_named(shape, rest.choices, whole, old, badly);
+      if (is_special(shape) && may_join(rest, *shape.choice.effect)) fit_as_named(shape, rest, whole, old, badly);
   }
 
   /// Where an entry that was fitted badly has the names of its more general form (Fc of friction, k of a spring): from
