@@ -279,12 +279,16 @@ class Spine {
   }
 
   /// The force is left as this model would have it read. Whether that is worth a new search.
-  bool reading_shows_beside(const Candidate& model) {
+  bool reading_shows_beside(const Candidate& model) { return reading_shows_beside(model, squared_error(model.fit)); }
+
+  /// `error`: that the model has to come below, read so.
+  bool reading_shows_beside(const Candidate& model, double error) {
     const double gain = rechoose_interpolation(study_, model, [this](BetweenSamples between) -> const Study& {
       read_force(between);
       return study_;
     });
-    return gain > std::max(interpolation_gain, interpolation_part * open(model));
+    return gain > std::max(interpolation_gain, interpolation_part * open(model)) &&
+           (1 - gain) * squared_error(model.fit) < error;
   }
 
   /// A model that lacks something may hide half a sample in its damper, where what it lacks would show it: the sets
@@ -294,7 +298,7 @@ class Spine {
     const BetweenSamples chosen = study_.between;
     const std::vector<Candidate>& sets = found.grown.sets;
     for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
-      if (reading_shows_beside(sets[i])) return true;
+      if (reading_shows_beside(sets[i], squared_error(found.chosen.fit))) return true;
       read_force(chosen);
     }
     return false;

@@ -4,6 +4,7 @@
 
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
+#include "truth/faults.hpp"
 
 namespace lunid {
 namespace {
@@ -71,6 +72,36 @@ TEST(BetweenSamples, AMassIsOne) {
   const Discovery d = find(1.12, 0.3, 0);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "added_mass");
+}
+
+/// Beside the drag alone the lag of the channel, three quarters of a sample, looks like a force that was held. That
+/// follows the record far worse than both do.
+TEST(BetweenSamples, AReadingThatAPoorerModelAsksForIsNotTaken) {
+  truth::Fault fault;
+  fault.effect = "sensor_lag";
+  fault.physics.drag = 0.1;
+  fault.lag_y = 0.75 * 2 * M_PI / 40;
+  truth::RecordOptions options;
+  options.rows = 1600;
+  options.noise_db = 60;
+  const truth::Scale& scale = truth::scale_named("milli");
+  truth::FaultyRecords records = truth::make_faulty(fault, scale, options);
+  for (truth::Columns* made : {&records.train.columns, &records.test.columns})  // recorded in steps: something is left
+    for (double& force : made->F) force = std::round(force / (0.02 * scale.force())) * 0.02 * scale.force();
+  const Model model = testing::baseline("k*y + c*v", scale.mass);
+  Pool& pool = *model.pool;
+  Effect lag =
+      testing::entry_with_state(pool, "sensor_lag", "z", "(y - z)/sensor_lag_tau", {testing::row("sensor_lag_tau", 0)});
+  lag.family = "sensor";
+  lag.variants[0].measures = {{"y", std::exchange(lag.variants[0].force, {})}};
+  lag.guess = [](const RecordScales& s, int) { return std::vector{Guess{{"sensor_lag_tau", 2 * s.interval}}}; };
+  lag.range = [](const RecordScales& s, int) { return Ranges{{"sensor_lag_tau", {0.5 * s.interval, 1 / s.omega}}}; };
+  const Effect drag =
+      testing::entry(pool, "quadratic_drag", "quadratic_drag_c2*abs(v)*v", {testing::row("quadratic_drag_c2", 0)});
+  const Discovery d = discover(model, {drag, lag}, {testing::record_of(records.train.columns, "train")},
+                               {testing::record_of(records.test.columns, "test")});
+  ASSERT_EQ(d.effects.size(), 2u) << d.sentence;
+  EXPECT_NE(d.interpolation, "hold");
 }
 
 }  // namespace
