@@ -149,7 +149,7 @@ TEST(DiscoveryRounds, AGeneralFormStandsWhereTheTestTakesItsSpecialCaseBack) {
 
 /// What a quarter of the resampled records and more would have named is a tie.
 TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
-  for (const std::uint64_t seed : {2, 3}) {
+  for (const std::uint64_t seed : {2, 4}) {
     truth::RecordOptions options;
     options.noise_db = 20;
     options.seed = seed;
@@ -158,7 +158,7 @@ TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
     const bool first = d.effects[0].name == "coulomb_friction";
     const std::vector<std::string> other{first ? "power_law_damping" : "coulomb_friction"};
     const bool doubted = d.naming.of(other[0]) >= 25;
-    EXPECT_EQ(doubted, seed == 3) << d.naming.of(other[0]);
+    EXPECT_EQ(doubted, seed == 4) << d.naming.of(other[0]);
     EXPECT_EQ(d.verdict, doubted ? "ambiguous" : "explained");
     EXPECT_EQ(d.effects[0].indistinguishable, doubted ? other : std::vector<std::string>{});
   }
