@@ -28,7 +28,8 @@ constexpr double interpolation_gain = 0.02;
 constexpr double interpolation_part = 0.1;  ///< the same, of what is above the sensor's noise
 constexpr double left_open = 0.1;  ///< part of the squared error above the noise, at which more models are asked
 constexpr std::size_t asked_sets = 3;
-constexpr double lost = 0.3;         ///< gap beyond which a run follows nothing
+constexpr double follows_better = 0.5;  ///< of the squared error of what was chosen, that they have to leave then
+constexpr double lost = 0.3;            ///< gap beyond which a run follows nothing
 constexpr double runaway = 10;       ///< gap of a run that grows beyond all motion: no noise leads a stable model there
 constexpr double short_run = 2;      ///< in periods of the motion's upper frequency
 constexpr int most_coordinates = 5;  ///< their motion, velocity and acceleration all drive internal states
@@ -298,7 +299,7 @@ class Spine {
     const BetweenSamples chosen = study_.between;
     const std::vector<Candidate>& sets = found.grown.sets;
     for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
-      if (reading_shows_beside(sets[i], squared_error(found.chosen.fit))) return true;
+      if (reading_shows_beside(sets[i], follows_better * squared_error(found.chosen.fit))) return true;
       read_force(chosen);
     }
     return false;
