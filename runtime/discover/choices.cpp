@@ -21,9 +21,8 @@ std::vector<std::pair<std::string, int>> contents(const Choices& set) {
 }  // namespace
 
 bool Choice::is_special_case(const Choice& general) const {
-  const std::size_t own = parameters().size();
-  if (effect == general.effect) return own < general.parameters().size();
-  return effect->is_special_case(*general.effect) && own == parameters_of(*effect, 0).size();
+  if (effect == general.effect) return parameters().size() < general.parameters().size();
+  return effect->is_special_case(*general.effect) && parameters().size() == parameters_of(*effect, 0).size();
 }
 
 std::string name_of(const Choices& choices) {

@@ -304,11 +304,9 @@ class Conclusion {
   /// Entries of which this one is a special case with as many parameters: one force in two notations, on any record.
   std::vector<std::string> in_other_words(const Choice& choice) const {
     std::vector<std::string> out;
-    for (Effect general : catalogue_) {
-      general.place = choice.effect->place;
+    for (const Effect& general : catalogue_)
       if (choice.is_special_case({&general, 0}) && parameters_of(general, 0).size() == choice.parameters().size())
         out.push_back(general.label());
-    }
     return out;
   }
 

@@ -175,10 +175,8 @@ Eigen::VectorXd differences(Eigen::VectorXd x, double dt, int order) {
   return differentiate(view(x), dt, 0, order, FiniteDifferences{difference_accuracy, 1}).values;
 }
 
-}  // namespace
-
-namespace {
 Slopes slopes_of(const Study& study) { return study.degrees() > 1 ? Slopes::of_column : Slopes::of_window; }
+
 }  // namespace
 
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel) {

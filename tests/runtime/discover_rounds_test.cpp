@@ -112,17 +112,23 @@ TEST(DiscoveryRounds, ATestThatShowsNoMoreDoesNot) {
   EXPECT_NE(d.sentence.find("quadratic_drag lowers it beyond chance, but by"), std::string::npos) << d.sentence;
 }
 
-/// Friction, and the power of |v| of which it is a special case.
-std::vector<Effect> friction_and_power(Pool& pool) {
+Effect power_law(Pool& pool, const std::vector<double>& exponents) {
   Effect power = entry(pool, "power_law_damping", "power_law_damping_c*abs(v)^power_law_damping_p*sign(v)",
                        {row("power_law_damping_c", 0), row("power_law_damping_p", 0)});
-  power.guess = [](const RecordScales&, int) {
-    return std::vector<Guess>{{{"power_law_damping_p", 0.4}}, {{"power_law_damping_p", 0.7}}};
+  power.guess = [exponents](const RecordScales&, int) {
+    std::vector<Guess> guesses;
+    for (const double p : exponents) guesses.push_back({{"power_law_damping_p", p}});
+    return guesses;
   };
   power.range = [](const RecordScales&, int) { return Ranges{{"power_law_damping_p", {0.1, 5}}}; };
+  return power;
+}
+
+/// Friction, and the power of |v| of which it is a special case.
+std::vector<Effect> friction_and_power(Pool& pool) {
   Effect friction = testing::friction(pool);
   friction.special_case_of = {"power_law_damping"};
-  return {friction, power};
+  return {friction, power_law(pool, {0.4, 0.7})};
 }
 
 Discovery find_power_law(truth::RecordOptions options) {
@@ -213,14 +219,8 @@ TEST(DiscoveryRounds, AGeneralFormTakesThePlaceOfItsSpecialCaseWhereItClosesAThi
   const Model model = baseline("k*y + c*v", 1);
   std::vector<Effect> catalogue{
       entry(*model.pool, "quadratic_drag", "quadratic_drag_c2*abs(v)*v", {row("quadratic_drag_c2", 0)}),
-      entry(*model.pool, "power_law_damping", "power_law_damping_c*abs(v)^power_law_damping_p*sign(v)",
-            {row("power_law_damping_c", 0), row("power_law_damping_p", 0)})};
+      power_law(*model.pool, {0.7, 1.4, 2.4})};
   catalogue[0].special_case_of = {"power_law_damping"};
-  catalogue[1].guess = [](const RecordScales&, int) {
-    return std::vector<Guess>{
-        {{"power_law_damping_p", 0.7}}, {{"power_law_damping_p", 1.4}}, {{"power_law_damping_p", 2.4}}};
-  };
-  catalogue[1].range = [](const RecordScales&, int) { return Ranges{{"power_law_damping_p", {0.1, 5}}}; };
   DiscoverOptions options;
   options.first = 1;
   const Discovery d = discover(model, catalogue, {damped(5)}, {damped(4)}, options);

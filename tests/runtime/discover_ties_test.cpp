@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <deque>
+#include <vector>
 
 #include "discover/search.hpp"
 #include "discover/ties.hpp"
@@ -29,11 +29,12 @@ struct Field {
   DiscoverOptions options;
   Study study;
   Model model = testing::baseline("k*y", 1);
-  std::deque<Effect> effects;
+  std::vector<Effect> effects;  ///< in one block, as a catalogue is: what comes first there is at the lower address
   Candidate baseline;
 
   Field() {
     study.options = &options;
+    effects.reserve(8);  // candidates point at them
     Channel y = testing::channel("y", "m", std::vector<double>(rows, 0.0));
     y.noise = 1;
     study.full.emplace_back("r", 0, 1, std::vector<Channel>{y});
