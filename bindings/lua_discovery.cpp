@@ -169,6 +169,7 @@ Effect read_effect(lua_State* L) {
   effect.special_case_of = strings_field(L, -1, "special_case_of");
   effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
+  effect.absolute = strings_field(L, -1, "absolute");
   effect.any_motion = boolean_field(L, -1, "any_motion", false);
   effect.repeats = boolean_field(L, -1, "repeats", false);
   effect.parameters = read_rows(L);

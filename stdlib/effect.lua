@@ -109,20 +109,21 @@ end
 
 --- The states of an entry in a fixed order, with their expressions.
 local function take_states(entry, own)
-  local names, states = {}, {}
+  local names, states, absolute = {}, {}, {}
   for name in pairs(entry.states) do names[#names + 1] = name end
   table.sort(names)
   for _, name in ipairs(names) do
-    check_row("effect: " .. entry.name, "states: " .. name, entry.states[name], { "rate", "initial", "min", "max", "unit" })
+    check_row("effect: " .. entry.name, "states: " .. name, entry.states[name], { "rate", "initial", "min", "max", "unit", "absolute" })
     own[name] = core.state_symbol(entry.name .. "_" .. name)
   end
   local make = with_symbols("effect: " .. entry.name, own)
   for i, name in ipairs(names) do
     local state = entry.states[name]
+    if state.absolute then absolute[#absolute + 1] = entry.name .. "_" .. name end
     states[i] = { own = name, name = entry.name .. "_" .. name, rate = make(state.rate), initial = state.initial,
       min = state.min and make(state.min), max = state.max and make(state.max), unit = state.unit or "" }
   end
-  return states, make
+  return states, make, absolute
 end
 
 return schema.define({
@@ -146,7 +147,8 @@ return schema.define({
       help = "as an engineer writes it, one for all forms or one for each; else the text of each contribution" },
     { "parameters", types.list(types.table, 1), required = true,
       help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds" },
-    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit = }" },
+    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit =, absolute = }; absolute: the velocity of a mass of "
+      .. "its own, against which a base that moves acts" },
     { "requires", types.list(types.string), default = {}, help = "what holds between parameters, as \"Fs >= Fc\"" },
     { "guess", types.callable,
       help = "function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters" },
@@ -175,7 +177,7 @@ return schema.define({
     rows[i] = private_parameter(given, row)
     own[row[1]] = core.parse(rows[i].name, where)
   end
-  local states, make = take_states(given, own)
+  local states, make, absolute = take_states(given, own)
   local forms, variants, maps = forms_of(given), {}, {}
   for i, each in ipairs(forms) do
     variants[i] = make(each.form)
@@ -188,6 +190,7 @@ return schema.define({
   end
   given.rows, given.states, given.variants, given.conditions = rows, states, variants, conditions
   given.margins = margins
+  given.absolute = absolute
   given.maps = maps
   given.state_values = {}
   for i, state in ipairs(states) do given.state_values[i] = core.state(state) end

@@ -122,8 +122,8 @@ models.chain = schema.define({
     { "masses", types.list(types.expression, 1), required = true, unit = "kg", help = "one for each coordinate" },
     { "element", types.callable, required = true, unit = "N",
       help = "function(elongation, rate, index) that returns the force, positive in tension" },
-    { "ends", types.choice { "fixed", "left", "right", "free" }, default = "fixed",
-      help = "which ends an element ties to the ground: both, the first mass, the last, none" },
+    { "ends", types.choice { "fixed", "left", "right", "free", "base" }, default = "fixed",
+      help = "which ends an element ties to the ground: both, the first mass, the last, none; base: the first, to a base that moves (yb, vb)" },
     { "forces", types.list(types.integer { min = 1 }, 1), help = "the coordinates that a force acts on; else all" },
   },
   returns = "model",
@@ -131,13 +131,15 @@ models.chain = schema.define({
 }, function(given)
   local n, restoring = #given.masses, {}
   local function place(i)
+    if i < 1 and given.ends == "base" then return { y = core.channel "yb", v = core.channel "vb" } end
     if i < 1 or i > n then return wall end
     local number = n > 1 and i or ""
     return { y = core.channel("y" .. number), v = core.channel("v" .. number) }
   end
   for i = 1, n do restoring[i] = 0 end
   for i = 0, n do  -- element i + 1 stands between mass i and mass i + 1
-    local tied = i > 0 and i < n or given.ends == "fixed" or given.ends == (i == 0 and "left" or "right")
+    local first = given.ends == "left" or given.ends == "base"
+    local tied = i > 0 and i < n or given.ends == "fixed" or i == 0 and first or i == n and given.ends == "right"
     if tied then
       local force = element(given, i + 1, place(i), place(i + 1))
       if i > 0 then restoring[i] = restoring[i] - force end

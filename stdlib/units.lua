@@ -3,17 +3,18 @@ local core = require "lunid.core"
 
 local units = {}
 
-local signals = { { "y", m = 1, s = 0 }, { "v", m = 1, s = -1 }, { "a", m = 1, s = -2 }, { "t", m = 0, s = 1 } }
+-- Signals of one unit; the motion of a base stands in differences to y and v.
+local signals = { { "y", "yb", m = 1, s = 0 }, { "v", "vb", m = 1, s = -1 }, { "a", "ab", m = 1, s = -2 }, { "t", m = 0, s = 1 } }
 
---- The power of the signal `name` in `factor`, or nil where it stands there otherwise than in a power.
-local function power(factor, name)
+--- The power of signals of one unit in `factor`, or nil where they stand there otherwise than in a power.
+local function power(factor, names)
   local function ratio(at)
     local before = factor:at(at)
-    at[name] = 2 * at[name]
+    for _, name in ipairs(names) do at[name] = 2 * at[name] end
     return math.log(factor:at(at) / before, 2)
   end
-  local one = ratio { y = 0.3, v = 0.7, a = 1.1, t = 0.2 }
-  local other = ratio { y = 1.7, v = 0.4, a = 0.6, t = 1.3 }
+  local one = ratio { y = 0.3, v = 0.7, a = 1.1, t = 0.2, yb = 0.1, vb = 0.2, ab = 0.5 }
+  local other = ratio { y = 1.7, v = 0.4, a = 0.6, t = 1.3, yb = 0.6, vb = 0.3, ab = 0.1 }
   local whole = math.floor(one + 0.5)
   return math.abs(one - whole) < 1e-9 and math.abs(other - whole) < 1e-9 and whole or nil
 end
@@ -38,7 +39,7 @@ local function unit_in(expression, name, whole, length)
   end
   local m, s = 0, 0
   for _, signal in ipairs(signals) do
-    local exponent = power(factor, signal[1])
+    local exponent = power(factor, signal)
     if not exponent then return "" end
     m, s = m - exponent * signal.m, s - exponent * signal.s
   end

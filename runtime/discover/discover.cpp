@@ -10,6 +10,7 @@
 #include "discover/baseline.hpp"
 #include "discover/between_samples.hpp"
 #include "discover/conclusion.hpp"
+#include "discover/frame.hpp"
 #include "discover/gap.hpp"
 #include "discover/naming.hpp"
 #include "discover/proposal_fits.hpp"
@@ -616,16 +617,19 @@ void check_baseline(const Model& given) {
   if (baseline.delay.valid()) throw InputError("discover: a baseline with a delayed force is not looked at: shift F");
   for (const std::string& input : baseline.inputs())
     if (input[0] != 'F')
-      throw InputError("discover: a baseline driven by " + input +
-                       " is not looked at: use relative displacements and F = -m*ab");
+      throw InputError(
+          "discover: a baseline driven by " + input + " is not looked at" +
+          (baseline.imposed_motion ? " with imposed motion: take what it does into F" : ": take what it does into F"));
 }
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options) {
   validate(options);
-  check_baseline(baseline);
+  const Frame frame(baseline);
+  check_baseline(frame.model());
   const auto begin = std::chrono::steady_clock::now();
-  Discovery out = Spine(baseline, catalogue, train, test, options).run();
+  const std::vector<Effect> entries = frame.seen(catalogue);
+  Discovery out = frame.as_given(Spine(frame.model(), entries, frame.seen(train), frame.seen(test), options).run());
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

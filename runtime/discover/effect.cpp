@@ -28,6 +28,14 @@ bool holds_parameter(Expr part, const std::string& name) {
 
 }  // namespace
 
+bool follows_base(const Effect& effect) {
+  return std::ranges::any_of(effect.variants, [](const EffectVariant& form) {
+    return form.force.valid() && std::ranges::any_of(symbols(form.force, SymbolKind::channel), [](const Expr& held) {
+             return held.name() == "yb" || held.name() == "vb" || held.name() == "ab";
+           });
+  });
+}
+
 std::vector<InternalState> states_of(const Effect& effect, int variant) {
   const std::vector<InternalState>& states = effect.states;
   std::vector<Expr> parts = parts_of(effect.variants[static_cast<std::size_t>(variant)]);

@@ -68,6 +68,8 @@ struct Effect {
   bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
   bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
   int number = 1;        ///< of those; the second stands beside the first alone
+  /// Of the states: velocities of masses of its own, against which a base that moves acts (frame.hpp).
+  std::vector<std::string> absolute;
   std::string suffix = {};  ///< behind the entry's own names of parameters and states: of a place, of a repetition
   std::string signature, sentence, source;
   /// Its name, and where it is: "coulomb_friction at y2".
@@ -83,6 +85,9 @@ struct Effect {
   /// is another, simpler one (a stop that is always in contact), and is not named.
   std::function<Ranges(const RecordScales&, int variant)> range;
 };
+
+/// A form of it holds the motion of a base.
+bool follows_base(const Effect& effect);
 
 /// Of the entry's states and parameters, those that the form leads to.
 std::vector<InternalState> states_of(const Effect& effect, int variant);

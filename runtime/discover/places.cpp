@@ -46,7 +46,10 @@ Replacements symbols_at(const Model& model, const Place& place) {
   Replacements out;
   for (const char quantity : {'y', 'v', 'a'})
     out.emplace_back(pool.channel(std::string(1, quantity)), motion_at(model, place, quantity));
-  if (!place.joint()) out.emplace_back(pool.channel("F"), pool.channel(model.channel('F', place.of)));
+  if (place.joint())
+    out.emplace_back(pool.channel("ab"), pool.constant(0));  // what moves all coordinates shows in no difference
+  else
+    out.emplace_back(pool.channel("F"), pool.channel(model.channel('F', place.of)));
   return out;
 }
 

@@ -58,15 +58,6 @@ bool is_a_mass(const Effect& effect) {
   });
 }
 
-bool follows_base(const Effect& effect) {
-  return std::any_of(effect.variants.begin(), effect.variants.end(), [](const EffectVariant& v) {
-    if (!v.force.valid()) return false;
-    const std::vector<Expr> held = symbols(v.force, SymbolKind::channel);
-    return std::any_of(held.begin(), held.end(),
-                       [](const Expr& s) { return s.name() == "yb" || s.name() == "vb" || s.name() == "ab"; });
-  });
-}
-
 }  // namespace
 
 bool is_physics(const Effect& effect) { return effect.family != "sensor" && effect.family != "input"; }
@@ -83,7 +74,7 @@ std::vector<Effect> testable(const Study& study, const Candidate& baseline, cons
   for (const Effect& given : catalogue) {
     const bool other_channel = given.any_motion && !study.imposed && study.measured != "y";
     const Effect effect = other_channel ? of_channel(study.model, given, study.measured[0]) : given;
-    if (study.degrees() > 1 && follows_base(effect)) {
+    if (study.degrees() > 1 && effect.family == "input" && follows_base(effect)) {
       left.push_back(effect.name + " (with one coordinate alone: a base moves all)");
       continue;
     }

@@ -5,6 +5,7 @@
 
 #include "discover/baseline.hpp"
 #include "discover/closure.hpp"
+#include "discover/frame.hpp"
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
@@ -31,20 +32,25 @@ void progress(const DiscoverOptions& options, const std::string& stage, double f
 
 /// The study of all rows: nothing is held out, since nothing is tested.
 struct Stage {
+  Frame frame;
   Study study;
   Candidate baseline;
   std::vector<std::string> warnings;
 
-  Stage(const Model& given, const std::vector<Record>& records, const DiscoverOptions& options) {
+  Stage(const Model& given, const std::vector<Record>& records, const DiscoverOptions& options) : frame(given) {
     validate(options);
-    check_baseline(given);
-    const Model model = complete(given);
-    study = prepare(model, records, records, options);
+    check_baseline(frame.model());
+    const Model model = complete(frame.model());
+    if (frame.moves()) warnings.push_back(frame.note());
+    const std::vector<Record> seen = frame.seen(records);
+    study = prepare(model, seen, seen, options);
     progress(options, "refit the baseline", 0.1);
     baseline = fit_baseline(study, model, warnings);
     warnings.insert(warnings.end(), study.warnings.begin(), study.warnings.end());
     if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();  // those of the force alone
   }
+
+  Model as_given(const Candidate& c) const { return frame.as_given(fitted(c)); }
 
   double gap(const Candidate& c) const {
     return c.ran() ? rms_error(c.fit) / study.measured_std() : std::numeric_limits<double>::quiet_NaN();
@@ -151,7 +157,7 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
   if (!where.empty()) place = place_named(stage.study.model, where);
   progress(options, "map the residual", 0.7);
   Located out;
-  out.baseline = fitted(stage.baseline);
+  out.baseline = stage.as_given(stage.baseline);
   out.gap = stage.gap(stage.baseline);
   const Candidate reference = follower(stage, seen);
   if (!place && stage.study.degrees() > 1) place = seen.value_or(Place{});
@@ -172,12 +178,12 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
                  const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   std::vector<std::string> untested;
-  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, given, untested);
+  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, stage.frame.seen(given), untested);
   if (!stage.baseline.ran())
     throw InputError("propose: the baseline cannot be simulated over the records (" + stage.baseline.fit.stopped + ")",
                      {}, Fault::data);
   Proposed out;
-  out.baseline = fitted(stage.baseline);
+  out.baseline = stage.as_given(stage.baseline);
   out.gap = stage.gap(stage.baseline);
   out.warnings = stage.warnings;
   for (const std::string& entry : untested) out.warnings.push_back("not tried: " + entry);
@@ -187,7 +193,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
   for (const Effect& effect : catalogue) {
     if (!may_join({}, effect)) continue;
     for (int variant = 0; variant < static_cast<int>(effect.variants.size()); ++variant) {
-      all.push_back(compile(stage.study, complete(baseline), {{&effect, variant}}));
+      all.push_back(compile(stage.study, stage.study.model, {{&effect, variant}}));
       guesses.push_back(scales.guesses({&effect, variant}));
     }
   }
@@ -226,13 +232,13 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
                               const DiscoverOptions& options) {
   const Stage stage(baseline, records, options);
   std::vector<std::string> untestable;
-  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, given, untestable);
+  const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, stage.frame.seen(given), untestable);
   PlacedScales scales(stage.study, stage.baseline);
   std::vector<Candidate> all{stage.baseline};
   std::vector<std::vector<std::vector<Guess>>> guesses{{}};
   for (const auto& set : sets)
     for (const Choices& way : ways_of(set, catalogue, untestable)) {
-      all.push_back(compile(stage.study, complete(baseline), way));
+      all.push_back(compile(stage.study, stage.study.model, way));
       guesses.emplace_back();
       for (const Choice& choice : way) guesses.back().push_back(scales.guesses(choice));
     }
@@ -281,7 +287,7 @@ std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& 
       row.bic = bic(c);
       row.p_value = i > 0 && kept[0].ran() ? improvement_p_value(kept[0], c) : 1;
       if (c.degenerate()) row.remark = "a parameter sits where the effect is another one, or none";
-      row.model = fitted(c);
+      row.model = stage.as_given(c);
     }
     out.push_back(std::move(row));
     if (out[i].bic < out[likeliest].bic) likeliest = i;

@@ -20,6 +20,13 @@ constexpr int max_stiff_substeps = 1024;
 /// y, v, a of each coordinate along the record.
 using Motion = std::vector<std::span<const double>>;
 
+/// The motion of base or shaft that forces and rates follow.
+std::vector<std::span<const double>> side_inputs(const System& system, const Record& record) {
+  std::vector<std::span<const double>> sides;
+  for (const std::string& side : system.model().sides()) sides.push_back(record[side]);
+  return sides;
+}
+
 /// Evaluates the forces on each row of the states: those of the first coordinate, then those of the second ...
 class ForceSink : public RowSink {
  public:
@@ -66,14 +73,6 @@ class ForceSink : public RowSink {
   }
 
  private:
-  /// The motion of base or shaft that the force follows.
-  static std::vector<std::span<const double>> side_inputs(const System& system, const Record& record) {
-    std::vector<std::span<const double>> sides;
-    for (const std::string& input : system.inputs())
-      if (input[0] != 'F' && input != "force_rate") sides.push_back(record[input]);
-    return sides;
-  }
-
   const System& system_;
   const Record& record_;
   const Motion& motion_;
@@ -149,7 +148,8 @@ VectorXd force_along(const System& system, std::span<const double> theta, const 
     return force;
   }
   std::vector<Excitation> between;
-  for (const auto& input : motion) between.emplace_back(record.start(), record.dt(), input, Interpolation::cubic);
+  for (const auto& inputs : {motion, side_inputs(system, record)})
+    for (const auto& input : inputs) between.emplace_back(record.start(), record.dt(), input, Interpolation::cubic);
   if (substeps > 0) {
     run_states(system, theta, record, between, substeps, dforce != nullptr, dforce ? full : plain);
     return force;

@@ -303,6 +303,12 @@ std::vector<std::string> Model::inputs() const {
   return channels;
 }
 
+std::vector<std::string> Model::sides() const {
+  std::vector<std::string> channels = inputs();
+  std::erase_if(channels, [](const std::string& input) { return input[0] == 'F' || input == force_rate; });
+  return channels;
+}
+
 const Parameter* Model::find(std::string_view name) const {
   const auto row = std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
   return row == parameters.end() ? nullptr : &*row;

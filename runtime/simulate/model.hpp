@@ -72,6 +72,7 @@ struct Model {
   /// The channels that drive it: the forces of the driven coordinates, then those of a base, of a shaft and of
   /// force_rate that it holds. Of a complete model (complete()). With imposed motion those of base and shaft alone.
   std::vector<std::string> inputs() const;
+  std::vector<std::string> sides() const;  ///< of these the motion of a base and of a shaft
 
   const Parameter* find(std::string_view name) const;
   Parameter* find(std::string_view name);

@@ -106,6 +106,10 @@ DynamicsSource imposed_motion(const Model& model) {
     for (const Expr& input : {pool.channel(model.channel('y', i)), v, a}) source.exogenous.push_back(input);
     for (const Expr& rate : {v, a, Expr()}) source.exogenous_rates.push_back(rate);
   }
+  for (const std::string& side : model.sides()) {
+    source.exogenous.push_back(pool.channel(side));
+    source.exogenous_rates.emplace_back();
+  }
   add_internal_states(source, model);
   if (const auto undone = undo_measures(model); model.imposed_motion && !undone.empty()) {
     for (Expr& rate : source.rates) rate = substitute(rate, undone);
@@ -123,11 +127,14 @@ bool is_motion(const Model& model, const std::string& channel) {
   return false;
 }
 
-/// True when states follow more than the motion of the coordinates: a force, or the motion of a base.
-bool rates_hold_input(const Model& model) {
+/// True when states follow a force.
+bool rates_hold_force(const Model& model) {
+  const std::vector<std::string> sides = model.sides();
   for (const InternalState& z : model.states)
     for (const Expr& symbol : symbols(z.rate, SymbolKind::channel))
-      if (symbol.name() != "t" && !is_motion(model, symbol.name())) return true;
+      if (symbol.name() != "t" && !is_motion(model, symbol.name()) &&
+          std::find(sides.begin(), sides.end(), symbol.name()) == sides.end())
+        return true;
   return false;
 }
 
@@ -143,7 +150,7 @@ System::System(const Model& given)
   p_ = static_cast<int>(model.parameters.size());
   const std::vector<InertiaRow> rows = inertia_rows(model);
 
-  if ((degrees_ == 1 || model.imposed_motion) && !rates_hold_input(model))
+  if ((degrees_ == 1 || model.imposed_motion) && !rates_hold_force(model))
     imposed_ = std::make_shared<const Dynamics>(compile(imposed_motion(model)));
   inputs_ = model.inputs();
   if (!model.imposed_motion) {
@@ -162,8 +169,7 @@ System::System(const Model& given)
     inputs.push_back(pool.channel(model.channel('v', i)));
   }
   for (const InternalState& z : model.states) inputs.push_back(z.symbol);
-  for (const std::string& input : inputs_)
-    if (input[0] != 'F' && input != "force_rate") inputs.push_back(pool.channel(input));
+  for (const std::string& side : model.sides()) inputs.push_back(pool.channel(side));
   for (const Expr& theta : parameter_symbols(model)) inputs.push_back(theta);
   compile_forces(rows, inputs);
   compile_measures();

@@ -7,7 +7,7 @@ return function(effect)
     parameters = { { "mh", min = 0, unit = "kg" }, { "kh", min = 0, unit = "N/m" }, { "ch", min = 0, unit = "N s/m" } },
     states = {
       x = { rate = "u", unit = "m" },
-      u = { rate = "(kh*(y - x) + ch*(v - u))/mh", unit = "m/s" },
+      u = { rate = "(kh*(y - x) + ch*(v - u))/mh", unit = "m/s", absolute = true },
     },
     guess = function(scale)
       local guesses, mh = {}, 0.1 * scale.stiffness / scale.omega ^ 2  -- how heavy is solved for: all scale with mh

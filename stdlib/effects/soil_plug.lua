@@ -7,7 +7,7 @@ return function(effect)
     parameters = { { "mp", min = 0, unit = "kg" }, { "k", min = 0, unit = "N/m" }, { "Fs", min = 0, unit = "N" } },
     states = {
       z = { rate = "k*(v - u)", min = "-Fs", max = "Fs", unit = "N" },
-      u = { rate = "z/mp", unit = "m/s" },
+      u = { rate = "z/mp", unit = "m/s", absolute = true },
     },
     guess = function(scale)
       local guesses = {}

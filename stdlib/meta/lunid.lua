@@ -130,7 +130,7 @@ function lunid.state(fields) end
 ---@field delay? any # by which the force acts later than its channel says
 ---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds
----@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit = }
+---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit =, absolute = }; absolute: the velocity of a mass of its own, against which a base that moves acts
 ---@field requires? table # what holds between parameters, as "Fs >= Fc"
 ---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters
 ---@field range? function # function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter
@@ -517,7 +517,7 @@ function lunid.model(fields) end
 ---@class lunid.chain.fields
 ---@field masses table # one for each coordinate
 ---@field element function # function(elongation, rate, index) that returns the force, positive in tension
----@field ends? "fixed"|"left"|"right"|"free" # which ends an element ties to the ground: both, the first mass, the last, none
+---@field ends? "fixed"|"left"|"right"|"free"|"base" # which ends an element ties to the ground: both, the first mass, the last, none; base: the first, to a base that moves (yb, vb)
 ---@field forces? table # the coordinates that a force acts on; else all
 ---@param fields lunid.chain.fields
 ---@return lunid.model

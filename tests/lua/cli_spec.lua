@@ -291,6 +291,23 @@ spec.case("parameters of --restoring get the units that the equation gives them"
   spec.equal(model:match '{ "p"[^}]-unit', nil)
 end)
 
+spec.case("those before differences to a base too", function()
+  local header, lines = "t,y,yb,vb,F\n", {}
+  for i = 0, 599 do
+    local t = i/100
+    lines[#lines + 1] = ("%g,%.8g,%.8g,%.8g,0\n"):format(t, 0.02*math.sin(7*t) + 0.01*math.sin(23*t), 0.01*math.sin(7*t), 0.07*math.cos(7*t))
+  end
+  spec.write("base.csv", header .. table.concat(lines))
+  local said, code = spec.lunid 'discover base.csv --mass 2 --restoring "k*(y - yb) + c*(v - vb)" --catalogue cubic_stiffness --out base'
+  spec.equal(code, 0)
+  spec.contains(said, "the base moves")
+  local model = spec.shell "cat base/model.lua"
+  spec.contains(model, "restoring = k*(y - yb) + c*(v - vb)")
+  for name, unit in pairs { k = "N/m", c = "N s/m" } do
+    spec.equal(model:match('{ "' .. name .. '"[^}]-unit = "([^"]*)"'), unit)
+  end
+end)
+
 spec.case("a second run replaces the files of the first and keeps the user's own", function()
   spec.write("s.lua", 'local lunid = require "lunid"\nlocal name = lunid.option { "name", "a" }\n'
     .. 'lunid.model { mass = 1, restoring = lunid.displacement }:save(name .. ".lua")\n')

@@ -157,6 +157,21 @@ TEST(ImposedForce, OfAStateMuchFasterThanTheSamples) {
   for (Eigen::Index i = 1; i < 400; ++i) EXPECT_NEAR(force[i], record["v"][i] - record["a"][i] / 5e4, 1e-4) << i;
 }
 
+// u' = -ab: a mass that is left behind by its base.
+TEST(ImposedForce, OfStatesThatFollowTheBase) {
+  const System system(model_of("0", "k*u", {{"u", "-ab", "", ""}}, true));
+  Channel base;
+  base.name = "ab";
+  base.values = Eigen::VectorXd::NullaryExpr(400, [](auto i) { return std::cos(2 * 0.005 * static_cast<double>(i)); });
+  const Record record = motion(400, 0.005).with(base);
+  Eigen::MatrixXd slopes;
+  const Eigen::VectorXd force = imposed_force(system, theta_of(system, {{"k", 10}}), record, &slopes);
+  for (Eigen::Index i = 0; i < 400; ++i) {
+    EXPECT_NEAR(force[i], -5 * std::sin(2 * 0.005 * static_cast<double>(i)), 1e-6) << i;
+    EXPECT_NEAR(slopes(i, 0), force[i] / 10, 1e-9) << i;
+  }
+}
+
 TEST(ImposedForce, OfStatesThatDivergeIsNoNumber) {
   const System system(model_of("0", "z", {{"z", "1 + z^2*L", "", ""}}, true));
   EXPECT_TRUE(imposed_force(system, theta_of(system, {{"L", 50}}), motion(200, 0.005)).array().isNaN().all());
