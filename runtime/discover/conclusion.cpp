@@ -34,6 +34,8 @@ std::string not_physics(const Choices& named) {
          (all ? "" : ": " + sensors + (sensors.empty() || inputs.empty() ? "" : ", ") + inputs) + ")";
 }
 
+std::string in_brackets(const std::string& words) { return words.empty() ? "" : " (" + words + ")"; }
+
 /// What lowers the left-out gap beyond chance, though by less than is asked of a name, and by how much.
 std::string below_the_least_gain(const Study& study, const SearchResult& found) {
   if (!found.faint) return "";
@@ -153,7 +155,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     if (!std::isfinite(out.baseline_test.value))
       return said + ": the baseline cannot be run on the test record, the final model can";
     if (left.material)
-      said += std::string(text) + "; a small repeatable force is left (" + left.closure.words() + ")";
+      said += std::string(text) + "; a small repeatable force is left" + in_brackets(left.closure.words());
     else
       said += text;
     return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
@@ -188,8 +190,8 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   if (!left.seen)
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;
-  return "something repeatable is missing (" + left.closure.words() + ") that no entry of the catalogue explains" +
-         by_nameless_forces(out) + nearest;
+  return "something repeatable is missing" + in_brackets(left.closure.words()) +
+         " that no entry of the catalogue explains" + by_nameless_forces(out) + nearest;
 }
 
 /// Two estimates of a parameter are further apart than their deviations allow, and than matters.

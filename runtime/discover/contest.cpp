@@ -27,6 +27,8 @@ class Contest {
         if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
         for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
       }
+      for (const Candidate& whole : best_at_limits())
+        for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
       for (const Candidate* best : open_of_several()) {
         if (is_among(generalised, best->choices)) continue;
         generalised.push_back(best->choices);
@@ -45,6 +47,17 @@ class Contest {
   }
 
  private:
+  /// Degenerate sets are none, but what they have grown into may be one with a simpler entry: a clearance without a gap
+  /// beside a damping is a spring beside it.
+  std::span<const Candidate> best_at_limits() const {
+    constexpr std::size_t most = 6;
+    const std::vector<Candidate>& all = out_.at_limits;
+    const double worst = out_.sets.empty() ? INFINITY : as_good * out_.sets.front().fit.cost;
+    std::size_t count = 0;
+    while (count < std::min(most, all.size()) && all[count].fit.cost <= worst) ++count;
+    return {all.data(), count};
+  }
+
   /// The best of each number of effects from two on, where it leaves more than the noise.
   std::vector<const Candidate*> open_of_several() const {
     std::vector<const Candidate*> out;

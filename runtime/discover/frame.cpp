@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "record/derive.hpp"
 #include "discover/views.hpp"
+#include "record/derive.hpp"
 #include "record/motion.hpp"
 #include "record/random.hpp"
 
@@ -103,9 +103,10 @@ Channel acceleration_of_base(const Record& record) {
     out.derivation = "of " + from + " by " + slope.how;
     return out;
   }
-  throw InputError("discover: a base that moves: the record holds no motion of it; name its column, e.g. --columns "
-                   "\"yb=header [unit]\", or ab",
-                   {record.name(), 0, 0}, Fault::data);
+  throw InputError(
+      "discover: a base that moves: the record holds no motion of it; name its column, e.g. --columns "
+      "\"yb=header [unit]\", or ab",
+      {record.name(), 0, 0}, Fault::data);
 }
 
 /// A copy with these channels alone.
@@ -143,11 +144,12 @@ std::vector<Channel> relative_motion(const Model& model, const Record& record) {
     }
   }
   if (out.empty())
-    throw InputError("discover: a base that moves: expected one quantity of the rig and of its base (y and yb, v and "
-                     "vb, or a and ab), got " +
-                         (has.empty() ? "none" : has) +
-                         "; where y is measured from the base, write k*y + c*v + m*ab with the number m",
-                     {record.name(), 0, 0}, Fault::data);
+    throw InputError(
+        "discover: a base that moves: expected one quantity of the rig and of its base (y and yb, v and "
+        "vb, or a and ab), got " +
+            (has.empty() ? "none" : has) +
+            "; where y is measured from the base, write k*y + c*v + m*ab with the number m",
+        {record.name(), 0, 0}, Fault::data);
   return out;
 }
 
@@ -263,7 +265,8 @@ std::vector<Effect> Frame::seen(const std::vector<Effect>& catalogue) const {
       if (variant.force.valid()) variant.force = substitute(variant.force, against_ground);
     for (Expr* part : parts_of(effect.states)) *part = substitute(*part, against_ground);
     for (InternalState& state : effect.states)
-      if (std::ranges::find(effect.absolute, state.symbol.name()) != effect.absolute.end()) state.rate = state.rate - ab;
+      if (std::ranges::find(effect.absolute, state.symbol.name()) != effect.absolute.end())
+        state.rate = state.rate - ab;
   }
   return out;
 }

@@ -8,9 +8,9 @@
 
 namespace lunid {
 
-/// m*a + f(y - yb, v - vb) = F on a base that moves is, in motions relative to the base, m*a + f(y, v) = F - m*ab, a rig
-/// on the ground (Den Hartog 1956, Mechanical Vibrations, chapter 2): discovery looks at that. So it does at a baseline
-/// in relative motions that holds m*ab itself. A baseline without the motion of a base is taken as it is.
+/// m*a + f(y - yb, v - vb) = F on a base that moves is, in motions relative to the base, m*a + f(y, v) = F - m*ab, a
+/// rig on the ground (Den Hartog 1956, Mechanical Vibrations, chapter 2): discovery looks at that. So it does at a
+/// baseline in relative motions that holds m*ab itself. A baseline without the motion of a base is taken as it is.
 class Frame {
  public:
   /// Throws InputError where the base enters otherwise than through differences to it or through m*ab, and where a mass
@@ -27,7 +27,8 @@ class Frame {
   /// Entries whose accelerations, and those of masses of their own (Effect::absolute), are those against the ground.
   std::vector<Effect> seen(const std::vector<Effect>& catalogue) const;
 
-  /// A model that was found, as the baseline was given. One with a fault of a channel stays as it is seen from the base.
+  /// A model that was found, as the baseline was given. One with a fault of a channel stays as it is seen from the
+  /// base.
   Model as_given(const Model& found) const;
   Discovery as_given(Discovery found) const;
 

@@ -40,14 +40,14 @@ class Grower {
       if (level.empty()) break;
       const bool better = worth_growing(best, level.front());
       const bool masked = size == 1 && may_mask_a_pair(level);
-      for (const auto& c : level)
-        if (!c.degenerate()) out_.sets.push_back(c);
+      for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
       if (!better && !masked) break;
       best = level.front();
       parents = parents_of(std::move(level));
       if (parents.empty()) break;
     }
     sort_by_cost(out_.sets);
+    sort_by_cost(out_.at_limits);
     contest_the_best(study_, model_, baseline_, known_, offers_, fits_, out_);
     return std::move(out_);
   }

@@ -11,6 +11,7 @@ namespace lunid {
 
 struct Grown {
   std::vector<Candidate> sets;          ///< fitted, none of them degenerate, least cost first
+  std::vector<Candidate> at_limits;     ///< the degenerate ones: of some entry of theirs a simpler one is meant
   std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline, with the reason
   int tried = 0;  ///< start points over which a p-value is to be corrected, those of known sets too
 };

@@ -76,6 +76,7 @@ local same = {
   { "one_sided_stop", { k = 1500, g = 0.02 }, "bilinear_stiffness", { dk = 1500, y0 = 0.02 } },
   { "one_sided_stop", { k = 1500, g = 0.02 }, "impact_hunt_crossley", { k = 1500, c = 0, n = 1, g = 0.02 } },
   { "one_sided_stop", { k = 1500, g = 0.02 }, "crane_lowering", { kc = 1500, yc0 = 0.02, Vc = 0 } },
+  { "linear_stiffness", { k = 800 }, "clearance", { k = 800, g = 0 } },
 }
 
 spec.case("special cases are the general entries at those values", function()

@@ -40,8 +40,8 @@ constexpr Eigen::Index rows = 400;
 constexpr double dt = 0.01;
 
 Eigen::VectorXd wave(double size, double w) {
-  return Eigen::VectorXd::NullaryExpr(
-      rows, [=](Eigen::Index i) { return size * std::sin(w * dt * static_cast<double>(i)); });
+  return Eigen::VectorXd::NullaryExpr(rows,
+                                      [=](Eigen::Index i) { return size * std::sin(w * dt * static_cast<double>(i)); });
 }
 
 TEST(Frame, AModelOnTheGroundIsTakenAsItIs) {
@@ -129,9 +129,9 @@ TEST(Frame, SeveralCoordinatesStandOnOneBase) {
   const Frame frame(model);
   EXPECT_EQ(to_text(frame.model().restoring), "k*y1 - s*(y2 - y1)");
   EXPECT_TRUE(frame.model().driven.empty());  // the base moves all
-  const Record record("r", 0, dt,
-                      {channel("a1", wave(5, 5)), channel("a2", wave(6, 5)), channel("ab", wave(2, 5)),
-                       channel("F2", wave(1, 9))});
+  const Record record(
+      "r", 0, dt,
+      {channel("a1", wave(5, 5)), channel("a2", wave(6, 5)), channel("ab", wave(2, 5)), channel("F2", wave(1, 9))});
   const Record seen = frame.seen(record);
   EXPECT_LT((Eigen::VectorXd::Map(seen["a2"].data(), rows) - wave(4, 5)).norm(), 1e-12);
   EXPECT_LT((Eigen::VectorXd::Map(seen["F1"].data(), rows) + wave(4, 5)).norm(), 1e-12);
@@ -160,8 +160,10 @@ TEST(Frame, SaysWhatItCannotLookAt) {
             begin + "expected the mass alone before accelerations, got k*(y - yb) + d*a");
   EXPECT_EQ(fault_of(model_of(pool, "k*y + 3*ab^2")), begin + "expected ab in a term m*ab, got k*y + 3*ab^2");
   EXPECT_EQ(fault_of(model_of(pool, "k*y + g*ab")), begin + "expected ab with a number, as m*ab, got g*ab");
-  EXPECT_EQ(fault_of(model_of(pool, "k*(y - yb)", "m")),
-            begin + "expected a mass that is a number, got m: no force shows it. With mass 1 all values are per unit of mass");
+  EXPECT_EQ(
+      fault_of(model_of(pool, "k*(y - yb)", "m")),
+      begin +
+          "expected a mass that is a number, got m: no force shows it. With mass 1 all values are per unit of mass");
 }
 
 }  // namespace
