@@ -196,7 +196,10 @@ std::string words_of_missing(const Study& study, const Record& record, const std
     return what +
            "the motion of every coordinate of the model has to be measured: name its column, or take a model without "
            "it";
-  return what + "name its column, e.g. --columns \"" + columns + "\"";
+  const bool shaken = missing.front()[0] == 'F' && (record.has("yb") || record.has("vb") || record.has("ab"));
+  return what + "name its column, e.g. --columns \"" + columns + "\"" +
+         (shaken ? "; where the base drives, the baseline holds differences to it, as k*(y - yb) + c*(v - vb), or m*ab"
+                 : "");
 }
 
 }  // namespace

@@ -47,14 +47,15 @@ class Contest {
   }
 
  private:
-  /// Degenerate sets are none, but what they have grown into may be one with a simpler entry: a clearance without a gap
-  /// beside a damping is a spring beside it.
+  /// Degenerate sets that fit better than all others, where these leave something: they are none, but what they have
+  /// grown into may be one with a simpler entry. A clearance without a gap beside a damping is a spring beside it.
   std::span<const Candidate> best_at_limits() const {
-    constexpr std::size_t most = 6;
+    constexpr std::size_t most = 4;
     const std::vector<Candidate>& all = out_.at_limits;
-    const double worst = out_.sets.empty() ? INFINITY : as_good * out_.sets.front().fit.cost;
+    const Candidate* best = out_.sets.empty() ? nullptr : &out_.sets.front();
+    if (best && !is_above_noise(study_, *best)) return {};
     std::size_t count = 0;
-    while (count < std::min(most, all.size()) && all[count].fit.cost <= worst) ++count;
+    while (count < std::min(most, all.size()) && (!best || all[count].fit.cost < best->fit.cost)) ++count;
     return {all.data(), count};
   }
 

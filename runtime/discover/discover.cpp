@@ -248,7 +248,7 @@ class Spine {
       if (!is_among(found.ties.rivals, set)) found.ties.rivals.push_back(set);
     }
     remark_ties(found);
-    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+    round.verdict = found.ties.verdict();
   }
 
   /// A search that is made again shows what it has shown before.
@@ -478,7 +478,7 @@ class Spine {
     round.train = std::move(first.train);
     runs_.after_test = runs(study_, found.chosen, study_.test);
     out_.test_p_value = first.test_p_value;
-    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+    round.verdict = found.ties.verdict();
     return true;
   }
 
@@ -543,9 +543,10 @@ class Spine {
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     if (stand > 0) find_ties_of_the_rest(found);
-    round.verdict = stand > 0                              ? (found.ties.rivals.empty() ? "explained" : "ambiguous")
-                    : something_is_missing(round, patched) ? "unknown-effect"
-                                                           : "nothing-missing";
+    if (stand > 0)
+      round.verdict = found.ties.verdict();
+    else
+      round.verdict = something_is_missing(round, patched) ? "unknown-effect" : "nothing-missing";
   }
 
   /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the

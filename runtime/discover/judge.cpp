@@ -139,9 +139,13 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
 
 namespace {
 
+bool is_unseen(const FitResult& fit, Eigen::Index k) {
+  return static_cast<std::size_t>(k) < fit.unseen.size() && fit.unseen[static_cast<std::size_t>(k)];
+}
+
 /// Also where the rows say nothing of it. `given`: parameters that count as known.
 bool within_two_deviations_of_zero(const FitResult& fit, Eigen::Index k, const std::vector<Eigen::Index>& given = {}) {
-  if (static_cast<std::size_t>(k) < fit.unseen.size() && fit.unseen[static_cast<std::size_t>(k)]) return true;
+  if (is_unseen(fit, k)) return true;
   double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
   if (variance > 0 && !given.empty()) {
     const Eigen::VectorXd with = fit.covariance(given, k);
@@ -179,6 +183,14 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
   return rest < left * left * whole;
 }
 
+/// Its deviation says nothing of whether it is zero: something else takes its place exactly, as a path that was slipped
+/// before the record that of a peak resistance. Chance alone brings one of a hundred parameters so near to zero.
+bool is_on_a_ridge(const FitResult& fit, Eigen::Index k) {
+  constexpr double deviations = 0.01;
+  const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
+  return is_unseen(fit, k) || std::abs(fit.theta[k]) < deviations * std::sqrt(variance);
+}
+
 }  // namespace
 
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
@@ -190,7 +202,8 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
     const auto k = static_cast<Eigen::Index>(j);
     if (larger.linear[j]) {
       any = true;
-      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers);
+      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers) ||
+             (is_on_a_ridge(larger.fit, k) && is_a_size(study, larger, smaller, k));
     } else if (within_two_deviations_of_zero(larger.fit, k) && is_a_size(study, larger, smaller, k)) {
       return false;
     }

@@ -32,6 +32,8 @@ struct Ties {
   /// That the record cannot tell from the chosen set: of equal simplicity, or physics that does just what a fault does.
   std::vector<Choices> rivals;
   std::vector<std::string> aliases;  ///< whose free runs are those of the chosen set: the same in other words
+  /// Of what is named beside these.
+  std::string verdict() const { return rivals.empty() ? "explained" : "ambiguous"; }
 };
 
 /// What of these judged sets the records cannot tell from the chosen one.

@@ -170,7 +170,7 @@ void decide(const Study& study, Round& round) {
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
-    round.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+    round.verdict = found.ties.verdict();
   }
 }
 
@@ -327,7 +327,7 @@ std::optional<Round> borne_out(const Study& study, const Round& round) {
   const Gap last = out.gap(after);
   const bool whole = closed_share(first.value, last.value, last.floor) >= most_closed(found.order);
   if (!whole || !(p_value < study.options->alpha) || !refuted(study, out, p_value, before, after).empty()) return {};
-  out.verdict = found.ties.rivals.empty() ? "explained" : "ambiguous";
+  out.verdict = found.ties.verdict();
   return out;
 }
 

@@ -148,6 +148,7 @@ spec.case("what cannot be looked at says why, and what to do", function()
   fails(k*(y - yb), seen, "expected a mass that is a number, got m: no force shows it", lunid.parameter { "m", 20, min = 1 })
   fails(k*y + lunid.parameter { "g" }*lunid.base_acceleration, against, "expected ab with a number, as m*ab, got g*ab")
   fails(k*(y - yb), against, "expected one quantity of the rig and of its base (y and yb, v and vb, or a and ab), got y, ab")
+  fails(k*y, seen, "where the base drives, the baseline holds differences to it, as k*(y - yb) + c*(v - vb), or m*ab")
   fails(k*(y - yb), record(measure(none, 1), { "y" }, 1), "the record holds no motion of it; name its column")
 end)
 
