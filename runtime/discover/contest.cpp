@@ -27,8 +27,8 @@ class Contest {
         if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
         for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
       }
-      for (const Candidate& whole : best_at_limits())
-        for (const Choice& old : whole.choices) fit_special_cases(whole, old, more);
+      for (const Candidate* whole : best_at_limits())
+        for (const Choice& old : whole->choices) fit_special_cases(*whole, old, more);
       for (const Candidate* best : open_of_several()) {
         if (is_among(generalised, best->choices)) continue;
         generalised.push_back(best->choices);
@@ -47,16 +47,16 @@ class Contest {
   }
 
  private:
-  /// Degenerate sets that fit better than all others, where these leave something: they are none, but what they have
-  /// grown into may be one with a simpler entry. A clearance without a gap beside a damping is a spring beside it.
-  std::span<const Candidate> best_at_limits() const {
+  /// Degenerate sets that come down to the noise, where no other does: they are none, but what they have grown into is
+  /// one with a simpler entry. A clearance without a gap beside a damping is a spring beside it. Of those that do not,
+  /// a part that fits better would only make other names of what no set explains (EMPS).
+  std::vector<const Candidate*> best_at_limits() const {
     constexpr std::size_t most = 4;
-    const std::vector<Candidate>& all = out_.at_limits;
-    const Candidate* best = out_.sets.empty() ? nullptr : &out_.sets.front();
-    if (best && !is_above_noise(study_, *best)) return {};
-    std::size_t count = 0;
-    while (count < std::min(most, all.size()) && (!best || all[count].fit.cost < best->fit.cost)) ++count;
-    return {all.data(), count};
+    std::vector<const Candidate*> out;
+    if (!out_.sets.empty() && !is_above_noise(study_, out_.sets.front())) return out;
+    for (const Candidate& c : out_.at_limits)
+      if (out.size() < most && c.ran() && !is_above_noise(study_, c)) out.push_back(&c);
+    return out;
   }
 
   /// The best of each number of effects from two on, where it leaves more than the noise.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "discover/places.hpp"
 #include "discover/views.hpp"
 #include "record/derive.hpp"
 #include "record/motion.hpp"
@@ -30,8 +31,7 @@ std::vector<Expr*> parts_of(std::vector<InternalState>& states) {
 /// The forces and the rates of a model.
 std::vector<Expr*> equations_of(Model& model) {
   std::vector<Expr*> out = parts_of(model.states);
-  out.push_back(&model.restoring);
-  for (Coordinate& coordinate : model.further) out.push_back(&coordinate.restoring);
+  for (int i = 0; i < model.degrees(); ++i) out.push_back(&restoring_of(model, i));
   return out;
 }
 
@@ -199,7 +199,7 @@ void Frame::take_inertia(const Model& given) {
   const Expr ab = pool.channel("ab");
   const Replacements rest = base_at_rest(pool);
   for (int i = 0; i < model.degrees(); ++i) {
-    Expr& force = i == 0 ? model.restoring : model.further[static_cast<std::size_t>(i) - 1].restoring;
+    Expr& force = restoring_of(model, i);
     const Expr slope = substitute(derivative(force, ab), rest);
     if (!slope.is_constant()) refuse("expected ab with a number, as m*ab, got " + to_text(slope) + "*ab");
     inertia_.push_back(slope.value());
@@ -212,11 +212,13 @@ void Frame::take_inertia(const Model& given) {
 
 Channel Frame::force_on(int coordinate, const Record& record, const Channel& ab) const {
   const std::string name = model_.channel('F', coordinate);
+  const bool is_whole = record.has("F") && driven_ == std::vector<int>{coordinate};  // of the one that is driven
   Channel out;
   out.name = out.source = name;
   out.unit = ab.unit.rfind("rad", 0) == 0 ? "N m" : "N";
   out.values = Eigen::VectorXd::Zero(record.rows());
-  if (record.has(name)) out = of_window(record, name);
+  if (record.has(name) || is_whole) out = of_window(record, record.has(name) ? name : "F");
+  out.name = name;
   const double inertia = inertia_[static_cast<std::size_t>(coordinate)];
   out.values -= inertia * ab.values;
   out.noise = std::hypot(out.noise, inertia * ab.noise);
@@ -229,6 +231,11 @@ Record Frame::seen(const Record& record) const {
   if (!ab.derived) ab = of_window(record, "ab");
   std::vector<Channel> channels;
   if (kind_ == Kind::absolute) channels = relative_motion(model_, record);
+  if (model_.degrees() > 1 && record.has("F") && driven_.size() != 1)
+    throw InputError(
+        "discover: the record has one force F, and the model several coordinates that it may act on: name "
+        "its column F1 or another of them, or give the model forces = { 1 }",
+        {record.name(), 0, 0}, Fault::data);
   for (int i = 0; i < model_.degrees(); ++i) channels.push_back(force_on(i, record, ab));
   channels.push_back(std::move(ab));
   const auto is_there = [&](const std::string& name) {
@@ -278,7 +285,7 @@ Model Frame::as_given(const Model& found) const {
   out.driven = driven_;
   if (kind_ == Kind::relative) {
     for (int i = 0; i < out.degrees(); ++i) {
-      Expr& force = i == 0 ? out.restoring : out.further[static_cast<std::size_t>(i) - 1].restoring;
+      Expr& force = restoring_of(out, i);
       force = force + inertia_[static_cast<std::size_t>(i)] * pool.channel("ab");
     }
     return out;

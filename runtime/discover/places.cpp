@@ -167,13 +167,16 @@ std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& cat
   return out;
 }
 
+Expr& restoring_of(Model& model, int coordinate) {
+  return coordinate == 0 ? model.restoring : model.further[static_cast<std::size_t>(coordinate) - 1].restoring;
+}
+
 void add_force(Model& model, const std::optional<Place>& place, Expr force) {
-  const auto row = [&](int coordinate) -> Expr& {
-    return coordinate == 0 ? model.restoring : model.further[static_cast<std::size_t>(coordinate) - 1].restoring;
-  };
-  Expr& first = row(place ? place->of : 0);
+  Expr& first = restoring_of(model, place ? place->of : 0);
   first = first + force;
-  if (place && place->joint()) row(place->from) = row(place->from) - force;
+  if (!place || !place->joint()) return;
+  Expr& other = restoring_of(model, place->from);
+  other = other - force;
 }
 
 Expr motion_at(const Model& model, const std::optional<Place>& place, char quantity) {

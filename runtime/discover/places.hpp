@@ -20,6 +20,9 @@ std::vector<Effect> at_places(const Model& model, const std::vector<Effect>& cat
 /// states, guesses, units and formula.
 Effect of_channel(const Model& model, const Effect& effect, char measured);
 
+/// The restoring force in the equation of a coordinate.
+Expr& restoring_of(Model& model, int coordinate);
+
 /// Adds a force to the equations of the coordinates that it acts on; without a place to that of the first.
 void add_force(Model& model, const std::optional<Place>& place, Expr force);
 

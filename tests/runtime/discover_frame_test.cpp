@@ -136,6 +136,15 @@ TEST(Frame, SeveralCoordinatesStandOnOneBase) {
   EXPECT_LT((Eigen::VectorXd::Map(seen["a2"].data(), rows) - wave(4, 5)).norm(), 1e-12);
   EXPECT_LT((Eigen::VectorXd::Map(seen["F1"].data(), rows) + wave(4, 5)).norm(), 1e-12);
   EXPECT_LT((Eigen::VectorXd::Map(seen["F2"].data(), rows) - wave(1, 9) + wave(10, 5)).norm(), 1e-12);
+  const Record other(
+      "r", 0, dt,
+      {channel("a1", wave(5, 5)), channel("a2", wave(6, 5)), channel("ab", wave(2, 5)), channel("F", wave(1, 9))});
+  const Record whole = frame.seen(other);  // F is that of the coordinate that is driven
+  EXPECT_LT((Eigen::VectorXd::Map(whole["F2"].data(), rows) - wave(1, 9) + wave(10, 5)).norm(), 1e-12);
+  EXPECT_LT((Eigen::VectorXd::Map(whole["F1"].data(), rows) + wave(4, 5)).norm(), 1e-12);
+  model.driven.clear();
+  EXPECT_THROW(Frame(model).seen(other), InputError);
+  model.driven = {1};
   const Model back = frame.as_given(frame.model());
   EXPECT_EQ(to_text(back.restoring), "k*(y1 - yb) - s*(y2 - y1)");
   EXPECT_EQ(back.driven, model.driven);
