@@ -137,8 +137,8 @@ models.chain = schema.define({
     return { y = core.channel("y" .. number), v = core.channel("v" .. number) }
   end
   for i = 1, n do restoring[i] = 0 end
+  local first = given.ends == "left" or given.ends == "base"
   for i = 0, n do  -- element i + 1 stands between mass i and mass i + 1
-    local first = given.ends == "left" or given.ends == "base"
     local tied = i > 0 and i < n or given.ends == "fixed" or i == 0 and first or i == n and given.ends == "right"
     if tied then
       local force = element(given, i + 1, place(i), place(i + 1))

@@ -618,9 +618,8 @@ void check_baseline(const Model& given) {
   if (baseline.delay.valid()) throw InputError("discover: a baseline with a delayed force is not looked at: shift F");
   for (const std::string& input : baseline.inputs())
     if (input[0] != 'F')
-      throw InputError(
-          "discover: a baseline driven by " + input + " is not looked at" +
-          (baseline.imposed_motion ? " with imposed motion: take what it does into F" : ": take what it does into F"));
+      throw InputError("discover: a baseline driven by " + input + " is not looked at" +
+                       (baseline.imposed_motion ? " with imposed motion" : "") + ": take what it does into F");
 }
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,

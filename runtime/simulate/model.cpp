@@ -370,6 +370,10 @@ Model complete(Model model) {
   drop_numbers(model);
   check_driven(model);
   check_states(model);
+  if (const auto drive = 3 * static_cast<std::size_t>(model.degrees()) + model.sides().size();
+      model.imposed_motion && !model.states.empty() && drive > max_inputs)
+    throw InputError("model: the states of an imposed motion can follow " + std::to_string(max_inputs) +
+                     " channels at most, got " + std::to_string(drive) + " of coordinates, base and shaft");
   check_maps(model);
   const std::vector<Part> parts = parts_of(model);
   for (const Part& part : parts) check_symbols(model, part);

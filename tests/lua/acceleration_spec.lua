@@ -16,25 +16,19 @@ end
 
 --- Acceleration of x'' + 0.12 x' + 0.08 sign(x') + 0.2 x^2 x' + x = u, without dimensions.
 local function record(seed)
-  local h, x, s, as, fs = spacing / finer, 0, 0, {}, {}
-  local function a(tau, x, s)
+  local h, state, as, fs = spacing / finer, { 0, 0 }, {}, {}
+  local function slopes(tau, at)
+    local x, s = at[1], at[2]
     local friction = (1 - 2 / (math.exp(math.max(-60, math.min(60, 1600 * s))) + 1)) * 0.08
-    return force_at(tau, seed) - 0.12 * s - friction - 0.2 * x * x * s - x
+    return { s, force_at(tau, seed) - 0.12 * s - friction - 0.2 * x * x * s - x }
   end
   for i = 0, rows * finer - 1 do
     local tau = i * h
-    local a1, s2 = a(tau, x, s), nil
     if i % finer == 0 then
-      as[#as + 1] = a1 * length * omega ^ 2
+      as[#as + 1] = slopes(tau, state)[2] * length * omega ^ 2
       fs[#fs + 1] = force_at(tau, seed) * mass * length * omega ^ 2
     end
-    s2 = s + h / 2 * a1
-    local a2 = a(tau + h / 2, x + h / 2 * s, s2)
-    local s3 = s + h / 2 * a2
-    local a3 = a(tau + h / 2, x + h / 2 * s2, s3)
-    local s4 = s + h * a3
-    local a4 = a(tau + h, x + h * s3, s4)
-    x, s = x + h / 6 * (s + 2 * s2 + 2 * s3 + s4), s + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    state = spec.runge_kutta(slopes, tau, state, h)
   end
   return lunid.record({ channels = { { "F", fs }, { "a", as } }, dt = spacing / omega })
     :with_noise { a = lunid.noise.gaussian { relative = 0.01 }, F = lunid.noise.gaussian { relative = 0.0056 }, seed = seed }

@@ -12,25 +12,16 @@ local function measure(seed)
     for i = 1, 18 do sum = sum + math.cos((0.4 + 0.07*i)*omega*t + (seed*i*i) % 6.28) end
     return 0.05*stiffness*size * sum
   end
-  local function slope(t, y, v)
-    return (force(t) - stiffness*y*(1 + 0.4*(y/size)^2) - damping*v) / mass
+  local function slopes(t, state)
+    local y, v = state[1], state[2]
+    return { v, (force(t) - stiffness*y*(1 + 0.4*(y/size)^2) - damping*v) / mass }
   end
   local noise = lunid.excitation.white_noise { rms = 0.01*size, dt = dt, duration = rows*dt, seed = seed }:column "F"
-  local y, v, h, shown, F = 0, 0, dt/finer, {}, {}
+  local state, h, shown, F = { 0, 0 }, dt/finer, {}, {}
   for row = 1, rows do
     local t = (row - 1)*dt
-    shown[row], F[row] = y + noise[row], force(t)
-    for step = 0, finer - 1 do
-      local s = t + step*h
-      local a1 = slope(s, y, v)
-      local v2 = v + h/2*a1
-      local a2 = slope(s + h/2, y + h/2*v, v2)
-      local v3 = v + h/2*a2
-      local a3 = slope(s + h/2, y + h/2*v2, v3)
-      local v4 = v + h*a3
-      local a4 = slope(s + h, y + h*v3, v4)
-      y, v = y + h/6*(v + 2*v2 + 2*v3 + v4), v + h/6*(a1 + 2*a2 + 2*a3 + a4)
-    end
+    shown[row], F[row] = state[1] + noise[row], force(t)
+    for step = 0, finer - 1 do state = spec.runge_kutta(slopes, t + step*h, state, h) end
   end
   return lunid.record { channels = { { "y", shown, unit = "m" }, { "F", F, unit = "N" } }, dt = dt }
 end

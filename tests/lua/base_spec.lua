@@ -10,7 +10,7 @@ local stiffness, damping = mass * omega^2, 0.06 * mass * omega
 local rows, dt, finer = 1500, 1 / (40 * frequency), 12
 local hidden = { mass = 3, stiffness = 3 * (1.15*omega)^2, damping = 0.1 * 3 * omega }
 
---- What the base does: displacement, velocity, acceleration at a time. A dozen tones.
+--- What the base does: displacement, velocity, acceleration at a time. Sixteen tones.
 local function base(t, seed)
   local at, speed, acceleration = 0, 0, 0
   for i = 1, 16 do
@@ -33,25 +33,13 @@ local function measure(law, seed, on_top)
     local force = stiffness * (x + size * law(x/size, w/(omega*size))) + damping * w + between
     return { w, -force/mass - ab, wh, between/hidden.mass - ab }
   end
-  local function moved(state, slope, h)
-    local out = {}
-    for i = 1, 4 do out[i] = state[i] + h*slope[i] end
-    return out
-  end
   local state, h, out = { 0, 0, 0, 0 }, dt / finer, { y = {}, a = {}, yb = {}, vb = {}, ab = {}, relative = {} }
   for row = 1, rows do
     local t = (row - 1)*dt
     local at, speed, acceleration = base(t, seed)
     out.relative[row], out.y[row], out.a[row] = state[1], state[1] + at, slopes(t, state)[2] + acceleration
     out.yb[row], out.vb[row], out.ab[row] = at, speed, acceleration
-    for step = 0, finer - 1 do
-      local s = t + step*h
-      local first = slopes(s, state)
-      local second = slopes(s + h/2, moved(state, first, h/2))
-      local third = slopes(s + h/2, moved(state, second, h/2))
-      local fourth = slopes(s + h, moved(state, third, h))
-      for i = 1, 4 do state[i] = state[i] + h/6*(first[i] + 2*second[i] + 2*third[i] + fourth[i]) end
-    end
+    for step = 0, finer - 1 do state = spec.runge_kutta(slopes, t + step*h, state, h) end
   end
   return out
 end

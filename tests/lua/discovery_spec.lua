@@ -14,22 +14,10 @@ local function motion(of, force, rows, dt, fine)
     if of.rate then d[3], d[4] = of.rate(s[1], s[2], s[3], s[4]) end
     return d
   end
-  local function along(s, d, length)
-    local out = {}
-    for i = 1, #s do out[i] = s[i] + length * d[i] end
-    return out
-  end
   for i = 1, rows do
     forces[i], ys[i] = force((i - 1) * dt), x[of.shows or 1]
     accelerations[i] = slope((i - 1) * dt, x)[2]
-    for j = 1, fine do
-      local t = ((i - 1) + (j - 1) / fine) * dt
-      local a = slope(t, x)
-      local b = slope(t + h/2, along(x, a, h/2))
-      local c = slope(t + h/2, along(x, b, h/2))
-      local d = slope(t + h, along(x, c, h))
-      for k = 1, #x do x[k] = x[k] + h/6 * (a[k] + 2*b[k] + 2*c[k] + d[k]) end
-    end
+    for j = 1, fine do x = spec.runge_kutta(slope, ((i - 1) + (j - 1) / fine) * dt, x, h) end
   end
   return forces, ys, accelerations
 end

@@ -24,19 +24,9 @@ local function motion(others, states, rows, seed)
     for j = 1, states do d[2 + j] = further[j] end
     return d
   end
-  local function moved(d, step)
-    local at = {}
-    for j = 1, #x do at[j] = x[j] + step * d[j] end
-    return at
-  end
   for i = 0, rows * finer - 1 do
     if i % finer == 0 then out[#out + 1] = x[1] end
-    local tau = i * h
-    local d1 = slopes(tau, x)
-    local d2 = slopes(tau + h/2, moved(d1, h/2))
-    local d3 = slopes(tau + h/2, moved(d2, h/2))
-    local d4 = slopes(tau + h, moved(d3, h))
-    for j = 1, #x do x[j] = x[j] + h/6 * (d1[j] + 2*d2[j] + 2*d3[j] + d4[j]) end
+    x = spec.runge_kutta(slopes, i * h, x, h)
   end
   return out
 end

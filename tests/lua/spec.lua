@@ -103,6 +103,23 @@ end
 ]]):format(field)
 end
 
+--- The state after one step h of the classical Runge-Kutta method; slopes(t, state) returns the rates, a list as the
+--- state is.
+function spec.runge_kutta(slopes, t, state, h)
+  local function moved(rates, step)
+    local out = {}
+    for i = 1, #state do out[i] = state[i] + step*rates[i] end
+    return out
+  end
+  local a = slopes(t, state)
+  local b = slopes(t + h/2, moved(a, h/2))
+  local c = slopes(t + h/2, moved(b, h/2))
+  local d = slopes(t + h, moved(c, h))
+  local out = {}
+  for i = 1, #state do out[i] = state[i] + h/6*(a[i] + 2*b[i] + 2*c[i] + d[i]) end
+  return out
+end
+
 function spec.clean() os.execute(("rm -rf '%s'"):format(spec.folder)) end
 
 return spec

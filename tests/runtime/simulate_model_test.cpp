@@ -104,6 +104,17 @@ TEST(Model, RatesMayHoldTheForceOnlyWhereTheMotionIsFree) {
             "model: the rate of a state holds F, which is the output where the motion is imposed");
 }
 
+TEST(Model, StatesOfAnImposedMotionFollowSoManyChannels) {
+  Model model = model_of("0", "z*y1", {{"z", "yb - z", "", ""}}, true);
+  for (int i = 2; i <= 5; ++i)
+    model.further.push_back({parse(*model.pool, "0"), parse(*model.pool, "y" + std::to_string(i))});
+  EXPECT_EQ(fault_of([&] { System{model}; }), "");
+  model.restoring = model.restoring + model.pool->channel("vb");
+  EXPECT_EQ(fault_of([&] { System{model}; }),
+            "model: the states of an imposed motion can follow 16 channels at most, got 17 of coordinates, base and "
+            "shaft");
+}
+
 // Terms affine in a are mass: the same motion as with the heavier mass.
 TEST(Model, AddedMassIsMass) {
   const Excitation force = force_of(3, 0.01, [](double t) { return std::sin(7 * t) + 0.5; });
