@@ -49,3 +49,5 @@ spec.case("what the free run alone shows is named", function()
   spec.near(beta.value, truth, math.max(4 * beta.std, 0.1 * truth))
   assert(effect.gap_test < 0.3 * found.data.baseline.gap_test, found.sentence)
 end)
+
+spec.finish()
