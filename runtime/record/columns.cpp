@@ -28,8 +28,10 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// 2: the channel's own name or word for word a synonym; 1: a weaker likeness (other case, x for y); 0: none.
+/// 2: the channel's own name or word for word a synonym; 1: a weaker likeness (other case, x for y); 0: none. A name
+/// may be abbreviated by a point.
 int likeness(const Meaning& meaning, std::string_view name) {
+  if (name.size() > 1 && name.ends_with('.')) name.remove_suffix(1);
   if (name == meaning.channel) return 2;
   const std::string word = lower(name);
   for (std::string_view synonym : meaning.words)
@@ -158,6 +160,13 @@ void plan_extra(ColumnPlan& plan, const std::vector<ColumnPlan>& plans, const So
   set_unit(plan, plan.header.unit, false, where, warnings);
 }
 
+/// What to do where no column is the time; those that have a meaning already are not it.
+std::string without_time(const std::vector<ColumnPlan>& plans) {
+  const auto free = std::find_if(plans.begin(), plans.end(), [](const ColumnPlan& plan) { return !plan.required; });
+  return (free == plans.end() ? "; give" : "; name it with columns, such as \"t=" + free->header.text + "\", or give") +
+         std::string(" the rows per second: rate = HZ (--rate HZ)");
+}
+
 }  // namespace
 
 std::string_view trim(std::string_view text) {
@@ -208,6 +217,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     assign(i, map.channel, map.unit);
   }
   const bool given = options.interval > 0;
+  std::optional<std::size_t> no_time;  // a time that the rate or interval stands for
   for (const Meaning& meaning : meanings) {
     const bool mapped = std::any_of(plans.begin(), plans.end(),
                                     [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
@@ -219,16 +229,17 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     if (!i) continue;
     assign(*i, std::string(meaning.channel), "");
     if (!given || meaning.channel != "t") continue;
-    plans[*i].channel.clear();
+    no_time = i;
     warnings.push_back("left out: the time '" + header[*i].text + "', because a rate or interval is given");
   }
   if (needs_time && !given &&
       std::none_of(plans.begin(), plans.end(), [](const ColumnPlan& p) { return p.channel == "t"; }))
     throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
-                         "; name it with columns, such as \"t=" + (header.empty() ? "" : header[0].text) + "\"",
+                         without_time(plans),
                      where, Fault::data);
   for (ColumnPlan& plan : plans)
     if (!plan.required) plan_extra(plan, plans, where, warnings);
+  if (no_time) plans[*no_time].channel.clear(), plans[*no_time].required = false;
   return plans;
 }
 

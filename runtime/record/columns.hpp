@@ -8,6 +8,9 @@
 
 namespace lunid {
 
+/// Beyond this a number is no measurement: its fifth power, and sums of that over a record, would not be finite.
+constexpr double largest_measurement = 1e60;
+
 /// All unit names, for messages.
 std::string known_units();
 

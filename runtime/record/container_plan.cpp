@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "record/method_parts.hpp"
+
 namespace lunid {
 namespace {
 
@@ -80,7 +82,7 @@ ContainerPlan plan_container(Container& file, const std::string& path, ReadOptio
       static_cast<std::size_t>(std::find_if(plan.plans.begin(), plan.plans.end(), is_time) - plan.plans.begin());
   if (!plan.has_time() && !(plan.interval > 0))
     fail(path, "no time: expected a variable named 't' or 'time'; the file has " + names_of(plan) +
-                   "; name it as time = \"...\", or give rate or interval");
+                   "; name it as time = \"...\" (--columns \"t=...\"), or give rate or interval (--rate)");
   const std::size_t measure = measure_of(plan);
   if (measure < plan.plans.size()) plan.rows = plan.choices[measure].rows;
   // What was asked for must have as many rows; other vectors of another length are no channels.
@@ -106,10 +108,12 @@ Eigen::VectorXd stamp_resolution(const Eigen::VectorXd& t, const StampRange& all
 std::string not_finite(const ContainerPlan& plan, std::size_t channel, std::size_t first,
                        const Eigen::VectorXd& values) {
   for (Eigen::Index row = 0; row < values.size(); ++row)
-    if (!std::isfinite(values[row]))
+    if (!(std::abs(values[row]) <= largest_measurement))
       return "variable '" + plan.header[channel].text + "': row " +
              std::to_string(first + static_cast<std::size_t>(row) + 1) + ": expected a finite number, got " +
-             (std::isnan(values[row]) ? "NaN" : "infinity");
+             (std::isnan(values[row])   ? "NaN"
+              : std::isinf(values[row]) ? "infinity"
+                                        : short_number(values[row]) + ", beyond 1e60");
   return {};
 }
 

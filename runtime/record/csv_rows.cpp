@@ -57,7 +57,7 @@ class File {
 class CsvRows : public RowSource {
  public:
   CsvRows(const std::string& path, const ReadOptions& options, const Progress& progress)
-      : file_(path), parser_(path, options) {
+      : file_(path), parser_(path, options, "; mend it: a stream is not interpolated, lunid.read can do it") {
     Layout& layout = layout_;
     layout.name = path;
     CsvParser all = look_through(path, options, progress, layout);
@@ -127,6 +127,7 @@ class CsvRows : public RowSource {
       offset += text.size();
       if (progress) progress(static_cast<double>(offset) / static_cast<double>(file_.size()));
     }
+    parser_.agree_with(all);
     if (layout.rows < 6) file_.fail("expected at least 6 rows, got " + std::to_string(layout.rows));
     layout.dt = options.interval;
     if (options.interval == 0) {

@@ -16,46 +16,34 @@ namespace {
 
 constexpr std::size_t shown_cells = 4;  ///< faults that a message lists before it only counts
 
-/// Cells of a line; quotes protect separators and are removed, a doubled quote stands for one.
-std::vector<std::string> split_cells(std::string_view line, char separator) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
-      if (quoted && i + 1 < line.size() && line[i + 1] == '"')
-        cells.back() += line[i++];
-      else
-        quoted = !quoted;
-    } else if (line[i] == separator && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += line[i];
-    }
-  }
-  for (std::string& cell : cells) cell = std::string(trim(cell));
-  return cells;
+bool is_digits(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-char find_separator(std::string_view header) {
-  for (char candidate : {'\t', ';', ','})
-    if (split_cells(header, candidate).size() > 1) return candidate;
-  return ',';
+/// The parts of a number between points and commas, without its sign.
+std::vector<std::string_view> groups_of(std::string_view cell) {
+  if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
+  std::vector<std::string_view> groups;
+  for (std::size_t end; (end = cell.find_first_of(".,")) != cell.npos; cell.remove_prefix(end + 1))
+    groups.push_back(cell.substr(0, end));
+  groups.push_back(cell);
+  return groups;
 }
 
-std::optional<double> to_number(std::string_view cell) {
-  cell = trim(cell);
-  if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = fast_float::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+/// "1.234,5", "1,234,567": groups of three digits.
+bool has_thousands(std::string_view cell) {
+  const std::vector<std::string_view> groups = groups_of(cell);
+  if (groups.size() < 3 || groups[0].size() > 3) return false;
+  for (std::size_t i = 1; i + 1 < groups.size(); ++i)
+    if (groups[i].size() != 3) return false;
+  return std::all_of(groups.begin(), groups.end(), is_digits);
 }
 
-bool has_decimal_comma(std::string cell) {
-  const std::size_t comma = cell.find(',');
-  if (comma == std::string::npos || cell.find(',', comma + 1) != std::string::npos) return false;
-  cell[comma] = '.';
-  return to_number(cell).has_value();
+/// "1,234" may be a thousand or one; "0,234", "1,23" and "1234,567" may not.
+bool may_be_thousands(std::string_view cell) {
+  const std::vector<std::string_view> groups = groups_of(trim(cell));
+  return groups.size() == 2 && is_digits(groups[0]) && is_digits(groups[1]) && groups[0][0] != '0' &&
+         groups[0].size() <= 3 && groups[1].size() == 3;
 }
 
 void count_digits(std::string_view cell, PrintedDigits& digits) {
@@ -66,7 +54,7 @@ void count_digits(std::string_view cell, PrintedDigits& digits) {
     if (c >= '0' && c <= '9') {
       if (significant > 0 || c != '0') ++significant;
       if (point) ++decimals;
-    } else if (c == '.') {
+    } else if (c == '.' || c == ',') {
       point = true;
     } else if (c == 'e' || c == 'E') {
       if (const auto value = to_number(cell.substr(i + 1))) exponent = static_cast<int>(*value);
@@ -77,19 +65,23 @@ void count_digits(std::string_view cell, PrintedDigits& digits) {
   digits.significant = std::max(digits.significant, significant);
 }
 
-using BadCells = CsvParser::BadCells;
+/// What is wrong with a cell. `alone`: with this cell, not with how the file writes its numbers.
+struct CellFault {
+  std::string text;
+  bool alone;
+};
 
-std::string describe(const ColumnPlan& plan, const BadCells& bad) {
-  const std::string& text = bad.first[0].text;
-  const std::string column = "column '" + plan.header.text + "': ";
-  if (has_decimal_comma(text))
-    return column + "decimal comma in '" + text +
-           "': expected a decimal point; export the file with points, or replace the commas";
-  std::string message = column + "expected a number, got '" + text + "'";
-  if (bad.count == 1) return message;
-  message += "; " + std::to_string(bad.count) + " such cells, the first in lines ";
-  for (std::size_t i = 0; i < bad.first.size(); ++i) message += (i ? ", " : "") + std::to_string(bad.first[i].line);
-  return message;
+CellFault fault_of(const std::string& text, char point, const std::string& sample, int line) {
+  const char other = point == ',' ? '.' : ',';
+  const auto name = [](char mark) { return mark == ',' ? "decimal comma in '" : "decimal point in '"; };
+  if (const auto value = to_number(text, point); value && std::abs(*value) > largest_measurement)
+    return {"'" + text + "' is no measurement: beyond 1e60 powers and sums of it are no numbers", true};
+  if (has_thousands(text)) return {"thousands separators in '" + text + "': export the file without them", false};
+  if (text.find(other) != text.npos && to_number(text, other))
+    return {name(other) + text + "', but a " + name(point) + sample + "', line " + std::to_string(line) +
+                ": export the file with decimal points throughout",
+            false};
+  return {"expected a number, got '" + text + "'", true};
 }
 
 }  // namespace
@@ -98,54 +90,31 @@ void CsvParser::fail(const std::string& message, int line) const {
   throw InputError(message, {path_, line}, Fault::data);
 }
 
-/// The next line that holds something: no comment, not blank.
-bool CsvParser::next(std::string_view& rest, std::string_view& line) {
-  while (!rest.empty()) {
-    const char* end = static_cast<const char*>(std::memchr(rest.data(), ending_, rest.size()));
-    const std::size_t length = end ? static_cast<std::size_t>(end - rest.data()) : rest.size();
-    line = rest.substr(0, length);
-    rest.remove_prefix(std::min(length + 1, rest.size()));
-    ++line_;
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    std::size_t i = 0;
-    while (i < line.size() && (line[i] == ' ' || line[i] == '\t')) ++i;
-    if (i < line.size() && line[i] != '#') return true;
-  }
-  return false;
-}
-
 std::string_view CsvParser::header(std::string_view text, std::vector<std::string>& warnings) {
-  const std::size_t size = text.size();
-  ending_ = text.find('\n') == text.npos ? '\r' : '\n';
-  std::string_view line;
-  if (!next(text, line)) fail("no header: the file holds no more than comments and blank lines", 0);
-  separator_ = find_separator(line);
-  std::vector<std::string> cells = split_cells(line, separator_);
-  if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
-  if (std::all_of(cells.begin(), cells.end(),
-                  [](const std::string& c) { return to_number(c) || has_decimal_comma(c); }))
-    fail("no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' first",
-         line_);
-  std::vector<HeaderCell> header;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i].empty()) fail("column " + std::to_string(i + 1) + " has no name", line_);
-    header.push_back(split_header(cells[i]));
+  const CsvLayout layout = find_layout(path_, text, warnings);
+  ending_ = layout.ending;
+  separator_ = layout.separator;
+  line_ = layout.line;
+  row_advice_ = layout.row_advice;
+  if (separator_ == ',') point_.mark = '.', settled_ = true;
+  const std::vector<HeaderCell>& header = layout.header;
+  table_.header_line = layout.header_line;
+  try {
+    table_.plans = plan_columns(header, options_, {path_, table_.header_line}, warnings);
+  } catch (const InputError& error) {
+    throw InputError(error.message() + layout.header_advice, error.where(), error.fault());
   }
-  if (header.size() == 1)
-    fail("expected columns separated by , ; or tab, got one column '" + header[0].text + "'", line_);
-  table_.plans = plan_columns(header, options_, {path_, line_}, warnings);
-  table_.header_line = line_;
   table_.columns.resize(header.size());
   bad_.resize(header.size());
-  for (auto& column : table_.columns) column.reserve(size / (line.size() + 1));
+  for (auto& column : table_.columns) column.reserve(text.size() / layout.row_bytes);
   for (std::size_t i = 0; i < header.size(); ++i)
     if (table_.plans[i].channel == "t") time_ = i;
-  return text;
+  return layout.rest;
 }
 
 void CsvParser::rows(std::string_view piece) {
   std::string_view line;
-  while (next(piece, line)) read_row(line);
+  while (next_line(piece, ending_, line_, line)) read_row(line);
 }
 
 void CsvParser::restart(int line) {
@@ -159,7 +128,10 @@ void CsvParser::read_row(std::string_view line) {
     std::string plain;
     for (const std::string& cell : split_cells(line, separator_)) {
       if (separator_ == ',' && has_decimal_comma(cell))
-        fail("decimal comma in '" + cell + "': expected a decimal point", line_);
+        fail("decimal comma in '" + cell +
+                 "' between commas: export the file with decimal points, or with ; between "
+                 "the columns",
+             line_);
       plain += (plain.empty() ? "" : std::string(1, separator_)) + cell;
     }
     return read_plain(plain);
@@ -170,14 +142,16 @@ void CsvParser::read_row(std::string_view line) {
 void CsvParser::read_plain(std::string_view line) {
   const char *cursor = line.data(), *const end = line.data() + line.size();
   const std::size_t width = table_.columns.size();
+  const fast_float::parse_options form(fast_float::chars_format::general, point_.mark == ',' ? ',' : '.');
   table_.lines.push_back(line_);
   for (std::size_t i = 0;; ++i) {
     while (cursor < end && *cursor == ' ') ++cursor;
     double value = 0;
-    auto [stop, error] = fast_float::from_chars(cursor, end, value);
+    auto [stop, error] = fast_float::from_chars_advanced(cursor, end, value, form);
     const char* tail = stop;
     while (tail < end && *tail == ' ') ++tail;
-    const bool good = error == std::errc() && (tail == end || *tail == separator_) && std::isfinite(value);
+    const bool good =
+        error == std::errc() && (tail == end || *tail == separator_) && std::abs(value) <= largest_measurement;
     if (!good) {
       tail = std::find(cursor, end, separator_);
       if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty()) return;  // trailing separator
@@ -185,6 +159,7 @@ void CsvParser::read_plain(std::string_view line) {
     if (i >= width) return wrong_length(line);
     const std::string_view cell{cursor, static_cast<std::size_t>(tail - cursor)};
     if (!good) value = slow(cell, i);
+    if (!settled_ && std::isfinite(value)) settle(cell);
     if (i == time_) count_digits(cell, table_.time_digits);
     table_.columns[i].push_back(value);
     if (tail == end) {
@@ -196,10 +171,21 @@ void CsvParser::read_plain(std::string_view line) {
 }
 
 double CsvParser::slow(std::string_view cell, std::size_t column) {
-  if (const auto value = to_number(cell)) return *value;
+  for (const char mark : {'.', ','}) {
+    if (point_.mark ? mark != point_.mark : mark != '.' && cell.find('.') != cell.npos) continue;
+    if (const auto value = to_number(cell, mark); value && std::abs(*value) <= largest_measurement) return *value;
+  }
   BadCells& bad = bad_[column];
-  if (bad.count++ < shown_cells) bad.first.push_back({line_, std::string(trim(cell))});
+  if (bad.count++ < shown_cells) bad.first.push_back({line_, utf8(trim(cell))});
   return std::nan("");
+}
+
+/// A point in a number says that commas are none, and the other way round. A comma that may stand before thousands does
+/// not settle it.
+void CsvParser::settle(std::string_view cell) {
+  const char mark = cell.find(',') != cell.npos ? ',' : cell.find('.') != cell.npos ? '.' : '\0';
+  if (mark && !point_.mark) point_ = {mark, std::string(trim(cell)), line_};
+  settled_ = point_.mark == '.' || (mark == ',' && !may_be_thousands(cell));
 }
 
 void CsvParser::wrong_length(std::string_view line) const {
@@ -210,31 +196,53 @@ void CsvParser::wrong_length(std::string_view line) const {
   std::string text =
       "expected " + std::to_string(table_.columns.size()) + " cells, got " + std::to_string(cells.size());
   if (separator_ == ',' && whole && cells.size() > table_.columns.size())
-    text += "; the numbers seem to have decimal commas: export the file with decimal points";
+    text +=
+        "; the numbers seem to have decimal commas: export the file with decimal points, or with ; between the columns";
+  else if (table_.lines.size() == 1)
+    text += row_advice_;
   fail(text, line_);
+}
+
+std::string CsvParser::describe(std::size_t column, bool advise) const {
+  const BadCells& bad = bad_[column];
+  const ColumnPlan& plan = table_.plans[column];
+  const CellFault fault = fault_of(bad.first[0].text, point_.mark, point_.text, point_.line);
+  std::string message = "column '" + plan.header.text + "': " + fault.text;
+  if (bad.count > 1) {
+    message += "; " + std::to_string(bad.count) + " such cells, the first in lines ";
+    for (std::size_t i = 0; i < bad.first.size(); ++i) message += (i ? ", " : "") + std::to_string(bad.first[i].line);
+  }
+  if (!advise || !fault.alone) return message;
+  const bool all = bad.count >= table_.lines.size();
+  if (all && plan.channel == "t")
+    return message + "; where the rows are evenly spaced, give their rate in its place: rate = HZ (--rate HZ)";
+  if (!row_advice_.empty() && bad.first[0].line == table_.lines.front()) return message + row_advice_;
+  return all ? message : message + advice_;
 }
 
 void CsvParser::refuse_bad_cells() const {
   // The earliest fault of the columns that matter is the one to tell.
-  const ColumnPlan* worst = nullptr;
-  const BadCells* faults = nullptr;
+  std::size_t worst = bad_.size();
   for (std::size_t i = 0; i < bad_.size(); ++i) {
     if (!bad_[i].count || !table_.plans[i].required) continue;
-    if (faults && faults->first[0].line <= bad_[i].first[0].line) continue;
-    worst = &table_.plans[i];
-    faults = &bad_[i];
+    if (worst == bad_.size() || bad_[i].first[0].line < bad_[worst].first[0].line) worst = i;
   }
-  if (faults) fail(describe(*worst, *faults), faults->first[0].line);
+  if (worst < bad_.size()) fail(describe(worst, true), bad_[worst].first[0].line);
 }
 
 void CsvParser::judge(std::vector<std::string>& warnings) {
   refuse_bad_cells();
+  if (point_.mark == ',' && !settled_)
+    fail("the comma in '" + point_.text +
+             "' may stand before decimals or thousands, and no number of the file tells: "
+             "export it with decimal points",
+         point_.line);
   for (std::size_t i = bad_.size(); i-- > 0;) {
     if (!bad_[i].count) continue;
-    warnings.push_back("left out: line " + std::to_string(bad_[i].first[0].line) + ": " +
-                       describe(table_.plans[i], bad_[i]));
+    warnings.push_back("left out: line " + std::to_string(bad_[i].first[0].line) + ": " + describe(i, false));
     table_.plans.erase(table_.plans.begin() + static_cast<std::ptrdiff_t>(i));
     table_.columns.erase(table_.columns.begin() + static_cast<std::ptrdiff_t>(i));
+    bad_.erase(bad_.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
 
@@ -278,7 +286,9 @@ std::string read_text(const std::string& path) {
 
 CsvTable parse_table(const std::string& path, std::string_view text, const ReadOptions& options,
                      std::vector<std::string>& warnings) {
-  CsvParser parser(path, options);
+  CsvParser parser(
+      path, options,
+      "; mend it, or delete the line and set resample = true (--resample), which interpolates missing rows");
   parser.rows(parser.header(text, warnings));
   parser.judge(warnings);
   return parser.take();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "record/columns.hpp"
+#include "record/csv_layout.hpp"
 
 namespace lunid {
 
@@ -33,7 +34,9 @@ struct CsvTable {
 /// Takes the lines of a CSV file apart: all at once, or in pieces of whole lines. Copies go on from where it is.
 class CsvParser {
  public:
-  CsvParser(std::string path, const ReadOptions& options) : path_(std::move(path)), options_(options) {}
+  /// `advice`: what to do about a cell that is no number.
+  CsvParser(std::string path, const ReadOptions& options, std::string advice)
+      : path_(std::move(path)), options_(options), advice_(std::move(advice)) {}
 
   /// Reads the header off the text that the file begins with; gives what follows it.
   std::string_view header(std::string_view text, std::vector<std::string>& warnings);
@@ -41,13 +44,15 @@ class CsvParser {
   void rows(std::string_view piece);
   /// Throws on the earliest cell that is no number, of the columns that matter.
   void refuse_bad_cells() const;
-  /// The same; drops other columns that have one.
+  /// The same, and on commas that may be decimal or not; drops other columns that have such a cell.
   void judge(std::vector<std::string>& warnings);
 
   const CsvTable& table() const { return table_; }
   CsvTable take() { return std::move(table_); }
   /// Forgets the rows; the next piece begins after line `line`.
   void restart(int line);
+  /// Takes decimal points or commas for what another parser of the file has found them to be.
+  void agree_with(const CsvParser& other) { point_ = other.point_, settled_ = other.settled_; }
   int line() const { return line_; }          ///< of the last one read
   char ending() const { return ending_; }     ///< of lines, known after the header
   std::size_t time() const { return time_; }  ///< number of the time column
@@ -63,18 +68,29 @@ class CsvParser {
 
  private:
   [[noreturn]] void fail(const std::string& message, int line) const;
-  bool next(std::string_view& rest, std::string_view& line);
   void read_row(std::string_view line);
   void read_plain(std::string_view line);
   double slow(std::string_view cell, std::size_t column);
+  void settle(std::string_view cell);
+  std::string describe(std::size_t column, bool advise) const;
   [[noreturn]] void wrong_length(std::string_view line) const;
+
+  /// A cell that tells what stands before the decimals.
+  struct Evidence {
+    char mark = '\0';  ///< '.' or ','; none yet
+    std::string text{};
+    int line = 0;
+  };
 
   std::string path_;
   ReadOptions options_;
+  std::string advice_, row_advice_;
   CsvTable table_;
   std::vector<BadCells> bad_;
   int line_ = 0;
   char ending_ = '\n', separator_ = ',';
+  Evidence point_;
+  bool settled_ = false;  ///< no further cell is asked
   std::size_t time_ = 0;
 };
 

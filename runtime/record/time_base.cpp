@@ -11,6 +11,11 @@
 namespace lunid {
 namespace {
 
+/// What to do about time that stands or runs backwards.
+constexpr const char* mend_time =
+    "; delete the rows that are out of order, or where all are evenly spaced give their rate in place of the time: "
+    "rate = HZ (--rate HZ)";
+
 std::string number(double value) {
   std::ostringstream text;
   text.precision(6);
@@ -98,8 +103,8 @@ void check_increasing(std::span<const double> t, std::span<const int> lines, con
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] > t[i - 1]) continue;
     const std::string stamps = "t = " + number(t[i]) + " s after t = " + number(t[i - 1]) + " s";
-    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps, {path, lines[i]},
-                     Fault::data);
+    throw InputError((t[i] < t[i - 1] ? "time runs backwards: " : "time is repeated: ") + stamps + mend_time,
+                     {path, lines[i]}, Fault::data);
   }
 }
 
@@ -163,7 +168,7 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
                              " missing before t = " + number(t[row]) + " s";
     const std::string where = gaps.size() > 1 ? "; gaps before lines " + list_lines(gaps, lines) : "";
     if (!resample)
-      throw InputError(text + where + "; cut the record there, or set resample = true (--resample) to interpolate",
+      throw InputError(text + where + "; set resample = true (--resample) to interpolate, or cut the file there",
                        {path, lines[row]}, Fault::data);
     warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated");
     return even;
@@ -256,7 +261,7 @@ TimeBase Stamps::fit(const std::string& path, std::vector<std::string>& warnings
       return *base;
     }
   }
-  if (!backward_.empty()) throw InputError(backward_, {path, backward_line_}, Fault::data);
+  if (!backward_.empty()) throw InputError(backward_ + mend_time, {path, backward_line_}, Fault::data);
   const double rms =
       static_cast<double>(std::sqrt(std::max(0.0L, (square_ - n * mean * mean - slope * slope * spread) / n)));
   if (rms < 0.02 * line.dt && largest < 0.5 * line.dt) {

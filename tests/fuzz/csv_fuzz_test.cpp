@@ -13,7 +13,10 @@ TEST(Fuzz, files_are_read_or_refused) {
   std::string units = "\xef\xbb\xbft [s];F [kN];y [mm]\r\n" + rows(12), tabs = "# made by hand\nt\tF\ty\n" + rows(12);
   std::replace(units.begin(), units.end(), ',', ';');
   std::replace(tabs.begin(), tabs.end(), ',', '\t');
-  Mutator texts({plain, units, tabs},
+  std::string logger = "Logger;3\nt;F;y\ns;kN;\xb5m\n" + rows(12);
+  std::replace(logger.begin(), logger.end(), ',', ';');
+  std::replace(logger.begin(), logger.end(), '.', ',');
+  Mutator texts({plain, units, tabs, logger},
                 {",", ";", "\n", "\r", "\"", "nan", "inf", "1e999", "-", std::string(1, '\0'), "t", "\n\n"}, 11);
   int read = 0, refused = 0;
   for (int i = 0; i < 1000; ++i) {

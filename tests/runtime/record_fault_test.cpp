@@ -19,6 +19,13 @@ std::string spoiled(int line, const std::string& replacement, int count = 20) {
   return text.replace(begin, text.find('\n', begin) - begin, replacement);
 }
 
+const std::string mend =
+    "; mend it, or delete the line and set resample = true (--resample), which interpolates missing rows";
+const std::string mend_time =
+    "; delete the rows that are out of order, or where all are evenly spaced give their rate in place of the time: "
+    "rate = HZ (--rate HZ)";
+const std::string name_time = "or give the rows per second: rate = HZ (--rate HZ)";
+
 TEST(Fault, MissingAndEmptyFiles) {
   const TextFile file("");
   EXPECT_EQ(message_of(file, [&] { read_csv(file.folder() / "none.csv"); }), "none.csv: no such file");
@@ -36,12 +43,12 @@ TEST(Fault, NoHeader) {
 }
 
 TEST(Fault, CellsThatAreNoNumbers) {
-  EXPECT_EQ(complaint(spoiled(9, "0.07,n/a,1")), "run3.csv:9: column 'F': expected a number, got 'n/a'");
-  EXPECT_EQ(complaint(spoiled(9, "0.07,,1")), "run3.csv:9: column 'F': expected a number, got ''");
-  EXPECT_EQ(complaint(spoiled(9, "0.07,1,nan")), "run3.csv:9: column 'y': expected a number, got 'nan'");
-  EXPECT_EQ(complaint(spoiled(9, "0.07,1,-inf")), "run3.csv:9: column 'y': expected a number, got '-inf'");
-  EXPECT_EQ(complaint(spoiled(9, "0.07,1e999,1")), "run3.csv:9: column 'F': expected a number, got '1e999'");
-  EXPECT_EQ(complaint(spoiled(9, "0.07,1.5 N,1")), "run3.csv:9: column 'F': expected a number, got '1.5 N'");
+  EXPECT_EQ(complaint(spoiled(9, "0.07,n/a,1")), "run3.csv:9: column 'F': expected a number, got 'n/a'" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,,1")), "run3.csv:9: column 'F': expected a number, got ''" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,1,nan")), "run3.csv:9: column 'y': expected a number, got 'nan'" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,1,-inf")), "run3.csv:9: column 'y': expected a number, got '-inf'" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,1e999,1")), "run3.csv:9: column 'F': expected a number, got '1e999'" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,1.5 N,1")), "run3.csv:9: column 'F': expected a number, got '1.5 N'" + mend);
 }
 
 TEST(Fault, ManySuchCellsAreCounted) {
@@ -49,19 +56,56 @@ TEST(Fault, ManySuchCellsAreCounted) {
   for (int i = 0; i < 20; ++i) text += std::to_string(i) + ",1," + (i % 2 ? "NaN" : "0") + "\n";
   EXPECT_EQ(complaint(text),
             "run3.csv:3: column 'y [mm]': expected a number, got 'NaN'; 10 such cells, the first in lines 3, "
-            "5, 7, 9");
+            "5, 7, 9" +
+                mend);
 }
 
 TEST(Fault, DecimalCommas) {
-  EXPECT_EQ(complaint("t;F;y\n0;1;2\n0,01;1;2\n"),
-            "run3.csv:3: column 't': decimal comma in '0,01': expected a decimal point; export the file with "
-            "points, "
-            "or replace the commas");
   EXPECT_EQ(complaint("t,F,y\n0,00,1,5,2,5\n"),
             "run3.csv:2: expected 3 cells, got 6; the numbers seem to have decimal commas: export the file with "
-            "decimal points");
-  EXPECT_EQ(complaint("t,F,y\n\"0,01\",\"1,5\",\"2,5\"\n"),
-            "run3.csv:2: decimal comma in '0,01': expected a decimal point");
+            "decimal points, or with ; between the columns");
+  EXPECT_EQ(
+      complaint("t,F,y\n\"0,01\",\"1,5\",\"2,5\"\n"),
+      "run3.csv:2: decimal comma in '0,01' between commas: export the file with decimal points, or with ; between "
+      "the columns");
+}
+
+TEST(Fault, PointsAndCommasInOneFile) {
+  EXPECT_EQ(
+      complaint("t;F;y\n0.00;1;2\n0.01;1,5;2\n0.02;1;2\n"),
+      "run3.csv:3: column 'F': decimal comma in '1,5', but a decimal point in '0.00', line 2: export the file with "
+      "decimal points throughout");
+  EXPECT_EQ(
+      complaint("t;F;y\n0,00;1;2\n0,01;1.5;2\n0,02;1;2\n"),
+      "run3.csv:3: column 'F': decimal point in '1.5', but a decimal comma in '0,00', line 2: export the file with "
+      "decimal points throughout");
+  for (const std::string cell : {"1.234,5", "1,234.5", "-1.234.567,5", "1,234,567"})
+    EXPECT_EQ(complaint("t;F;y\n0,0;" + cell + ";2\n0,1;1;2\n0,2;1;2\n"),
+              "run3.csv:2: column 'F': thousands separators in '" + cell + "': export the file without them");
+  std::string text = "t;F;y\n";  // a thousand times more or less: no cell tells
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ";1,234;2\n";
+  EXPECT_EQ(complaint(text),
+            "run3.csv:2: the comma in '1,234' may stand before decimals or thousands, and no number of the file tells: "
+            "export it with decimal points");
+}
+
+TEST(Fault, NumbersThatAreNoMeasurement) {
+  EXPECT_EQ(
+      complaint(spoiled(9, "0.07,1,-1e300")),
+      "run3.csv:9: column 'y': '-1e300' is no measurement: beyond 1e60 powers and sums of it are no numbers" + mend);
+  EXPECT_EQ(complaint(spoiled(9, "0.07,1,1e59")), "");
+}
+
+TEST(Fault, TimeThatIsText) {
+  std::string text = "time;F;y\n";
+  for (int i = 0; i < 8; ++i) text += "12:00:0" + std::to_string(i) + ";1;2\n";
+  EXPECT_EQ(
+      complaint(text).substr(62),
+      "8 such cells, the first in lines 2, 3, 4, 5; where the rows are evenly spaced, give their rate in its place: "
+      "rate = HZ (--rate HZ)");
+  ReadOptions options;
+  options.interval = 0.01;
+  EXPECT_EQ(complaint(text, options), "");
 }
 
 TEST(Fault, RowsOfAnotherLength) {
@@ -79,11 +123,19 @@ TEST(Fault, Columns) {
   EXPECT_EQ(complaint("clock,F,y\n" + rows(8)),
             "run3.csv:1: no time column: expected a column named 't' or 'time', the file has 'clock', 'F', "
             "'y'; name it "
-            "with columns, such as \"t=clock\"");
+            "with columns, such as \"t=clock\", " +
+                name_time);
+  EXPECT_EQ(complaint("F,clock,y\n" + rows(8)).substr(97), "; name it with columns, such as \"t=clock\", " + name_time);
+  EXPECT_EQ(
+      complaint("F,y\n1,2\n3,4\n"),
+      "run3.csv:1: no time column: expected a column named 't' or 'time', the file has 'F', 'y'; give the rows per "
+      "second: rate = HZ (--rate HZ)");
   EXPECT_EQ(complaint("t;F,,y\n" + rows(8)).substr(0, 31), "run3.csv:2: expected 2 cells, g");
   EXPECT_EQ(complaint("t,,y\n" + rows(8)), "run3.csv:1: column 2 has no name");
-  EXPECT_EQ(complaint("t y F\n0 1 2\n"),
-            "run3.csv:1: expected columns separated by , ; or tab, got one column 't y F'");
+  EXPECT_EQ(
+      complaint("t y F\n0 1 2\n"),
+      "run3.csv:1: expected columns separated by , ; or tab, got one column 't y F'; where lines before the table are "
+      "no part of it, delete them or begin them with #");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=dips"), false}),
             "run3.csv:1: no column 'dips' for channel 'y'; the file has 't', 'F', 'y'");
   EXPECT_EQ(complaint("t,load,disp\n" + rows(8), {parse_columns("y=dips"), false}),
@@ -111,10 +163,11 @@ TEST(Fault, Rows) {
 }
 
 TEST(Fault, TimeThatRunsBackwardsOrStands) {
-  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")), "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s");
-  EXPECT_EQ(complaint(spoiled(9, "0.06,1,1")), "run3.csv:9: time is repeated: t = 0.06 s after t = 0.06 s");
+  EXPECT_EQ(complaint(spoiled(9, "0.03,1,1")),
+            "run3.csv:9: time runs backwards: t = 0.03 s after t = 0.06 s" + mend_time);
+  EXPECT_EQ(complaint(spoiled(9, "0.06,1,1")), "run3.csv:9: time is repeated: t = 0.06 s after t = 0.06 s" + mend_time);
   EXPECT_EQ(complaint("t,F,y\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n1,1,1\n"),
-            "run3.csv:3: time is repeated: t = 1 s after t = 1 s");
+            "run3.csv:3: time is repeated: t = 1 s after t = 1 s" + mend_time);
 }
 
 TEST(Fault, AWindowOutsideTheRecord) {

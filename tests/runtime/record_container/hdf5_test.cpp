@@ -159,7 +159,7 @@ TEST_F(Hdf5File, broken_files) {
   { ForeignFile file(path("bare.h5")); }
   EXPECT_EQ(fault("bare.h5"),
             "bare.h5: no time: expected a variable named 't' or 'time'; the file has no vectors of numbers; name it as "
-            "time = \"...\", or give rate or interval");
+            "time = \"...\" (--columns \"t=...\"), or give rate or interval (--rate)");
   EXPECT_EQ(fault("bare.h5", columns("y=y")), "bare.h5: no variable 'y' for channel 'y'; the file has no variables");
 }
 

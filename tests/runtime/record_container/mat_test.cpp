@@ -324,7 +324,7 @@ TEST_F(MatFile, a_value_that_is_no_number) {
   }
   EXPECT_EQ(fault("late.mat"),
             "late.mat: no time: expected a variable named 't' or 'time'; the file has 'y', 'extra'; name it as time = "
-            "\"...\", or give rate or interval");
+            "\"...\" (--columns \"t=...\"), or give rate or interval (--rate)");
   ReadOptions options;
   options.interval = 0.01;
   const Record record = read_record(path("late.mat"), options);
