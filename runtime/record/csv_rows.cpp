@@ -57,7 +57,9 @@ class File {
 class CsvRows : public RowSource {
  public:
   CsvRows(const std::string& path, const ReadOptions& options, const Progress& progress)
-      : file_(path), parser_(path, options, "; mend it: a stream is not interpolated, lunid.read can do it") {
+      : file_(path),
+        parser_(path, options,
+                "; mend it, or delete the line and use lunid.read, whose resample = true interpolates missing rows") {
     Layout& layout = layout_;
     layout.name = path;
     CsvParser all = look_through(path, options, progress, layout);

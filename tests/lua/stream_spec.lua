@@ -102,7 +102,8 @@ spec.case("faults say the line of the file", function()
   for i = 0, 20000 do out:write(("%.3f,%d,%s\n"):format(i/1000, i % 7, i == 18000 and "n/a" or ("%g"):format(i % 11))) end
   out:close()
   spec.contains(spec.message_of(function() lunid.stream(file) end),
-    file .. ":18002: column 'y': expected a number, got 'n/a'\n  asked for at ")
+    file .. ":18002: column 'y': expected a number, got 'n/a'; mend it, or delete the line and use lunid.read, "
+      .. "whose resample = true interpolates missing rows\n  asked for at ")
 end)
 
 spec.finish()

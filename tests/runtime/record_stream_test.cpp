@@ -248,9 +248,10 @@ TEST(Stream, FaultsNameTheLineHoweverFarDown) {
   const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at) + 1, '\n') + 1;
   const std::string where = "run3.csv:" + std::to_string(line) + ": ";
   const auto with = [&](const std::string& row) { return std::string(text).insert(at + 1, row + "\n"); };
-  EXPECT_EQ(
-      stream_complaint(with("20000.00,n/a,0,20")),
-      where + "column 'F': expected a number, got 'n/a'; mend it: a stream is not interpolated, lunid.read can do it");
+  EXPECT_EQ(stream_complaint(with("20000.00,n/a,0,20")),
+            where +
+                "column 'F': expected a number, got 'n/a'; mend it, or delete the line and use lunid.read, whose "
+                "resample = true interpolates missing rows");
   EXPECT_EQ(stream_complaint(with("20000.00,1")), where + "expected 4 cells, got 2");
   EXPECT_EQ(stream_complaint(with("19.00,1,1,20")),
             where +

@@ -316,6 +316,14 @@ TEST_F(MatFile, a_value_that_is_no_number) {
   }
   EXPECT_EQ(fault("gap.mat"), "gap.mat: variable 'y': row 12: expected a finite number, got NaN");
   {
+    MatWriter file(path("huge.mat"), MAT_FT_MAT5);
+    std::vector<double> y = wave(1e-3);
+    y[11] = -1e300;
+    file.add(MatWriter::column("t", times()));
+    file.add(MatWriter::column("y", y));
+  }
+  EXPECT_EQ(fault("huge.mat"), "huge.mat: variable 'y': row 12: expected a finite number, got -1e+300, beyond 1e60");
+  {
     MatWriter file(path("late.mat"), MAT_FT_MAT5);
     std::vector<double> extra = wave(1);
     extra[3] = INFINITY;
