@@ -130,6 +130,12 @@ int repl(Runtime& runtime, const nlohmann::json& options) {
   runtime.call("lunid.repl", "start", options, failure);
   if (!failure.message.empty()) throw InputError(failure.message, {}, failure.fault);
   LineReader reader;
+  const bool typing = isatty(STDIN_FILENO);
+  int code = 0;  // of the first fault; who types has seen it and gone on
+  const auto fault = [&](const std::string& message, Fault kind) {
+    std::cerr << message << "\n";
+    if (code == 0 && !typing) code = static_cast<int>(kind);
+  };
   std::string chunk, line;
   for (;;) {
     const Answer answered = reader.next(chunk.empty() ? "> " : ">> ", line);
@@ -143,14 +149,16 @@ int repl(Runtime& runtime, const nlohmann::json& options) {
     const Interrupts interrupts(runtime);
     const int answer = runtime.call("lunid.repl", "evaluate", chunk, wrong);
     const bool failed = !wrong.message.empty();
-    if (answer == 2 && !failed) break;
+    if (answer == 2 && !failed) return code;
     const bool incomplete = answer == 1 && !failed;
     if (incomplete && !line.empty()) continue;
-    if (failed) std::cerr << wrong.message << "\n";
-    if (incomplete) std::cerr << "the input above is not complete\n";
+    if (failed) fault(wrong.message, wrong.fault);
+    if (incomplete) fault("the input above is not complete", Fault::study);
     chunk.clear();
   }
-  return 0;
+  if (!chunk.empty())
+    fault("the input ends before this is complete: " + chunk.substr(0, chunk.find('\n')), Fault::study);
+  return code;
 }
 
 }  // namespace lunid::lua

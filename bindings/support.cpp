@@ -98,6 +98,16 @@ void push_error(lua_State* L, const std::exception& error) {
   push_text(L, text);
 }
 
+namespace {
+
+/// Assignment to a field of a bound type that has no assignment of its own.
+int refuse_assignment(lua_State* L) {
+  const std::string key = lua_type(L, 2) == LUA_TSTRING ? "'" + check_string(L, 2) + "'" : "[" + describe(L, 2) + "]";
+  throw InputError(describe(L, 1) + " is read-only: " + key + " cannot be assigned");
+}
+
+}  // namespace
+
 void set_functions(lua_State* L, std::span<const Entry> entries) {
   for (const Entry& entry : entries) {
     lua_pushcfunction(L, entry.function);
@@ -117,6 +127,11 @@ void make_metatable(lua_State* L, const char* key, const char* words, std::span<
   }
   lua_pop(L, 1);
   lua_setfield(L, -2, "__methods");
+  if (lua_getfield(L, -1, "__newindex") == LUA_TNIL) {
+    lua_pushcfunction(L, guarded<refuse_assignment>);
+    lua_setfield(L, -3, "__newindex");
+  }
+  lua_pop(L, 1);
   push_text(L, words);
   lua_setfield(L, -2, "__words");
   push_text(L, key);
