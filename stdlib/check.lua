@@ -163,7 +163,8 @@ function check.findings(text)
     local before, after = tokens[i - 1], tokens[i + 1]
     if token.kind == "name" and not is_field(tokens, i, inside) then
       if not declared[token.text] and rawget(environment, token.text) == nil then
-        add(token.line, ("undeclared name '%s'"):format(token.text), true)
+        local what = token.text == "lunid" and "; begin with local lunid = require \"lunid\"" or ""
+        add(token.line, ("undeclared name '%s'%s"):format(token.text, what), true)
       end
     elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "lunid" then
       local good, message = pcall(function() return lunid[token.text] end)
@@ -191,11 +192,17 @@ function check.findings(text)
   return found
 end
 
---- Raises where there is no such file.
+local records = { csv = true, txt = true, dat = true, tsv = true, mat = true, h5 = true, hdf5 = true }
+
+--- Raises where there is no such file, or it is a record.
 function check.expect_study(path)
   local kind = core.kind_of(path)
   if not kind then core.raise(("no such study: '%s'"):format(path), "usage") end
   if kind == "directory" then core.raise(("'%s' is a directory; expected a study, such as study.lua"):format(path), "usage") end
+  if records[(path:match "%.(%w+)$" or ""):lower()] then
+    core.raise(("'%s' is a record, not a study: type `lunid discover %s --mass M --restoring \"k*y + c*v\"`, or write a "
+      .. "study, such as study.lua, that has lunid.read \"%s\""):format(path, path, path), "usage")
+  end
 end
 
 --- Prints the findings with file and line; exit code 1 when one of them would stop the study.

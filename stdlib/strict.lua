@@ -55,6 +55,7 @@ function strict.environment(folder)
   return setmetatable(environment, {
     __metatable = "locked",
     __index = function(_, name)
+      if name == "lunid" then core.raise("undeclared name 'lunid'; begin with local lunid = require \"lunid\"", "study") end
       local near = core.nearest(tostring(name), names_in_sight(environment))
       core.raise(("undeclared name '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or ""), "study")
     end,

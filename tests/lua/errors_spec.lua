@@ -20,6 +20,12 @@ spec.case("unknown field, with the nearest one", function()
   line_3("lunid.window { begin = 1 }", "study.lua:3: window: unknown field 'begin' (fields: from, to)")
 end)
 
+spec.case("a study that does not begin with the module", function()
+  local said = spec.study "print(lunid)\n"
+  spec.equal(said, "study.lua:1: undeclared name 'lunid'; begin with local lunid = require \"lunid\"\n  nothing was written\n")
+  spec.equal(spec.lunid "check study.lua", "study.lua:1: undeclared name 'lunid'; begin with local lunid = require \"lunid\"\n")
+end)
+
 spec.case("a value out of range", function()
   line_3("lunid.lasso { lambda = -1 }", "study.lua:3: lasso: lambda: expected > 0, got -1")
   line_3("lunid.stlsq { threshold = 2 }", "study.lua:3: stlsq: threshold: expected > 0 and < 1, got 2")
