@@ -6,8 +6,11 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
+#include <functional>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 #include "expr/error.hpp"
@@ -21,17 +24,47 @@ using nlohmann::json;
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
   std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
-  std::string study, mass, restoring, baseline, columns, catalogue, out, model, excitation, from, solver, initial;
+  std::string study, mass, restoring, baseline, columns, rate, catalogue, out, model, excitation, from, solver, initial;
   double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
   bool imposed_motion = false, resample = false, quick = false;
 };
 
+using Check = std::function<std::string(const std::string&)>;
+
+/// A check of an option's whole number, as CLI11 takes it: what is wrong, or nothing.
+Check expects_whole(const std::string& range, long long most) {
+  return [=](const std::string& text) -> std::string {
+    long long value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    if (whole && value >= 0 && value <= most) return "";
+    return "expected a whole number " + range + ", got '" + text + "'";
+  };
+}
+
 void add_shared(CLI::App* app, Values& values, bool with_out = true) {
-  if (with_out) app->add_option("--out", values.out, "directory for all that the run makes (lunid-out)");
-  app->add_option("--seed", values.seed, "seed of everything random (1)")->check(CLI::NonNegativeNumber);
-  app->add_option("--threads", values.threads, "threads; 0 is all cores (0)")->check(CLI::Range(0, 4096));
+  if (with_out)
+    app->add_option("--out", values.out, "directory for all that the run makes (lunid-out)")
+        ->check(Check([](const std::string& text) { return text.empty() ? "expected a directory, got ''" : ""; }));
+  app->add_option("--seed", values.seed, "seed of everything random (1)")
+      ->check(expects_whole(">= 0", std::numeric_limits<long long>::max()));
+  app->add_option("--threads", values.threads, "threads; 0 is all cores (0)")
+      ->check(expects_whole("from 0 to 4096", 4096));
+}
+
+/// How a record is read that a command names.
+void add_reading(CLI::App* app, Values& values) {
+  app->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  app->add_option("--rate", values.rate, "rows per second, where there is no time; of a MAT or HDF5 file also its name")
+      ->check(Check([](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double rate = std::strtod(text.c_str(), &end);
+        if (text.empty() || *end == '\0') return rate > 0 ? "" : "expected > 0, got '" + text + "'";
+        return "";
+      }));
+  app->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
 }
 
 void add_run(CLI::App& app, Values& values) {
@@ -42,7 +75,7 @@ void add_run(CLI::App& app, Values& values) {
 }
 
 /// A check of an option's number, as CLI11 takes it: what is wrong, or nothing.
-std::function<std::string(const std::string&)> expects(const std::string& range, bool (*holds)(double)) {
+Check expects(const std::string& range, bool (*holds)(double)) {
   return [=](const std::string& text) {
     return holds(std::strtod(text.c_str(), nullptr)) ? "" : "expected " + range + ", got " + text;
   };
@@ -57,8 +90,7 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--test", values.tests, "TEST.csv ...: never used to choose; else the last 30 % is held out");
   discover->add_option("--window", values.windows, "A:B, part of the training records [s]");
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
-  discover->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
-  discover->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
+  add_reading(discover, values);
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
       ->check(expects("> 0 and < 0.5", [](double alpha) { return alpha > 0 && alpha < 0.5; }));
@@ -72,11 +104,10 @@ void add_simulate(CLI::App& app, Values& values) {
   CLI::App* simulate = app.add_subcommand("simulate", "run a model freely under a record's force");
   simulate->add_option("model", values.model, "model.lua")->required();
   simulate->add_option("--excitation", values.excitation, "RECORD.csv whose F drives the model")->required();
-  simulate->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
-  simulate->add_flag("--resample", values.resample, "an uneven time base is interpolated to its median step");
+  add_reading(simulate, values);
   simulate->add_option("--window", values.windows, "A:B, part of the record [s]");
   simulate->add_option("--from", values.initial, "first state \"y,v\"; else the record's own motion, else rest");
-  simulate->add_option("--solver", values.solver, "auto, fixed, bdf, adams or explicit (auto)");
+  simulate->add_option("--solver", values.solver, "auto, fixed, bdf, adams, rk23, rk45, rk78 or esdirk (auto)");
   add_shared(simulate, values);
 }
 
@@ -93,7 +124,7 @@ void add_small_commands(CLI::App& app, Values& values) {
   check->add_option("study", values.study, "STUDY.lua")->required();
   CLI::App* list = app.add_subcommand("list", "list effects, features, solvers, excitations, systems or cases");
   list->add_option("topic", values.topic, "effects | features | solvers | excitations | systems | cases")
-      ->expected(0, 1);
+      ->expected(0, -1);
   CLI::App* help = app.add_subcommand("help", "explain a constructor, a group of them, a command or an effect");
   help->add_option("topic", values.topic, "such as regress, discover, cubic_stiffness, or systems duffing");
   add_shared(app.add_subcommand("repl", "type expressions and see their values"), values, false);
@@ -121,6 +152,7 @@ json to_json(const CLI::App& app, const Values& values) {
   put(options, "window", values.windows);
   put(options, "test_window", values.test_windows);
   put(options, "columns", values.columns);
+  put(options, "rate", values.rate);
   put(options, "out", values.out);
   put(options, "model", values.model);
   put(options, "excitation", values.excitation);
@@ -152,6 +184,21 @@ std::optional<std::string> unknown_command(const CLI::App& app, int argc, char**
   return "lunid: no command '" + word + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?");
 }
 
+/// What is wrong with an option that a command does not have.
+std::string unknown_option(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const std::string& word : command.remaining()) {
+    if (word.empty() || word[0] != '-') continue;
+    const std::string option = word.substr(0, word.find('=')), near = nearest_word(option, names);
+    return command.get_name() + " has no option '" + option + "'" +
+           (near.empty() ? "" : ", did you mean '" + near + "'?");
+  }
+  return command.get_name() + ": one word too many: '" +
+         (command.remaining().empty() ? "" : command.remaining().front()) + "'";
+}
+
 }  // namespace
 
 Command parse_command_line(int argc, char** argv) {
@@ -162,8 +209,12 @@ Command parse_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     std::string name = failed->get_name();
-    for (const CLI::App* sub : failed->get_subcommands()) name += " " + sub->get_name();
-    return "lunid: " + std::string(error.what()) + "\nlunid: see `" + name + " --help`\n";
+    std::string text = error.what();
+    for (const CLI::App* sub : failed->get_subcommands()) {
+      name += " " + sub->get_name();
+      if (dynamic_cast<const CLI::ExtrasError*>(&error)) text = unknown_option(*sub);
+    }
+    return "lunid: " + text + "\nlunid: see `" + name + " --help`\n";
   });
   add_run(app, values);
   add_discover(app, values);

@@ -52,11 +52,22 @@ int list_files(lua_State* L) {
   std::error_code code;
   for (auto it = fs::recursive_directory_iterator(root, code); !code && it != fs::recursive_directory_iterator();
        it.increment(code)) {
-    if (!it->is_directory()) names.push_back(it->path().lexically_relative(root).string());
+    std::error_code unknown;
+    if (!it->is_directory(unknown)) names.push_back(it->path().lexically_relative(root).string());
   }
   if (code) fail("list", root.string(), code);
   std::sort(names.begin(), names.end());
   push_json(L, names);
+  return 1;
+}
+
+/// Does a directory hold nothing? Looks at no more than its first entry.
+int is_empty_directory(lua_State* L) {
+  const fs::path root = check_string(L, 1);
+  std::error_code code;
+  const fs::directory_iterator it(root, code);
+  if (code) fail("list", root.string(), code);
+  lua_pushboolean(L, it == fs::directory_iterator());
   return 1;
 }
 
@@ -216,6 +227,7 @@ void open_files(lua_State* L) {
       {"write_text", guarded<write_text>},
       {"kind_of", guarded<kind_of>},
       {"list_files", guarded<list_files>},
+      {"is_empty_directory", guarded<is_empty_directory>},
       {"make_directories", guarded<make_directories>},
       {"rename", guarded<rename_file>},
       {"remove_all", guarded<remove_all>},

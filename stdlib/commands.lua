@@ -25,7 +25,7 @@ local function with_output(command, options, work)
     if good then return message end
   end
   local interrupted = core.take_interrupt()
-  local kept = output.abandon(interrupted)
+  local kept = output.abandon(message, interrupted)
   if interrupted then fault("interrupted; " .. kept, "interrupted") end
   core.reraise(message .. "\n  " .. kept, message)
 end
@@ -114,11 +114,15 @@ local function baseline(lunid, options)
   return model
 end
 
+--- A record as the options of the command line say.
+local function read(lunid, path, options, part)
+  return lunid.read { path, columns = options.columns, resample = options.resample, window = part,
+    rate = tonumber(options.rate) or options.rate }
+end
+
 local function read_all(lunid, paths, options)
   local list = {}
-  for i, path in ipairs(paths) do
-    list[i] = lunid.read { path, columns = options.columns, resample = options.resample }
-  end
+  for i, path in ipairs(paths) do list[i] = read(lunid, path, options) end
   return list
 end
 
@@ -152,8 +156,7 @@ commands["simulate"] = function(options)
   local lunid = require "lunid"
   with_output("simulate", options, function()
     local model = lunid.load(options.model)
-    local record = lunid.read { options.excitation, columns = options.columns, resample = options.resample,
-      window = window(lunid, options.window, "window") }
+    local record = read(lunid, options.excitation, options, window(lunid, options.window, "window"))
     local from
     if options.from then
       from = {}

@@ -210,6 +210,7 @@ function help.list(topic)
     end
     return
   end
+  if topic:find(".", 1, true) then core.raise(("list: expected one topic, got '%s'"):format(topic:gsub("%.", " ")), "usage") end
   if not lists[topic] then
     local near = core.nearest(topic, topics)
     core.raise(("list: expected effects, features, solvers, excitations, systems or cases, got '%s'%s"):format(topic,

@@ -9,13 +9,16 @@ local current  -- { out = what the user asked for, partial = where files are gat
 function output.begin(out, rank)
   local kind = core.kind_of(out)
   if kind == "file" then core.raise(("--out: '%s' is a file, not a directory"):format(out), "usage") end
-  if kind == "directory" and #core.list_files(out) > 0 and not core.kind_of(out .. "/run.json") then
+  if kind == "directory" and not core.is_empty_directory(out) and not core.kind_of(out .. "/run.json") then
     core.raise(("--out: the directory '%s' holds other things than an earlier run (it has no run.json); "
       .. "choose another or empty it"):format(out), "usage")
   end
   local partial = ("%s.partial-%d"):format((out:gsub("/+$", "")), core.process_id())
   if rank > 0 then partial = ("%s-%d"):format(partial, rank) end
-  core.make_directories(partial)
+  local good, message = pcall(core.make_directories, partial)
+  if not good then  -- what the user asked for, not the name that it has meanwhile
+    core.raise(("--out: cannot make the directory '%s': %s"):format(out, message:match "([^:]*)$":gsub("^ ", "")), "usage")
+  end
   current = { out = (out:gsub("/+$", "")), partial = partial, silent = rank > 0, folder = "" }
 end
 
@@ -99,8 +102,8 @@ function output.commit(run)
   return files
 end
 
---- "out/report.html, out/figures (4 files)": what a run wrote, folders as one.
-function output.summary(out, files)
+--- "report.html, figures (4 files)", each after `prefix`: folders as one.
+local function listed(files, prefix)
   local names, counts = {}, {}
   for _, file in ipairs(files) do
     local top = file:match "^[^/]+"
@@ -108,22 +111,44 @@ function output.summary(out, files)
     counts[top] = (counts[top] or 0) + (file == top and 0 or 1)
   end
   for i, name in ipairs(names) do
-    names[i] = out .. "/" .. name .. (counts[name] > 0 and (" (%d files)"):format(counts[name]) or "")
+    local count = counts[name]
+    names[i] = prefix .. name .. (count > 0 and (" (%d file%s)"):format(count, count > 1 and "s" or "") or "")
   end
   return table.concat(names, ", ")
 end
 
---- Ends a run that failed. Whole files that it made stay beside the out directory when `keep`; says what was kept.
-function output.abandon(keep)
+--- "out/report.html, out/figures (4 files)": what a run wrote.
+function output.summary(out, files) return listed(files, out .. "/") end
+
+--- Where the files of a run that failed are kept; those of an earlier one there are replaced, other things are not.
+local function failed_folder(run)
+  local folder = run.out .. ".failed"
+  local kind = core.kind_of(folder)
+  if kind == "directory" and core.kind_of(folder .. "/error.txt") then core.remove_all(folder) end
+  return core.kind_of(folder) and run.partial or folder
+end
+
+--- Ends a run that failed, or was interrupted, with `message`. Whole files that it made are kept beside the out directory;
+--- says what was kept.
+function output.abandon(message, interrupted)
   local run = current
   current = nil
-  local files = keep and not run.silent and core.list_files(run.partial) or {}
+  local files = not run.silent and core.list_files(run.partial) or {}
   local earlier = core.kind_of(run.out) and ("; '%s' is as it was"):format(run.out) or ""
   if #files == 0 then
     core.remove_all(run.partial)
     return "nothing was written" .. earlier
   end
-  return ("finished files are kept in '%s': %s%s"):format(run.partial, table.concat(files, ", "), earlier)
+  local kept = run.partial
+  if not interrupted then
+    local good = pcall(function()
+      core.write_text(run.partial .. "/error.txt", message .. "\n")
+      kept = failed_folder(run)
+      if kept ~= run.partial then core.rename(run.partial, kept) end
+    end)
+    if not good then kept = run.partial end
+  end
+  return ("finished files are kept in '%s': %s%s"):format(kept, listed(files, ""), earlier)
 end
 
 return output

@@ -48,7 +48,12 @@ spec.case("text in a number column", function()
     if i == 40 then cells[2] = "n/a" end
     return cells
   end)
-  refused("text.csv", usual, "text.csv:42: column 'F': expected a number, got 'n/a'" .. kept, 3)
+  refused("text.csv", usual, "text.csv:42: column 'F': expected a number, got 'n/a'; mend it, or delete the line and set "
+    .. "resample = true (--resample), which interpolates missing rows" .. kept, 3)
+  spec.shell "sed -i 42d text.csv"  -- as it says
+  local said, code = spec.lunid 'discover text.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --resample --out mended'
+  spec.contains(said, "interpolated")
+  spec.equal(code, 0)
 end)
 
 spec.case("two columns of one name", function()
@@ -97,7 +102,42 @@ spec.case("a time column that runs backwards", function()
     if i == 50 then cells[1] = "0.1" end
     return cells
   end)
-  refused("back.csv", usual, "back.csv:52: time runs backwards: t = 0.1 s after t = 0.49 s" .. kept, 3)
+  refused("back.csv", usual, "back.csv:52: time runs backwards: t = 0.1 s after t = 0.49 s; delete the rows that are out of "
+    .. "order, or where all are evenly spaced give their rate in place of the time: rate = HZ (--rate HZ)" .. kept, 3)
+  local said, code = spec.lunid 'discover back.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --rate 100 --out rated'
+  spec.contains(said, "back.csv: train, 70 rows, 0.69 s at 100 Hz")
+  spec.contains(said, "left out: the time 't', because a rate or interval is given")
+  spec.equal(code, 0)
+  spec.equal(spec.shell 'grep -o \'"rate": "100"\' rated/run.json', '"rate": "100"\n')
+end)
+
+spec.case("no time column: --rate says how far the rows are apart", function()
+  record("bare.csv", 100, function(_, cells) return { cells[2], cells[3] } end, "F,y")
+  refused("bare.csv", usual, "bare.csv:1: no time column: expected a column named 't' or 'time', the file has 'F', 'y'; give "
+    .. "the rows per second: rate = HZ (--rate HZ)" .. kept, 3)
+  local said, code = spec.lunid 'discover bare.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --rate 100 --out bare'
+  spec.contains(said, "bare.csv: train, 70 rows, 0.69 s at 100 Hz")
+  spec.equal(code, 0)
+  said, code = spec.lunid "simulate bare/model.lua --excitation bare.csv --rate 100 --from 0,0 --out bare-run"
+  spec.equal(code, 0)
+  said, code = spec.lunid "simulate bare/model.lua --excitation bare.csv --rate fs --out bare-run"
+  spec.contains(said, "bare.csv: rate and interval: expected a number for a CSV file, got the name 'fs'")
+  spec.equal(code, 3)
+  said, code = spec.lunid("discover bare.csv --rate 0 " .. usual)
+  spec.contains(said, "--rate: expected > 0, got '0'\n")
+  spec.equal(code, 2)
+end)
+
+spec.case("a logger's file is read as it is, and what was skipped is said", function()
+  record("logger.csv", 100, function(i, cells)
+    cells[1], cells[2] = ("%.2f"):format(i*0.01), ("%.9f"):format(cells[2])
+    cells[3] = ("%.9f"):format(1000*cells[3])
+    return cells
+  end, "Logger;X200\nKanal;1;2\nt;F;Disp.\ns;N;mm")
+  spec.shell "tail -n +5 logger.csv | tr ',.' ';,' > rows; head -4 logger.csv | cat - rows > german.csv"
+  local said, code = spec.lunid 'discover german.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --out german'
+  spec.contains(said, "2 lines before the header in line 3 are no part of the table and skipped, the first: 'Logger;X200'")
+  spec.equal(code, 0)
 end)
 
 spec.case("5 rows", function()
@@ -158,6 +198,32 @@ spec.case("wrong usage", function()
   spec.equal(code, 2)
 end)
 
+spec.case("wrong options: what was expected, what came", function()
+  for arguments, expected in pairs {
+    ["run s.lua --seed abc"] = "lunid: --seed: expected a whole number >= 0, got 'abc'\nlunid: see `lunid run --help`\n",
+    ["run s.lua --seed -1"] = "lunid: --seed: expected a whole number >= 0, got '-1'\nlunid: see `lunid run --help`\n",
+    ["run s.lua --seed 1.5"] = "lunid: --seed: expected a whole number >= 0, got '1.5'\nlunid: see `lunid run --help`\n",
+    ["repl --threads 9999"] = "lunid: --threads: expected a whole number from 0 to 4096, got '9999'\nlunid: see `lunid repl --help`\n",
+    ["run s.lua --out ''"] = "lunid: --out: expected a directory, got ''\nlunid: see `lunid run --help`\n",
+    ["discover --mas 3"] = "lunid: discover has no option '--mas', did you mean '--mass'?\nlunid: see `lunid discover --help`\n",
+    ["run s.lua --zzz=3"] = "lunid: run has no option '--zzz'\nlunid: see `lunid run --help`\n",
+    ["check s.lua more"] = "lunid: check: one word too many: 'more'\nlunid: see `lunid check --help`\n",
+    ["list effects solvers"] = "list: expected one topic, got 'effects solvers'\n",
+  } do
+    local said, code = spec.lunid(arguments)
+    spec.equal(said, expected)
+    spec.equal(code, 2)
+  end
+end)
+
+spec.case("the solvers that simulate offers are those that there are", function()
+  local help = spec.lunid "simulate --help"
+  local offered = assert(help:gsub("%s+", " "):match "%-%-solver TEXT (.-) %(auto%)", help):gsub(" or ", ", ")
+  local words = {}
+  for name in spec.lunid "list solvers":match "of a simulation[^\n]*\n(.*)":gmatch "%s*(%S+)[^\n]*\n" do words[#words + 1] = name end
+  spec.equal(offered, table.concat(words, ", "))
+end)
+
 spec.case("--catalogue and --minimum-gain say what may be named", function()
   local _, code = spec.lunid([[discover good.csv --mass 1 --restoring "k*y + c*v" --out few]]
     .. " --catalogue 'cubic_stiffness, quadratic_drag' --minimum-gain 0")
@@ -181,6 +247,13 @@ spec.case("a directory or nothing in place of a study", function()
     spec.equal(said, "no such study: 'nowhere.lua'\n")
     spec.equal(code, 2)
   end
+end)
+
+spec.case("a record in place of a study", function()
+  local said, code = spec.lunid "run good.csv"
+  spec.equal(said, "'good.csv' is a record, not a study: type `lunid discover good.csv --mass M --restoring \"k*y + c*v\"`, or "
+    .. "write a study, such as study.lua, that has lunid.read \"good.csv\"\n")
+  spec.equal(code, 2)
 end)
 
 spec.case("a command that there is not, or none", function()
@@ -208,6 +281,47 @@ spec.case("a directory that holds other things is refused", function()
   said, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v" --out mine/notes.txt'
   spec.equal(said, "--out: 'mine/notes.txt' is a file, not a directory\n")
   spec.equal(code, 2)
+end)
+
+spec.case("an out directory is looked at no deeper than its first entry, and messages name it as it was asked for", function()
+  for _, out in ipairs { "/", "/proc/1" } do
+    local said, code = spec.lunid("run mine/notes.txt.lua --out " .. out, "echo 'local x = 1' > mine/notes.txt.lua;")
+    spec.equal(said, ("--out: the directory '%s' holds other things than an earlier run (it has no run.json); "
+      .. "choose another or empty it\n"):format(out))
+    spec.equal(code, 2)
+  end
+  local said, code = spec.lunid "run mine/notes.txt.lua --out /proc/lunid-out"
+  spec.equal(said, "--out: cannot make the directory '/proc/lunid-out': No such file or directory\n")
+  spec.equal(code, 2)
+end)
+
+spec.case("a slip in the last line loses nothing: what finished calls wrote is kept beside the out directory", function()
+  local study = [[
+local lunid = require "lunid"
+local name = lunid.option { "name", "a" }
+lunid.model { mass = 1, restoring = 2*lunid.displacement }:save(name .. ".lua")
+lunid.read("good.csv"):save "records/copy.csv"
+]]
+  spec.write("whole.lua", study)
+  spec.write("slip.lua", study .. "print(lunid.verdict)\n")
+  local _, code = spec.lunid "run whole.lua --out slip"
+  spec.equal(code, 0)
+  local earlier = spec.shell "ls -lR --time-style=full-iso slip"
+  for _, name in ipairs { "a", "b" } do  -- which replaces the first
+    local said
+    said, code = spec.lunid(("run slip.lua name=%s --out slip/"):format(name))
+    spec.equal(said, ("slip.lua:5: lunid has no 'verdict'\n  finished files are kept in 'slip.failed': %s.lua, records (1 file); "
+      .. "'slip' is as it was\n"):format(name))
+    spec.equal(code, 1)
+    spec.equal(spec.shell "ls slip.failed", ("%s.lua\nerror.txt\nrecords\n"):format(name))
+    spec.equal(spec.shell "cat slip.failed/error.txt", "slip.lua:5: lunid has no 'verdict'\n")
+    spec.equal(spec.shell "ls -lR --time-style=full-iso slip", earlier)
+  end
+  spec.shell "rm slip.failed/error.txt"  -- now it may be anyone's
+  local said = spec.lunid "run slip.lua name=c --out slip"
+  spec.contains(said:gsub("partial%-%d+", "partial-N"), "are kept in 'slip.partial-N': c.lua, records (1 file); 'slip' is")
+  spec.equal(spec.shell "ls slip.failed", "b.lua\nrecords\n")
+  spec.shell "rm -r slip.partial-*"
 end)
 
 local heavy = [[
