@@ -131,8 +131,12 @@ std::optional<Place> header_at(const Lines& lines, std::size_t i) {
   const auto next = following(lines, i);
   if (!next || !are_names(names)) return std::nullopt;
   if (are_units(lines[*next].text, separator, names.size())) return Place{i, *next, separator};
-  const std::vector<std::string> below = cells_of(lines[*next].text, separator);
-  if (below.size() == names.size() && is_row(below)) return Place{i, std::nullopt, separator};
+  const auto is_row_at = [&](const std::optional<std::size_t>& at) {
+    const std::vector<std::string> cells = cells_of(lines[*at].text, separator);
+    return cells.size() == names.size() && is_row(cells);
+  };
+  const auto second = following(lines, *next);  // one row alone: two settings of a logger, by name
+  if (is_row_at(next) && (!second || is_row_at(second))) return Place{i, std::nullopt, separator};
   return std::nullopt;
 }
 
