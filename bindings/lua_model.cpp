@@ -140,36 +140,41 @@ int make_model(lua_State* L) {
   return 1;
 }
 
-/// model:with{ k = 3, c = { fixed = true, min = 0 } } -> a copy
+/// Takes over the fields of a row of values that stands at the top of the stack.
+void take_row(lua_State* L, Parameter& parameter) {
+  for (const auto& [field, target] : {std::pair{"value", &parameter.value}, std::pair{"min", &parameter.min},
+                                      std::pair{"max", &parameter.max}, std::pair{"std", &parameter.std}})
+    *target = number_field(L, -1, field).value_or(*target);
+  parameter.unit = string_field(L, -1, "unit").value_or(parameter.unit);
+  parameter.fixed = boolean_field(L, -1, "fixed", parameter.fixed);
+}
+
+/// model_with(model, { k = 3, c = { fixed = true, min = 0 } }) -> a copy; what models.lua checked before.
 int with(lua_State* L) {
   Model model = check<Model>(L, 1);
   check_table(L, 2);
   lua_pushnil(L);
   while (lua_next(L, 2)) {
-    const std::string name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : describe(L, -2);
+    const std::string name = check_string(L, -2);
     Parameter* parameter = model.find(name);
-    if (!parameter) {
-      std::vector<std::string> names;
-      for (const Parameter& row : model.parameters) names.push_back(row.name);
-      const std::string near = nearest_word(name, names);
-      throw InputError("with: the model has no parameter '" + name + "'" +
-                       (near.empty() ? "" : ", did you mean '" + near + "'?"));
-    }
-    if (lua_type(L, -1) == LUA_TNUMBER) {
+    if (!parameter) throw InputError("with: the model has no parameter '" + name + "'");
+    if (lua_type(L, -1) == LUA_TNUMBER)
       parameter->value = lua_tonumber(L, -1);
-    } else if (lua_type(L, -1) == LUA_TTABLE) {
-      parameter->value = number_field(L, -1, "value").value_or(parameter->value);
-      parameter->min = number_field(L, -1, "min").value_or(parameter->min);
-      parameter->max = number_field(L, -1, "max").value_or(parameter->max);
-      parameter->unit = string_field(L, -1, "unit").value_or(parameter->unit);
-      parameter->fixed = boolean_field(L, -1, "fixed", parameter->fixed);
-    } else {
-      throw InputError("with: " + name + ": expected a number or a table, got " + describe(L, -1));
-    }
+    else
+      take_row(L, *parameter);
     lua_pop(L, 1);
   }
   push<Model>(L, complete(std::move(model)));
   return 1;
+}
+
+/// si_unit("kN/m") -> 1000, "N/m"; nil where it is unknown
+int read_unit(lua_State* L) {
+  const auto si = si_unit(check_string(L, 1));
+  if (!si) return 0;
+  lua_pushnumber(L, si->factor);
+  push_text(L, si->unit);
+  return 2;
 }
 
 int equation(lua_State* L) {
@@ -302,11 +307,11 @@ int to_string(lua_State* L) {
 }  // namespace
 
 void open_models(lua_State* L) {
-  static constexpr Entry methods[] = {
-      {"with", guarded<with>}, {"equation", guarded<equation>}, {"c_code", guarded<write_c>}};
+  static constexpr Entry methods[] = {{"equation", guarded<equation>}, {"c_code", guarded<write_c>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Model>(L, methods, meta);
-  static constexpr Entry functions[] = {{"model", guarded<make_model>}};
+  static constexpr Entry functions[] = {
+      {"model", guarded<make_model>}, {"model_with", guarded<with>}, {"si_unit", guarded<read_unit>}};
   set_functions(L, functions);
 }
 

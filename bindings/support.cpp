@@ -1,5 +1,6 @@
 #include "support.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -40,6 +41,7 @@ std::string describe(lua_State* L, int index) {
     case LUA_TNONE:
     case LUA_TNIL: return "nothing";
     case LUA_TNUMBER: {
+      if (std::isnan(lua_tonumber(L, index))) return "nan";  // of either sign
       char text[32];
       std::snprintf(text, sizeof text, "%.14g", lua_tonumber(L, index));
       return text;

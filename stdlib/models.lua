@@ -4,6 +4,7 @@ local output = require "lunid.output"
 local records = require "lunid.records"
 local schema = require "lunid.schema"
 local strict = require "lunid.strict"
+local units = require "lunid.units"
 local types = schema.types
 
 local models = {}
@@ -158,8 +159,9 @@ end
 
 local function parameter_text(row)
   local value = row.value and ", " .. core.number_text(row.value) or ""
+  local unit = not units.problem(row.unit) and row.unit or ""  -- a file's own one, of a column taken as it is
   return ("local %s = lunid.parameter { %q%s%s%s%s%s%s }"):format(row.name, row.name, value, field("min", row.min),
-    field("max", row.max), field("unit", row.unit), field("fixed", row.fixed), field("std", row.std))
+    field("max", row.max), field("unit", unit), field("fixed", row.fixed), field("std", row.std))
 end
 
 local function state_text(state)
@@ -277,6 +279,57 @@ end
 core.add_method("lunid.model", "save", function(model, path)
   if type(path) ~= "string" then schema.fail("save", "expected a path, got " .. core.describe(path)) end
   return output.write(path, models.text(model))
+end)
+
+local row_names = { "value", "min", "max", "unit", "fixed", "std" }
+
+--- A row of `with`, as { min = 0, fixed = true }; a row of model.parameters is one too.
+local function check_row(where, name, row)
+  if next(row) == nil then
+    schema.fail(where, "expected a number or fields (" .. table.concat(row_names, ", ") .. "), got an empty table")
+  end
+  local known = {}
+  for _, field in ipairs(row_names) do known[field] = true end
+  if row[1] ~= nil then
+    schema.fail(where, ("unexpected entry 1: %s; fields are written name = value, such as value = 3"):format(core.describe(row[1])))
+  end
+  for field, value in pairs(row) do
+    if not known[field] and not (field == "name" and value == name) then
+      local near = type(field) == "string" and core.nearest(field, row_names)
+      schema.fail(where, ("unknown field '%s'%s"):format(field, near and (", did you mean '%s'?"):format(near)
+        or " (fields: " .. table.concat(row_names, ", ") .. ")"))
+    end
+    if field == "fixed" and type(value) ~= "boolean" then
+      schema.fail(where .. ": fixed", "expected true or false, got " .. core.describe(value))
+    elseif field == "unit" then
+      local problem = type(value) ~= "string" and "expected a string, got " .. core.describe(value) or units.problem(value)
+      if problem then schema.fail(where .. ": unit", problem) end
+    elseif field ~= "fixed" and field ~= "name" and (type(value) ~= "number" or value ~= value) then
+      schema.fail(where .. ": " .. field, "expected a number, got " .. core.describe(value))
+    end
+  end
+end
+
+--- A copy with other values: model:with { k = 3, c = { fixed = true, min = 0 } }.
+core.add_method("lunid.model", "with", function(model, rows)
+  if getmetatable(model) ~= "lunid.model" then schema.fail("with", "expected model:with { ... }, with a colon") end
+  if type(rows) ~= "table" or getmetatable(rows) ~= nil then
+    schema.fail("with", "expected a table { k = 3, c = { min = 0 } }, got " .. core.describe(rows))
+  end
+  local names = {}
+  for i, row in ipairs(model.parameters) do names[i] = row.name end
+  for name, row in pairs(rows) do
+    if type(name) ~= "string" or not model.parameters[name] then
+      local near = type(name) == "string" and core.nearest(name, names)
+      schema.fail("with", ("the model has no parameter '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near)
+        or #names > 0 and " (parameters: " .. table.concat(names, ", ") .. ")" or ""))
+    end
+    if type(row) == "number" and row ~= row or type(row) ~= "number" and type(row) ~= "table" then
+      schema.fail("with: " .. name, "expected a number or a table, got " .. core.describe(row))
+    end
+    if type(row) == "table" then check_row("with: " .. name, name, row) end
+  end
+  return core.model_with(model, rows)
 end)
 
 --- A file in C (the rates as a function) or in LaTeX (the equation and its parameters), by the path's ending.

@@ -1,6 +1,7 @@
 -- Symbols: signals, parameters, internal states, and the functions of the language.
 local core = require "lunid.core"
 local schema = require "lunid.schema"
+local units = require "lunid.units"
 local types = schema.types
 
 local symbols = {
@@ -82,6 +83,8 @@ symbols.parameter = schema.define({
 }, function(given)
   check_name("parameter", given.name)
   check_bounds("parameter: " .. given.name, given)
+  local problem = units.problem(given.unit)
+  if problem then schema.fail("parameter: " .. given.name .. ": unit", problem) end
   local value = given.value
   if value and (value < (given.min or value) or value > (given.max or value)) then
     schema.fail("parameter: " .. given.name, ("value: expected within %g to %g, got %g"):format(

@@ -1,4 +1,5 @@
 -- Every error of a user, on its full text with file and line.
+local lunid = require "lunid"
 local spec = require "spec"
 
 local head = [[
@@ -53,6 +54,49 @@ spec.case("a call without its table", function()
   line_3("lunid.fixed(v, 10, 11)", "study.lua:3: fixed: expected 2 arguments, got 3")
   line_3("lunid.model { y, mass = 1 }",
     "study.lua:3: model: unexpected entry 1: an expression; fields are written name = value")
+end)
+
+spec.case("a unit is no label: values are SI", function()
+  local function unit(text, expected)
+    line_3(("lunid.parameter { 'k', 30, unit = '%s' }"):format(text), "study.lua:3: parameter: k: unit: expected an SI unit "
+      .. "such as N/m, got '" .. text .. "'" .. expected)
+  end
+  unit("kN/m", " (1000 N/m): write the value in N/m")
+  unit("%", " (0.01): write the value itself, without a unit")
+  unit("kN/m^1.5", ": write the value in SI")
+  unit("potato", ", which is unknown")
+  for _, good in ipairs { "", "-", "1", "V", "rad", "N m", "N s/m", "N/m^3", "1/s^2", "N/(m s)", "N (s/m)^p", "s^degree",
+    "N/m^1.5", "N.s/m", "N·s/m", "V/T", "ohm" } do
+    lunid.parameter { "k", 30, unit = good }
+  end
+end)
+
+spec.case("model:with names the field that is wrong", function()
+  local function with(rows, expected)
+    line_3("local k = lunid.parameter { 'k', 3 } lunid.model { mass = 1, restoring = k*y }:with " .. rows,
+      "study.lua:3: with: " .. expected)
+  end
+  local fields = "(value, min, max, unit, fixed, std)"
+  with("{ k = { value = 2e4, fixd = true } }", "k: unknown field 'fixd', did you mean 'fixed'?")
+  with("{ k = { 2e4, fixed = true } }", "k: unexpected entry 1: 20000; fields are written name = value, such as value = 3")
+  with("{ k = { q = 1 } }", "k: unknown field 'q' (fields: value, min, max, unit, fixed, std)")
+  with("{ k = {} }", "k: expected a number or fields " .. fields .. ", got an empty table")
+  with("{ k = 0/0 }", "k: expected a number or a table, got nan")
+  with("{ k = { min = 0/0 } }", "k: min: expected a number, got nan")
+  with("{ k = { fixed = 1 } }", "k: fixed: expected true or false, got 1")
+  with("{ k = { unit = 'kN/m' } }",
+    "k: unit: expected an SI unit such as N/m, got 'kN/m' (1000 N/m): write the value in N/m")
+  with("{ q = 1 }", "the model has no parameter 'q' (parameters: k)")
+  with("{ 3 }", "the model has no parameter '1' (parameters: k)")
+  with("(3)", "expected a table { k = 3, c = { min = 0 } }, got 3")
+end)
+
+spec.case("a row of a model's parameters holds for another one", function()
+  local k = lunid.parameter { "k", 3, min = 1, unit = "N/m" }
+  local model = lunid.model { mass = 1, restoring = k*lunid.displacement }
+  local other = model:with { k = { value = 4, std = 0.1, fixed = true } }
+  local row = model:with { k = other.parameters.k }.parameters.k
+  spec.equal(("%g %g %g %s"):format(row.value, row.std, row.min, row.fixed), "4 0.1 1 true")
 end)
 
 spec.case("names that cannot be", function()
