@@ -2,6 +2,7 @@
 local core = require "lunid.core"
 local effect = require "lunid.effect"
 local schema = require "lunid.schema"
+local types = schema.types
 
 local catalogue = {}
 
@@ -77,5 +78,36 @@ function catalogue.others()
   return catalogue.entries(names)
 end
 
-catalogue.public = { effect = effect, effects = schema.strict_list("lunid.effects", catalogue.names, catalogue.entry) }
+--- Raises where a study's own guesses are no list of values for the entry's parameters, within their bounds; read_guesses
+--- in lua_discovery.cpp says of which entry.
+local function check_guesses(entry, guesses)
+  local names, rows = {}, {}
+  for i, row in ipairs(entry.parameters) do names[i], rows[row[1]] = row[1], entry.rows[i] end
+  local function refuse(words, ...) error(words:format(...), 0) end
+  if type(guesses) ~= "table" or next(guesses) ~= nil and guesses[1] == nil then
+    refuse("expected a list { { %s = ... }, ... }, got %s", names[1], type(guesses) == "table" and "a table that is no list"
+      or core.describe(guesses))
+  end
+  for i, guess in ipairs(guesses) do
+    if type(guess) ~= "table" then refuse("entry %d: expected { %s = ... }, got %s", i, names[1], core.describe(guess)) end
+    for name, value in pairs(guess) do
+      local row = rows[name]
+      if not row then refuse("unknown parameter '%s' (%s)", name, table.concat(names, ", ")) end
+      if type(value) ~= "number" or value ~= value or value < (row.min or value) or value > (row.max or value) then
+        refuse("%s: expected %s, got %s", name, types.number({ min = row.min, max = row.max }).words, core.describe(value))
+      end
+    end
+  end
+  return guesses
+end
+
+--- lunid.effect: an entry of the study's own. Those of the catalogue follow any scale; they are brought within bounds.
+local function own_effect(...)
+  local entry = effect(...)
+  local guess = entry.guess
+  if guess then entry.guess = function(...) return check_guesses(entry, guess(...)) end end
+  return entry
+end
+
+catalogue.public = { effect = own_effect, effects = schema.strict_list("lunid.effects", catalogue.names, catalogue.entry) }
 return catalogue

@@ -95,12 +95,12 @@ local function baseline(lunid, options)
   end
   if not options.restoring then fault("--restoring (or --baseline model.lua) is needed", "usage") end
   if not options.mass and not options.imposed_motion then fault("--mass is needed where the motion is free", "usage") end
-  local symbols = require "lunid.symbols"
+  local schema = require "lunid.schema"
   local function read(text, source)
     local value = core.parse(text, source)
     for _, symbol in ipairs(value:symbols()) do
       if symbol.kind == "parameter" then
-        symbols.check_name(source, symbol.name)
+        schema.check_name(source, symbol.name)
         warn_of_signal(source, symbol.name)
       end
     end

@@ -2,8 +2,8 @@
 local core = require "lunid.core"
 local element = require "lunid.element"
 local schema = require "lunid.schema"
-local symbols = require "lunid.symbols"
 local types = schema.types
+local units = require "lunid.units"
 
 local families = { "stiffness", "damping", "friction", "hysteresis", "soil", "inertia", "extra_dof", "time_variation",
   "input", "sensor" }
@@ -28,24 +28,60 @@ local function with_symbols(where, own)
   end
 end
 
-local function check_row(where, kind, row, known)
-  local words = table.concat(known, ", ")
+--- Raises where a row has an unknown field, or one of another type: known is { { "rate", type }, ... }.
+local function check_row(where, row, known, first)
+  local names, types_of = {}, {}
+  for i, field in ipairs(known) do names[i], types_of[field[1]] = field[1], field[2] end
   for key in pairs(row) do
-    if key ~= 1 and not (", " .. words .. ","):find(", " .. tostring(key) .. ",", 1, true) then
-      schema.fail(where, ("%s: unknown field '%s' (fields: %s)"):format(kind, key, words))
+    if not types_of[key] and not (first and key == 1) then
+      local near = type(key) == "string" and core.nearest(key, names)
+      schema.fail(where, ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near)
+        or (" (fields: %s)"):format(table.concat(names, ", "))))
     end
   end
+  for _, field in ipairs(known) do
+    local value = row[field[1]]
+    local good, expected = true, nil
+    if value ~= nil then good, expected = field[2].check(value) end
+    if not good then
+      schema.fail(where, ("%s: expected %s, got %s"):format(field[1], expected, core.describe(value)))
+    end
+  end
+  local problem = row.unit and units.problem(row.unit)
+  if problem then schema.fail(where, "unit: " .. problem) end
 end
 
+local parameter_fields = { { "min", types.number() }, { "max", types.number() }, { "unit", types.string },
+  { "fixed", types.boolean } }
+
 --- The parameter that stands for an entry's own one, by a row of its table.
-local function private_parameter(entry, row)
-  check_row("effect: " .. entry.name, "parameters", row, { "min", "max", "unit", "fixed" })
-  if type(row[1]) ~= "string" then
-    schema.fail("effect: " .. entry.name, "parameters: each entry begins with its name")
-  end
-  symbols.check_name("effect: " .. entry.name, row[1])
+local function private_parameter(entry, row, known)
+  local where = "effect: " .. entry.name
+  if type(row[1]) ~= "string" then schema.fail(where, "parameters: each entry begins with its name") end
+  schema.check_name(where, row[1])
+  if known[row[1]] then schema.fail(where, ("parameters: '%s' is there twice"):format(row[1])) end
+  where = ("%s: parameters: %s"):format(where, row[1])
+  check_row(where, row, parameter_fields, true)
+  schema.check_bounds(where, row)
   return { name = entry.name .. "_" .. row[1], min = row.min, max = row.max, unit = row.unit or "",
     fixed = row.fixed or false }
+end
+
+--- Raises where a parameter stands nowhere: nothing could tell its value.
+local function check_used(where, given, rows, variants, states)
+  local used, parts = {}, { table.unpack(variants) }
+  for _, state in ipairs(states) do
+    for _, part in ipairs { "rate", "min", "max" } do parts[#parts + 1] = state[part] end
+  end
+  for _, part in ipairs(parts) do
+    for _, symbol in ipairs(core.is_expression(part) and part:symbols() or {}) do used[symbol.name] = true end
+  end
+  for i, row in ipairs(rows) do
+    if not used[row.name] then
+      schema.fail(where, ("parameters: nothing uses '%s'; name it in the contribution or in a state's rate, or leave it out")
+        :format(given.parameters[i][1]))
+    end
+  end
 end
 
 local function list(value)
@@ -61,6 +97,10 @@ local function forms_of(given)
     local known = field == "measures" and "y" or "F"
     local tables = given[field] or {}
     for _, maps in ipairs(tables[1] and tables or { given[field] }) do
+      if type(maps) ~= "table" or core.is_expression(maps) or next(maps) == nil then
+        schema.fail(where, ("%s: expected { %s = ... }, or a list of them, got %s"):format(field, known,
+          type(maps) == "table" and "an empty table" or core.describe(maps)))
+      end
       local channel, form = next(maps)
       if channel ~= known or next(maps, channel) then
         schema.fail(where, ("%s: expected { %s = ... }, or a list of them, got %s"):format(field, known,
@@ -107,15 +147,31 @@ local function condition(where, text)
   return { text = text, left = left, right = right }
 end
 
+local state_fields = { { "rate", text_or_expression }, { "initial", types.number() }, { "min", text_or_expression },
+  { "max", text_or_expression }, { "unit", types.string }, { "absolute", types.boolean } }
+
+local function check_state(where, name, state, own)
+  if type(name) ~= "string" then
+    schema.fail(where, ("states: expected z = { rate = ... }, got entry %s: %s"):format(name, core.describe(state)))
+  end
+  schema.check_name(where, name)
+  if own[name] then schema.fail(where, ("states: '%s' is a parameter already"):format(name)) end
+  where = ("%s: states: %s"):format(where, name)
+  if type(state) ~= "table" or core.is_expression(state) then
+    schema.fail(where, "expected { rate = ... }, got " .. core.describe(state))
+  end
+  if state[1] ~= nil then schema.fail(where, ("unexpected entry 1: %s; write rate = ..."):format(core.describe(state[1]))) end
+  check_row(where, state, state_fields)
+  if state.rate == nil then schema.fail(where, "missing field 'rate': " .. text_or_expression.words) end
+end
+
 --- The states of an entry in a fixed order, with their expressions.
 local function take_states(entry, own)
   local names, states, absolute = {}, {}, {}
   for name in pairs(entry.states) do names[#names + 1] = name end
-  table.sort(names)
-  for _, name in ipairs(names) do
-    check_row("effect: " .. entry.name, "states: " .. name, entry.states[name], { "rate", "initial", "min", "max", "unit", "absolute" })
-    own[name] = core.state_symbol(entry.name .. "_" .. name)
-  end
+  table.sort(names, function(a, b) return tostring(a) < tostring(b) end)
+  for _, name in ipairs(names) do check_state("effect: " .. entry.name, name, entry.states[name], own) end
+  for _, name in ipairs(names) do own[name] = core.state_symbol(entry.name .. "_" .. name) end
   local make = with_symbols("effect: " .. entry.name, own)
   for i, name in ipairs(names) do
     local state = entry.states[name]
@@ -170,11 +226,11 @@ return schema.define({
   parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" } },
   guess = function(scale) return { { p = 1/scale.y_max } } end }]],
 }, function(given)
-  symbols.check_name("effect", given.name)
+  schema.check_name("effect", given.name)
   local where = "effect: " .. given.name
   local own, rows, conditions = {}, {}, {}
   for i, row in ipairs(given.parameters) do
-    rows[i] = private_parameter(given, row)
+    rows[i] = private_parameter(given, row, own)
     own[row[1]] = core.parse(rows[i].name, where)
   end
   local states, make, absolute = take_states(given, own)
@@ -188,6 +244,7 @@ return schema.define({
     conditions[i] = condition(where, text)
     margins[i] = make(conditions[i].left) - make(conditions[i].right)
   end
+  check_used(where, given, rows, variants, states)
   given.rows, given.states, given.variants, given.conditions = rows, states, variants, conditions
   given.margins = margins
   given.absolute = absolute

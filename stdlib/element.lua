@@ -1,7 +1,6 @@
 -- An entry of the catalogue as an element of a model: `lunid.effects.bouc_wen { k = 1e4, zy = 1e-3, rho = 0.7, n = 1.5 }`.
 local core = require "lunid.core"
 local schema = require "lunid.schema"
-local symbols = require "lunid.symbols"
 local types = schema.types
 
 local element = {}
@@ -101,7 +100,7 @@ end
 function element.make(entry, ...)
   local definition = element.definition(entry)
   local given, where = schema.validate(definition, ...), definition.name
-  symbols.check_name(where, given.prefix)
+  schema.check_name(where, given.prefix)
   check_conditions(where, entry, given)
   check_variant(where, entry, given)
   local by, states = replacements(where, entry, given), {}

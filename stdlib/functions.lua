@@ -2,7 +2,6 @@
 -- give an expression.
 local core = require "lunid.core"
 local schema = require "lunid.schema"
-local symbols = require "lunid.symbols"
 local types = schema.types
 
 local functions = {}
@@ -25,7 +24,7 @@ functions.lua_function = schema.define({
 local damper = lunid.lua_function { "damper", function(y, v) return 20*v*math.exp(-y*y) end }
 local model = lunid.model { mass = 1, restoring = k*y + damper(y, v) }]],
 }, function(given)
-  symbols.check_name("lua_function", given.name)
+  schema.check_name("lua_function", given.name)
   given.place = core.place()
   return core.lua_function(given)
 end)
@@ -49,7 +48,7 @@ functions.lookup = schema.define({
 local spring = lunid.lookup { "spring", axes = { { -0.01, 0, 0.02 } }, values = { -90, 0, 210 } }
 local model = lunid.model { mass = 1, restoring = spring(y) + c*v }]],
 }, function(given)
-  symbols.check_name("lookup", given.name)
+  schema.check_name("lookup", given.name)
   for i, value in ipairs(given.values) do
     if type(value) == "number" then given.values[i] = { value } end
   end

@@ -1,4 +1,5 @@
 -- `lunid help TOPIC` and `lunid list`: written from the schemas and the catalogue, never by hand.
+require "lunid.symbols"  -- the first that the manual tells of
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local element = require "lunid.element"

@@ -142,6 +142,27 @@ schema.definitions = {}
 --- Raises `where: message` with the user's file and line.
 function schema.fail(where, message) core.raise(where .. ": " .. message, "study") end
 
+local keywords = {}
+for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true
+               until while lunid]]):gmatch "%S+" do
+  keywords[word] = true
+end
+
+--- A name that can stand in an expression and in a saved model.
+function schema.check_name(where, name)
+  if not name:match "^[%a_][%w_]*$" then
+    schema.fail(where, ("name: expected letters, digits and _, got '%s'"):format(name))
+  end
+  if keywords[name] then schema.fail(where, ("name: '%s' is a word of Lua; choose another"):format(name)) end
+end
+
+--- Bounds of a parameter.
+function schema.check_bounds(where, given)
+  if given.min and given.max and given.min > given.max then
+    schema.fail(where, ("min: expected <= max, which is %g, got %g"):format(given.max, given.min))
+  end
+end
+
 --- What messages call it: "filter" of record:filter.
 local function called(definition) return (definition.name:gsub("^%l+:(%S)", "%1")) end
 

@@ -73,11 +73,51 @@ function methods.section(self, title)
   self.parts[#self.parts + 1] = { section = title }
 end
 
---- A table of texts and numbers: head, rows, caption. A number is shown with four digits, nil in `false` as "-".
-function methods.table(self, given)
-  if type(given) ~= "table" or type(given.head) ~= "table" or type(given.rows) ~= "table" then
-    schema.fail("report:table", "expected { head = { ... }, rows = { { ... }, ... } }")
+local function is_plain_table(value) return type(value) == "table" and getmetatable(value) == nil end
+
+--- Raises where a table of a report has other fields, more cells than its head, or cells that no table can show.
+local function check_table(given)
+  local where = "report:table"
+  if not is_plain_table(given) or not is_plain_table(given.head) or not is_plain_table(given.rows) then
+    schema.fail(where, "expected { head = { ... }, rows = { { ... }, ... } }")
   end
+  for key in pairs(given) do
+    if key ~= "head" and key ~= "rows" and key ~= "caption" then
+      schema.fail(where, ("unknown field '%s' (fields: head, rows, caption)"):format(key))
+    end
+  end
+  if given.caption ~= nil and type(given.caption) ~= "string" then
+    schema.fail(where, "caption: expected a string, got " .. core.describe(given.caption))
+  end
+  if #given.head == 0 then schema.fail(where, "head: expected a list of strings, got an empty table") end
+  for i, title in ipairs(given.head) do
+    if type(title) ~= "string" and type(title) ~= "number" then
+      schema.fail(where, ("head: entry %d: expected a string, got %s"):format(i, core.describe(title)))
+    end
+  end
+  for r, cells in ipairs(given.rows) do
+    if not is_plain_table(cells) then
+      schema.fail(where, ("row %d: expected a list of cells, got %s"):format(r, core.describe(cells)))
+    end
+    for key, value in pairs(cells) do
+      if math.type(key) ~= "integer" then
+        schema.fail(where, ("row %d: expected a list of cells, got the field '%s'"):format(r, tostring(key)))
+      end
+      if key < 1 or key > #given.head then
+        schema.fail(where, ("row %d: expected at most %d cells, as many as the head has, got a cell %d: %s"):format(r,
+          #given.head, key, core.describe(value)))
+      end
+      if is_plain_table(value) or type(value) == "function" then
+        schema.fail(where, ("row %d: cell %d: expected a text or a number, got %s"):format(r, key, core.describe(value)))
+      end
+    end
+  end
+end
+
+--- A table of texts and numbers: head, rows, caption. A number is shown with four digits; nil, `false`, and what a row
+--- lacks at its end as "-".
+function methods.table(self, given)
+  check_table(given)
   local shown = { head = given.head, rows = {}, caption = given.caption }
   for r, cells in ipairs(given.rows) do
     local texts = {}
@@ -102,6 +142,10 @@ end
 --- Draws a figure to figures/NAME.png with its numbers beside it, and shows it on the page, where it zooms and turns.
 function methods.figure(self, name, figure, caption)
   check_text("figure", name)
+  if getmetatable(figure) ~= "lunid.figure" then
+    schema.fail("report:figure", "expected report:figure(name, figure, caption), got " .. core.describe(figure) .. " for the figure")
+  end
+  if caption ~= nil then check_text("figure", caption) end
   output.make_folder "figures"
   core.export_figure(figure, output.place("figures/" .. name .. ".csv"))
   self.parts[#self.parts + 1] = { figure = page_of.figure(figure, caption or name, drawn(self, name, figure)) }
@@ -109,11 +153,25 @@ end
 
 --- What results.json is to hold: anything that JSON can; a later call adds to it.
 function methods.results(self, results)
+  if not is_plain_table(results) then
+    schema.fail("report:results", "expected a table { name = value }, got " .. core.describe(results))
+  end
+  for key, value in pairs(results) do
+    if type(key) ~= "string" then
+      schema.fail("report:results", ("expected name = value, got entry %s: %s"):format(tostring(key), core.describe(value)))
+    end
+  end
   for key, value in pairs(results) do self.data[key] = value end
 end
 
 --- One line on the way, to the error stream: what is done of how much.
 function methods.progress(self, what, done, total)
+  check_text("progress", what)
+  for _, count in ipairs { { "done", done }, { "total", total } } do
+    if type(count[2]) ~= "number" or not math.tointeger(count[2]) then
+      schema.fail("report:progress", ("%s: expected a whole number, got %s"):format(count[1], core.describe(count[2])))
+    end
+  end
   io.stderr:write(("  %s: %s %d of %d, %.0f s\n"):format(self.title:match "^[^:]+", what, done, total, os.clock() - self.began))
 end
 
@@ -132,11 +190,21 @@ local function body(self)
   return table.concat(lines, "\n")
 end
 
---- Writes report.html, and results.json where there are results.
-function methods.save(self)
+--- Writes report.html, and results.json where there are results, to the out directory.
+function methods.save(self, path)
+  if path ~= nil then
+    schema.fail("report:save", ("takes no path: it writes report.html to the directory of --out, got %s"):format(core.describe(path)))
+  end
   if next(self.data) then output.write_json("results.json", self.data) end
   study_report.saved[#study_report.saved + 1] = self
   return output.write("report.html", html.page(self.title, "<p>" .. page_of.hint .. "</p>\n" .. body(self) .. page_of.script()))
+end
+
+for name, method in pairs(methods) do
+  methods[name] = function(self, ...)
+    if getmetatable(self) ~= "lunid.report" then schema.fail("report:" .. name, "expected report:" .. name .. "(...), with a colon") end
+    return method(self, ...)
+  end
 end
 
 --- One page of several reports.

@@ -44,27 +44,6 @@ numbered("velocities", "v", "velocities")
 numbered("accelerations", "a", "accelerations")
 numbered("forces", "F", "forces")
 
-local keywords = {}
-for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true
-               until while lunid]]):gmatch "%S+" do
-  keywords[word] = true
-end
-
---- A name that can stand in an expression and in a saved model.
-local function check_name(where, name)
-  if not name:match "^[%a_][%w_]*$" then
-    schema.fail(where, ("name: expected letters, digits and _, got '%s'"):format(name))
-  end
-  if keywords[name] then schema.fail(where, ("name: '%s' is a word of Lua; choose another"):format(name)) end
-end
-symbols.check_name = check_name
-
-local function check_bounds(where, given)
-  if given.min and given.max and given.min > given.max then
-    schema.fail(where, ("min: expected <= max, which is %g, got %g"):format(given.max, given.min))
-  end
-end
-
 symbols.parameter = schema.define({
   name = "parameter",
   help = "An unknown number to fit. It stands in expressions as a symbol.",
@@ -81,8 +60,8 @@ symbols.parameter = schema.define({
   returns = "expression",
   example = [[local k = lunid.parameter { "k", 2e4, min = 0, unit = "N/m" }]],
 }, function(given)
-  check_name("parameter", given.name)
-  check_bounds("parameter: " .. given.name, given)
+  schema.check_name("parameter", given.name)
+  schema.check_bounds("parameter: " .. given.name, given)
   local problem = units.problem(given.unit)
   if problem then schema.fail("parameter: " .. given.name .. ": unit", problem) end
   local value = given.value
@@ -109,7 +88,7 @@ symbols.state = schema.define({
   returns = "expression",
   example = [[local z = lunid.state { "z", rate = function(z) return v - 40*lunid.abs(v)*z end }]],
 }, function(given)
-  check_name("state", given.name)
+  schema.check_name("state", given.name)
   if type(given.rate) == "function" then
     given.rate = given.rate(core.state_symbol(given.name))
     if not types.expression.check(given.rate) then

@@ -118,8 +118,12 @@ local further_samples = { coulomb_friction = { Fc = 1.5, vr = 0.3 } }
 local function size_of(unit, base, at)
   if unit == "" then return 1 end
   local text = unit:gsub(" ", "*")
-  local form = lunid.effect { name = "unit_text", family = "sensor", contribution = text,
-    parameters = { { "N" }, { "m" }, { "s" }, { "kg" }, { "rad" }, { "n" }, { "p" } } }
+  local rows, seen = {}, {}
+  for name in text:gmatch "%a+" do
+    if not seen[name] then rows[#rows + 1] = { name } end
+    seen[name] = true
+  end
+  local form = lunid.effect { name = "unit_text", family = "sensor", contribution = text, parameters = rows }
   local values = { unit_text_N = base.N, unit_text_m = base.m, unit_text_s = base.s, unit_text_rad = 1,
     unit_text_kg = base.N * base.s ^ 2 / base.m, unit_text_n = at.n or 0, unit_text_p = at.p or 0 }
   return form.variants[1]:at(values)

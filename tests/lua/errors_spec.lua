@@ -232,6 +232,75 @@ lunid.discover { model = lunid.model { mass = 1, restoring = 0 }, train = lunid.
   spec.equal(code, 1)
 end)
 
+spec.case("guesses that are no values of the effect's parameters", function()
+  local function guess(returned, expected)
+    local said = spec.study(head .. ([[
+local magnet = lunid.effect { name = "magnet", family = "stiffness", contribution = "k*sin(p*y)",
+  parameters = { { "k" }, { "p", min = 0 } }, guess = function() return %s end }
+lunid.discover { model = lunid.model { mass = 1, restoring = 0 }, train = lunid.read "record.csv",
+  catalogue = { "cubic_stiffness" }, effects = { magnet } }
+]]):format(returned))
+    spec.contains(said, "study.lua:5: effect magnet: guess: " .. expected .. "\n")
+  end
+  guess("{ { q = 1 } }", "unknown parameter 'q' (k, p)")
+  guess("{ p = 1 }", "expected a list { { k = ... }, ... }, got a table that is no list")
+  guess("3", "expected a list { { k = ... }, ... }, got 3")
+  guess("{ 3 }", "entry 1: expected { k = ... }, got 3")
+  guess("{ { p = -1 } }", "p: expected a number >= 0, got -1")
+  guess("{ { p = 0/0 } }", "p: expected a number >= 0, got nan")
+end)
+
+spec.case("an effect whose definition cannot be meant", function()
+  local function effect(fields, expected)
+    line_3("lunid.effect { name = 'mm', family = 'stiffness', " .. fields .. " }", "study.lua:3: effect: mm: " .. expected)
+  end
+  local function states(fields, expected)
+    effect("contribution = 'k*y', parameters = { { 'k' } }, states = " .. fields, "states: " .. expected)
+  end
+  states("{ z = 'k*v' }", "z: expected { rate = ... }, got the string 'k*v'")
+  states("{ z = 3 }", "z: expected { rate = ... }, got 3")
+  states("{ z = { 'k*v' } }", "z: unexpected entry 1: the string 'k*v'; write rate = ...")
+  states("{ 'k*v' }", "expected z = { rate = ... }, got entry 1: the string 'k*v'")
+  states("{ z = {} }", "z: missing field 'rate': a string or an expression or a number")
+  states("{ z = { rat = 'v' } }", "z: unknown field 'rat', did you mean 'rate'?")
+  states("{ z = { rate = 'v', initial = 'a' } }", "z: initial: expected a number, got the string 'a'")
+  states("{ k = { rate = 'v' } }", "'k' is a parameter already")
+  local function parameters(rows, expected)
+    effect("contribution = 'k*y', parameters = " .. rows, "parameters: " .. expected)
+  end
+  parameters("{ { 'k', min = 'a' } }", "k: min: expected a number, got the string 'a'")
+  parameters("{ { 'k', min = 3, max = 2 } }", "k: min: expected <= max, which is 2, got 3")
+  parameters("{ { 'k', fixed = 'yes' } }", "k: fixed: expected true or false, got the string 'yes'")
+  parameters("{ { 'k', unit = 'kN/m' } }",
+    "k: unit: expected an SI unit such as N/m, got 'kN/m' (1000 N/m): write the value in N/m")
+  parameters("{ { 'k' }, { 'k' } }", "'k' is there twice")
+  parameters("{ { 'k' }, { 'q' } }", "nothing uses 'q'; name it in the contribution or in a state's rate, or leave it out")
+  local function maps(fields, expected) effect(fields .. ", parameters = { { 'k' } }", expected) end
+  maps("measures = { 'y + k' }", "measures: expected { y = ... }, or a list of them, got the string 'y + k'")
+  maps("measures = {}", "measures: expected { y = ... }, or a list of them, got an empty table")
+  maps("acts = { 'k*F' }", "acts: expected { F = ... }, or a list of them, got the string 'k*F'")
+end)
+
+spec.case("what a report cannot show", function()
+  local function report(call, expected)
+    local said, code = spec.study(head .. "local r = lunid.report { title = 'T' } r" .. call .. "\n")
+    spec.equal(said, "\nT\n=\nstudy.lua:3: report:" .. expected .. "\n  nothing was written\n")
+    spec.equal(code, 1)
+  end
+  report(":table { head = { 'a' }, rows = { 3 } }", "table: row 1: expected a list of cells, got 3")
+  report(":table { head = { {} }, rows = {} }", "table: head: entry 1: expected a string, got a table")
+  report(":table { head = { 'a' }, rows = { { 1, 2 } } }",
+    "table: row 1: expected at most 1 cells, as many as the head has, got a cell 2: 2")
+  report(":table { head = { 'a' }, rows = { { {} } } }", "table: row 1: cell 1: expected a text or a number, got a table")
+  report(":table { head = { 'a' }, rows = {}, captoin = 'x' }", "table: unknown field 'captoin' (fields: head, rows, caption)")
+  report(":results(3)", "results: expected a table { name = value }, got 3")
+  report(":results { 1 }", "results: expected name = value, got entry 1: 1")
+  report(":progress('a', 'b', 'c')", "progress: done: expected a whole number, got the string 'b'")
+  report(":save 'y.html'", "save: takes no path: it writes report.html to the directory of --out, got the string 'y.html'")
+  report(":figure('x', 3)", "figure: expected report:figure(name, figure, caption), got 3 for the figure")
+  report(".text 'x'", "text: expected report:text(...), with a colon")
+end)
+
 spec.case("an effect that does not exist", function()
   line_3("lunid.discover { model = lunid.model { mass = 1, restoring = y }, train = {}, catalogue = { 'x' } }",
     "study.lua:3: discover: train: expected a record from lunid.read or a list of records from lunid.read (1 or more), "
