@@ -14,26 +14,27 @@ local list = types.list(types.expression, 1)
 types.rows = { words = "an expression or a number, or a list of them", check = function(value)
   local good, kept = types.expression.check(value)
   if good then return true, kept end
-  good, kept = list.check(value)
-  return good, good and kept or types.rows.words
+  if not schema.is_plain(value) or #value == 0 then return false, types.rows.words end
+  return list.check(value)
 end }
 
 --- The same, or the rows of a matrix.
 local rows = types.list(list, 1)
 types.mass = { words = "an expression or a number, a list of them, or the rows of a matrix", check = function(value)
-  local good, kept = types.rows.check(value)
-  if good then return true, kept end
-  good, kept = rows.check(value)
-  return good, good and kept or types.mass.words
+  if schema.is_plain(value) and schema.is_plain(value[1]) then return rows.check(value) end
+  local good, kept, hint, culprit = types.rows.check(value)
+  return good, not good and culprit == nil and types.mass.words or kept, hint, culprit
 end }
 
 --- { y = expression }, or several channels.
 local maps = { words = "a table { channel = expression }", check = function(value)
-  local good = type(value) == "table" and not core.is_expression(value)
-  for channel, map in pairs(good and value or {}) do
-    good = good and type(channel) == "string" and types.expression.check(map)
+  if not schema.is_plain(value) or value[1] ~= nil then return false, "a table { channel = expression }" end
+  for channel, map in pairs(value) do
+    if not types.expression.check(map) then
+      return false, ("%s: expected %s"):format(tostring(channel), types.expression.words), nil, map
+    end
   end
-  return good, good and value or "a table { channel = expression }"
+  return true, value
 end }
 
 --- Rows of a mass matrix as the masses on its diagonal; what stands beside it joins the restoring forces.

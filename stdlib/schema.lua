@@ -93,22 +93,37 @@ local function plural(words)
   local parts = alternatives(words)
   for i, part in ipairs(parts) do
     local noun, rest = part:match "^an? (%a+ number)(.*)$"
-    if not noun then noun, rest = part:match "^an? (%a+)(.*)$" end
-    if noun then parts[i] = noun .. (noun:match "s$" and "" or "s") .. rest end
+    if not noun then noun, rest = part:match "^an? ([%a_]+)(.*)$" end
+    local ending = noun and (noun:match "s$" and "" or noun:match "[^aeiou]y$" and "ies" or "s")
+    if noun then parts[i] = (ending == "ies" and noun:sub(1, -2) or noun) .. ending .. rest end
   end
   return table.concat(parts, " or ")
 end
 
+--- "entries" of any value have no words of their own; how many an inner list holds is told by its own message.
+local function list_words(of, least)
+  local of_what = of == types.any and "" or " of " .. plural((of.words:gsub(" %(%d+ or more%)", "")))
+  return "a list" .. of_what .. (least and (" (%d or more)"):format(least) or "")
+end
+
+--- A table that is no object of a type.
+function schema.is_plain(value)
+  local kind = type(value) == "table" and getmetatable(value)
+  return type(value) == "table" and (kind == nil or kind == "lunid.list")
+end
+
+--- A message of what is wrong within a value, such as "entry 2: expected a number", has its "expected" already.
+local function says_where(text) return text:find("expected ", 1, true) ~= nil end
+
 function types.list(of, least)
-  local words = "a list of " .. plural(of.words) .. (least and (" (%d or more)"):format(least) or "")
+  local words = list_words(of, least)
   return type_of(words, function(value)
-    if type(value) ~= "table" or getmetatable(value) ~= nil and getmetatable(value) ~= "lunid.list" then
-      return false, words
-    end
+    if not schema.is_plain(value) then return false, words end
     local kept = {}
     for i = 1, #value do
-      local good, entry = of.check(value[i])
-      if not good then return false, ("entry %d: expected %s"):format(i, of.words), nil, value[i] end
+      local good, entry, hint, culprit = of.check(value[i])
+      if not good and says_where(entry) then return false, ("entry %d: %s"):format(i, entry), hint, culprit end
+      if not good then return false, ("entry %d: expected %s"):format(i, of.words), hint, value[i] end
       kept[i] = entry
     end
     if #kept < (least or 0) then return false, words end
@@ -128,12 +143,29 @@ function types.either(...)
   return type_of(text, function(value)
     local said, number_of_matches = nil, 0
     for _, each in ipairs(all) do
-      local good, kept = each.check(value)
+      local good, kept, hint, culprit = each.check(value)
       if good then return true, kept end
+      if culprit ~= nil and says_where(kept) then return false, kept, hint, culprit end
       if type(value) == "number" and each.words:match "number" then said, number_of_matches = kept, 1 end
     end
     return false, number_of_matches > 0 and said or text
   end)
+end
+
+--- What a value is, in words; of a plain table what it holds, so that "expected a list" is told from the one that came.
+function schema.describe(value)
+  if not schema.is_plain(value) then return core.describe(value) end
+  if next(value) == nil then return "an empty table" end
+  local names = {}
+  for key in pairs(value) do
+    if math.type(key) ~= "integer" then names[#names + 1] = tostring(key) end
+  end
+  if #names == 0 then
+    return #value == 1 and "a list of one: " .. core.describe(value[1]) or ("a list of %d"):format(#value)
+  end
+  table.sort(names)
+  local first = table.concat(names, " = , ", 1, math.min(#names, 3)) .. " ="
+  return ("a table { %s%s }"):format(first, #names > 3 and ", ..." or "")
 end
 
 --- All definitions, by name and in the order of declaration.
@@ -192,9 +224,43 @@ local function check_field(definition, field, value)
   end
   local good, kept, hint, culprit = field.type.check(value)
   if good then return kept end
-  local expected = kept:match "^entry" and kept or "expected " .. kept
-  schema.fail(called(definition) .. ": " .. field.name,
-    ("%s, got %s%s"):format(expected, core.describe(culprit == nil and value or culprit), hint or ""))
+  local expected = says_where(kept) and kept or "expected " .. kept
+  local got = schema.describe(culprit == nil and value or culprit)
+  if got == "an empty table" and expected:find("list", 1, true) then got = "an empty list" end
+  schema.fail(called(definition) .. ": " .. field.name, ("%s, got %s%s"):format(expected, got, hint or ""))
+end
+
+--- The field that the first value without a name is of.
+local function first_field(definition)
+  return definition.positional and field_named(definition, definition.positional[1])
+end
+
+--- A plain list in place of the fields is the first of them where that takes a list and no other reading fits:
+--- ljung_box { 1, 2, 3 }. What is wrong in such a list is told of the field.
+local function as_first_field(definition, given)
+  local first = first_field(definition)
+  if not first or given[1] == nil or not first.type.words:find("list", 1, true) then return given end
+  for key in pairs(given) do
+    if math.type(key) ~= "integer" then return given end
+  end
+  if first.type.check(given[1]) then return given end
+  if first.type.check(given) or type(given[1]) == "number" and #given > #definition.positional then
+    return { [first.name] = given }
+  end
+  return given
+end
+
+--- What is to be written where an entry has no field.
+local function fail_unexpected(definition, given, key)
+  local first, list = first_field(definition), {}
+  for i, entry in ipairs(given) do list[i] = entry end
+  if first and #list > 1 and first.type.check(list) then
+    for i, entry in ipairs(list) do list[i] = i < 4 and core.describe(entry) or i == 4 and "..." or nil end
+    schema.fail(called(definition), ("several go in one list: %s { { %s } }"):format(schema.spelled(definition),
+      table.concat(list, ", ")))
+  end
+  schema.fail(called(definition), ("unexpected entry %d: %s; fields are written name = value"):format(key,
+    schema.describe(given[key])))
 end
 
 --- Gives positional entries their names and refuses unknown keys.
@@ -204,10 +270,7 @@ local function named(definition, given)
     local name = key
     if math.type(key) == "integer" then
       name = definition.positional and definition.positional[key]
-      if not name then
-        schema.fail(called(definition), ("unexpected entry %d: %s; fields are written name = value"):format(key,
-          core.describe(value)))
-      end
+      if not name then fail_unexpected(definition, given, key) end
     elseif not field_named(definition, key) then
       schema.fail(called(definition), unknown_field(definition, key))
     end
@@ -217,36 +280,41 @@ local function named(definition, given)
 end
 
 --- Values without names, and named ones in a table at the end, as one table.
-local function positional(...)
-  local given, count = { ... }, select("#", ...)
+local function positional(given, count)
   local last = given[count]
-  if count > 1 and type(last) == "table" and getmetatable(last) == nil then
+  if count > 1 and type(last) == "table" and getmetatable(last) == nil and last[1] == nil then
     given[count] = nil
     for key, value in pairs(last) do given[key] = value end
   end
   return given
 end
 
---- Checks the arguments of a call against a definition; returns the named values with defaults filled in.
-function schema.validate(definition, ...)
-  local given
+--- The arguments of a call by their names or places. Raises where there are too many, or none where a table is needed.
+local function arguments_of(definition, ...)
+  local given, count = { ... }, select("#", ...)
+  while count > 0 and given[count] == nil do count = count - 1 end
+  local first = given[1]
   if definition.style == "arguments" then
-    given = { ... }
-    local count = select("#", ...)
+    if count == 1 and schema.is_plain(first) and first[1] == nil and field_named(definition, (next(first))) then
+      schema.fail(called(definition), ("expected %s(%s), got %s"):format(schema.spelled(definition),
+        table.concat(definition.positional, ", "), schema.describe(first)))
+    end
     if count > #definition.positional then
       schema.fail(called(definition), ("expected %d arguments, got %d"):format(#definition.positional, count))
     end
-  else
-    local first = ...
-    if type(first) == "table" and getmetatable(first) == nil then
-      given = first
-    elseif definition.positional and first ~= nil then  -- lunid.read "run.csv", lunid.read("run.csv", { ... })
-      given = positional(...)
-    else
-      schema.fail(called(definition), ("expected a table { ... }, got %s"):format(core.describe(first)))
-    end
+    return given
   end
-  local values, checked = named(definition, given), {}
+  if count == 1 and type(first) == "table" and getmetatable(first) == nil then return as_first_field(definition, first) end
+  if definition.positional and first ~= nil then  -- lunid.read "run.csv", lunid.read("run.csv", { ... })
+    return positional(given, count)
+  end
+  schema.fail(called(definition), count > 1 and ("expected a table { ... }, got %d arguments"):format(count)
+    or ("expected a table { ... }, got %s"):format(core.describe(first)))
+end
+
+--- Checks the arguments of a call against a definition; returns the named values with defaults filled in.
+function schema.validate(definition, ...)
+  local values, checked = named(definition, arguments_of(definition, ...)), {}
   for _, field in ipairs(definition.fields) do checked[field.name] = check_field(definition, field, values[field.name]) end
   return checked
 end

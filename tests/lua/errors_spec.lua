@@ -34,7 +34,7 @@ end)
 
 spec.case("a value of another type", function()
   line_3("lunid.lasso { lambda = {} }",
-    "study.lua:3: lasso: lambda: expected a number > 0 or 'cross-validate', got a table")
+    "study.lua:3: lasso: lambda: expected a number > 0 or 'cross-validate', got an empty table")
   line_3("lunid.model { mass = 'heavy', restoring = y }",
     "study.lua:3: model: mass: expected an expression or a number, a list of them, or the rows of a matrix, "
       .. "got the string 'heavy'")
@@ -97,6 +97,42 @@ spec.case("a row of a model's parameters holds for another one", function()
   local other = model:with { k = { value = 4, std = 0.1, fixed = true } }
   local row = model:with { k = other.parameters.k }.parameters.k
   spec.equal(("%g %g %g %s"):format(row.value, row.std, row.min, row.fixed), "4 0.1 1 true")
+end)
+
+spec.case("what is wrong within a list or a table", function()
+  line_3("lunid.regress { record = { 3 }, mass = 1, features = { y } }", "study.lua:3: regress: record: entry 1: expected "
+    .. "a record from lunid.read or a stream from lunid.stream, got 3")
+  line_3("lunid.simulate { model = lunid.model { mass = 1, restoring = y }, excitation = 0, from = { 1 } }",
+    "study.lua:3: simulate: from: expected 'record' or a list of numbers (2 or more), got a list of one: 1")
+  line_3("lunid.simulate { model = { lunid.model { mass = 1, restoring = y } } }",
+    "study.lua:3: simulate: model: expected a model from lunid.model, got a list of one: a model")
+  line_3("lunid.model { mass = 1, restoring = y, measures = { y = 'y + b' } }",
+    "study.lua:3: model: measures: y: expected an expression or a number, got the string 'y + b'")
+  line_3("lunid.model { mass = { 1, 'a' }, restoring = { y, v } }",
+    "study.lua:3: model: mass: entry 2: expected an expression or a number, got the string 'a'")
+  line_3("lunid.model { mass = { { 1, 'a' }, { 0, 1 } }, restoring = { y, v } }",
+    "study.lua:3: model: mass: entry 1: entry 2: expected an expression or a number, got the string 'a'")
+  line_3("lunid.model { mass = 1, restoring = {} }",
+    "study.lua:3: model: restoring: expected an expression or a number, or a list of them, got an empty list")
+  line_3("lunid.polynomials { variables = { y, v }, order = 3 }", "study.lua:3: polynomials: expected "
+    .. "lunid.polynomials(variables, order, options), got a table { order = , variables = }")
+  line_3("lunid.record { channels = 3, dt = 1 }", "study.lua:3: record: channels: expected a list of lists (1 or more), got 3")
+  line_3("lunid.scoreboard { models = { 3 } }", "study.lua:3: scoreboard: models: entry 1: expected a list (2 or more), got 3")
+end)
+
+spec.case("a plain list is the first field that takes one", function()
+  local statistics, x, z = lunid.statistics, {}, {}
+  for i = 1, 60 do x[i], z[i] = math.sin(i) + i % 7, math.cos(i*i) end
+  spec.equal(statistics.ljung_box(x), statistics.ljung_box { x })
+  spec.equal(statistics.ljung_box(x, { lags = 4 }), statistics.ljung_box { x, lags = 4 })
+  spec.equal(statistics.kolmogorov_smirnov(x, z), statistics.kolmogorov_smirnov { x, z })
+  spec.equal(tostring(statistics.cross_correlation(x, z)), tostring(statistics.cross_correlation { x, z }))
+  spec.equal(#lunid.figure.histogram(x).panels, 1)
+  line_3("lunid.statistics.ljung_box { 1, 2, 'a' }",
+    "study.lua:3: statistics.ljung_box: x: entry 3: expected a number, got the string 'a'")
+  line_3("local s = lunid.figure.series { { 1, 2 }, { 3, 4 } } lunid.figure.history { s, s }",
+    "study.lua:3: figure.history: several go in one list: lunid.figure.history { { a series, a series } }")
+  line_3("lunid.model({ mass = 1, restoring = y }, 3)", "study.lua:3: model: expected a table { ... }, got 2 arguments")
 end)
 
 spec.case("names that cannot be", function()
@@ -304,7 +340,7 @@ end)
 spec.case("an effect that does not exist", function()
   line_3("lunid.discover { model = lunid.model { mass = 1, restoring = y }, train = {}, catalogue = { 'x' } }",
     "study.lua:3: discover: train: expected a record from lunid.read or a list of records from lunid.read (1 or more), "
-    .. "got a table")
+    .. "got an empty list")
 end)
 
 spec.case("check finds what would stop a study, and nothing else", function()

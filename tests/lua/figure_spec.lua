@@ -274,7 +274,7 @@ spec.case("a kind of file that there is not, and no path at all", function()
     "export: expected a path that ends in .csv, .vts, .vtp, .vtu, .vtm, got the string 'a.xls'")
   spec.equal(spec.message_of(function() drawn:save(3) end), "save: path: expected a string, got 3")
   spec.equal(spec.message_of(function() figure.lines { series = {} } end),
-    "figure.lines: series: expected a list of series from lunid.figure.series (1 or more), got a table")
+    "figure.lines: series: expected a list of series from lunid.figure.series (1 or more), got an empty list")
   spec.equal(spec.message_of(function() series { { 1, "a" }, { 1, 2 } } end), "figure.series: x: entry 2: expected a number, got the string 'a'")
 end)
 
