@@ -52,9 +52,40 @@ int apply(lua_State* L, Op op, int arity) {
   return 1;
 }
 
-template <Op op, int arity>
-int operation(lua_State* L) {
-  return apply(L, op, arity);
+int negate(lua_State* L) { return apply(L, Op::neg, 1); }
+
+const char* sign_of(Op op) {
+  switch (op) {
+    case Op::add: return "+";
+    case Op::sub: return "-";
+    case Op::mul: return "*";
+    case Op::div: return "/";
+    default: return "^";
+  }
+}
+
+/// An operator between two values, one of which may be neither number nor expression.
+template <Op op>
+int between(lua_State* L) {
+  for (const int side : {1, 2}) {
+    if (test<Value>(L, side) || lua_type(L, side) == LUA_TNUMBER) continue;
+    const std::string where = std::string("'") + sign_of(op) + "': the " + (side == 1 ? "left" : "right") + " side";
+    if (lua_isnoneornil(L, side))
+      throw InputError(where + " is nothing: a name or a field that has no value (" + (side == 1 ? "nil " : "... ") +
+                       sign_of(op) + (side == 1 ? " ...)" : " nil)"));
+    throw InputError(where + ": expected a number or an expression, got " + describe(L, side));
+  }
+  return apply(L, op, 2);
+}
+
+int refuse_remainder(lua_State*) {
+  throw InputError("'%': an expression has no remainder; of a periodic one write lunid.sin or lunid.cos");
+}
+
+int refuse_whole_division(lua_State*) { throw InputError("'//': an expression has no whole division; write '/'"); }
+
+int refuse_call(lua_State*) {
+  throw InputError("an expression is no function: write '*' for a product, and k:at { y = 1 } for its value");
 }
 
 /// A function of the language by its name; the operation and its arity are upvalues.
@@ -200,7 +231,11 @@ int evaluate(lua_State* L) {
   std::vector<double> in;
   for (const Expr symbol : inputs) {
     auto given = number_field(L, 2, symbol.name().c_str());
-    if (const Parameter* row = find_declared(value.declared, symbol.name()); !given && row) given = row->value;
+    const Parameter* row = find_declared(value.declared, symbol.name());
+    if (!given && row && std::isnan(row->value))
+      throw InputError("at: parameter '" + symbol.name() + "' has no value: give it here too, at { " + symbol.name() +
+                       " = ... }");
+    if (!given && row) given = row->value;
     if (!given) throw InputError("at: no value for '" + symbol.name() + "'");
     in.push_back(*given);
   }
@@ -299,6 +334,20 @@ int substitute_symbols(lua_State* L) {
   return 1;
 }
 
+/// A method; what has no such name is told of it, and not that nothing can be called.
+int get(lua_State* L) {
+  luaL_getmetafield(L, 1, "__methods");
+  lua_pushvalue(L, 2);
+  lua_gettable(L, -2);
+  if (!lua_isnil(L, -1) || lua_type(L, 2) != LUA_TSTRING) return 1;
+  std::vector<std::string> names;
+  std::string all;
+  for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) names.emplace_back(lua_tostring(L, -2));
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) all += " " + name;
+  throw InputError("an expression has no '" + check_string(L, 2) + "' (methods:" + all + ")");
+}
+
 int is_expression(lua_State* L) {
   lua_pushboolean(L, test<Value>(L, 1) != nullptr);
   return 1;
@@ -335,12 +384,16 @@ void open_expressions(lua_State* L) {
       {"at", guarded<evaluate>},
   };
   static constexpr Entry meta[] = {
-      {"__add", guarded<operation<Op::add, 2>>},
-      {"__sub", guarded<operation<Op::sub, 2>>},
-      {"__mul", guarded<operation<Op::mul, 2>>},
-      {"__div", guarded<operation<Op::div, 2>>},
-      {"__pow", guarded<operation<Op::pow, 2>>},
-      {"__unm", guarded<operation<Op::neg, 1>>},
+      {"__add", guarded<between<Op::add>>},
+      {"__sub", guarded<between<Op::sub>>},
+      {"__mul", guarded<between<Op::mul>>},
+      {"__div", guarded<between<Op::div>>},
+      {"__pow", guarded<between<Op::pow>>},
+      {"__unm", guarded<negate>},
+      {"__mod", guarded<refuse_remainder>},
+      {"__idiv", guarded<refuse_whole_division>},
+      {"__call", guarded<refuse_call>},
+      {"__index", guarded<get>},
       {"__lt", guarded<refuse_comparison>},
       {"__le", guarded<refuse_comparison>},
       {"__eq", guarded<equal>},

@@ -95,7 +95,8 @@ int fit(lua_State* L) {
   weigh(fit.data, fit.options, model);
   for (const Parameter& parameter : model.parameters)
     if (std::isnan(parameter.value))
-      throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess; give it one");
+      throw InputError("fit_trajectory: parameter '" + parameter.name + "' has no first guess: write model:with { " +
+                       parameter.name + " = ... }");
   const std::vector<double> start = model.values();
   const ExternalWatch externals(*model.pool);
   fit.result = fit_progressively(

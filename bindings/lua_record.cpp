@@ -62,7 +62,9 @@ int split_columns(lua_State* L) {
 }
 
 int window(lua_State* L) {
-  push<Record>(L, check<Record>(L, 1).window(check_number(L, 2), check_number(L, 3)));
+  const Record& record = check<Record>(L, 1);
+  const double from = check_number(L, 2), to = check_number(L, 3);
+  push<Record>(L, record.window(from, to));
   return 1;
 }
 

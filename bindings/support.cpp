@@ -54,8 +54,19 @@ std::string describe(lua_State* L, int index) {
   }
 }
 
+namespace {
+
+/// Of a method called with a colon the value itself is no argument that was written.
+bool is_called_as_method(lua_State* L) {
+  lua_Debug frame;
+  return lua_getstack(L, 0, &frame) && lua_getinfo(L, "n", &frame) && std::string_view(frame.namewhat) == "method";
+}
+
+}  // namespace
+
 void bad_argument(lua_State* L, int index, std::string_view expected) {
-  throw InputError("argument " + std::to_string(index) + ": expected " + std::string(expected) + ", got " +
+  const int written = index > 1 && is_called_as_method(L) ? index - 1 : index;
+  throw InputError("argument " + std::to_string(written) + ": expected " + std::string(expected) + ", got " +
                    describe(L, index));
 }
 

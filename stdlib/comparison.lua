@@ -139,6 +139,7 @@ local function gather(given)
     return of_run(given, given.run)
   end
   local model = given.model or given.regression.model
+  schema.expect_values("compare", model)
   if model.imposed_motion then
     if given.mode then fail(("mode: the motion of this model is imposed, its force is compared; got '%s'"):format(given.mode)) end
     return ways.imposed_motion(given, model)

@@ -352,6 +352,7 @@ core.add_method("lunid.model", "force", function(model, record)
   if getmetatable(record) ~= "lunid.record" then
     schema.fail("force", "expected a record, got " .. core.describe(record))
   end
+  schema.expect_values("force", model)
   return core.imposed_force(model, record)
 end)
 

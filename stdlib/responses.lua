@@ -138,6 +138,7 @@ local frequency_response = schema.define({
   returns = "response",
   example = [[local response = lunid.frequency_response { model = model, amplitude = 300, from = 0.5, to = 150 }]],
 }, function(given)
+  schema.expect_values("frequency_response", given.model)
   local amplitudes = type(given.amplitude) == "table" and given.amplitude or { given.amplitude }
   local curves = {}
   for i, amplitude in ipairs(amplitudes) do
@@ -167,7 +168,10 @@ local backbone = schema.define({
   },
   returns = "backbone",
   example = [[local curve = lunid.backbone { model = model, from = 1e-4, to = 0.2 }]],
-}, function(given) return core.backbone(given.model, given) end)
+}, function(given)
+  schema.expect_values("backbone", given.model)
+  return core.backbone(given.model, given)
+end)
 
 core.add_method("lunid.backbone", "save", function(curve, path)
   check_path(path)

@@ -174,6 +174,15 @@ schema.definitions = {}
 --- Raises `where: message` with the user's file and line.
 function schema.fail(where, message) core.raise(where .. ": " .. message, "study") end
 
+--- Raises where a parameter of a model that is to be run has no value.
+function schema.expect_values(where, model)
+  for _, row in ipairs(model.parameters) do
+    if not row.value then
+      schema.fail(where, ("parameter '%s' has no value: model:with { %s = ... }, or fit it first"):format(row.name, row.name))
+    end
+  end
+end
+
 local keywords = {}
 for word in ([[and break do else elseif end false for function goto if in local nil not or repeat return then true
                until while lunid]]):gmatch "%S+" do

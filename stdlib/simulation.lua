@@ -95,6 +95,7 @@ local simulate = schema.define({
       schema.fail("simulate", "duration and dt are needed where the excitation is an expression")
     end
   end
+  schema.expect_values("simulate", given.model)
   given.x0 = start_of(given)
   return core.simulate(given.model, given)
 end)

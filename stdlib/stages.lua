@@ -44,6 +44,9 @@ local locate = schema.define({
 print(where)
 print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
 }, function(given)
+  if given.place and given.model.degrees == 1 then
+    schema.fail("locate: place", ("the model has one coordinate: leave it out, got '%s'"):format(given.place))
+  end
   local found = core.locate(given.model, record_runs(given.record, given.window), { place = given.place })
   return schema.object("location", found, nil, function(self)
     local where = {}

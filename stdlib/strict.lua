@@ -10,6 +10,48 @@ local allowed = { "assert", "coroutine", "error", "getmetatable", "io", "ipairs"
 
 local loaded = {}  -- the study's own modules, by path
 
+local function is_number(x) return type(x) == "number" or type(x) == "string" and tonumber(x) ~= nil end
+
+--- Raises where an argument of math.<name> is no number.
+local function refuse(name, ...)
+  local texts, culprit = {}, nil
+  for i = 1, select("#", ...) do
+    local argument = select(i, ...)
+    texts[i] = tostring(argument)
+    if not is_number(argument) and (culprit == nil or core.is_expression(argument)) then culprit = argument end
+  end
+  if not core.is_expression(culprit) then
+    core.raise(("math.%s: expected a number, got %s"):format(name, core.describe(culprit)), "study")
+  end
+  core.raise(("math.%s: expected a number, got an expression: %s"):format(name, core.functions[name]
+    and ("write lunid.%s(%s)"):format(name, table.concat(texts, ", ")) or "the language has no such function"), "study")
+end
+
+--- Lua's math for a study: of an expression it says which function of the language to write.
+local function math_of_numbers()
+  local functions = {}
+  for name, f in pairs(math) do functions[name] = f end
+  for _, name in ipairs { "abs", "acos", "asin", "ceil", "cos", "deg", "exp", "floor", "rad", "sin", "sqrt", "tan" } do
+    local f = math[name]
+    functions[name] = function(x)
+      if not is_number(x) then refuse(name, x) end
+      return f(x)
+    end
+  end
+  for _, name in ipairs { "atan", "log", "max", "min" } do
+    local f = math[name]
+    functions[name] = function(x, ...)
+      local good = is_number(x)
+      for i = 1, select("#", ...) do good = good and is_number((select(i, ...))) end
+      if not good then refuse(name, x, ...) end
+      return f(x, ...)
+    end
+  end
+  return functions
+end
+
+local study_math = math_of_numbers()
+
 --- Names that are in sight of the study's innermost frame, for "did you mean".
 local function names_in_sight(environment)
   local names = {}
@@ -38,6 +80,7 @@ end
 function strict.environment(folder)
   local environment = {}
   for _, name in ipairs(allowed) do environment[name] = _G[name] end
+  environment.math = study_math
   function environment.require(name)
     if name == "lunid" or type(name) ~= "string" then return require(name) end
     local path = (folder ~= "" and folder .. "/" or "") .. name:gsub("%.", "/") .. ".lua"

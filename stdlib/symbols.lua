@@ -50,10 +50,10 @@ symbols.parameter = schema.define({
   positional = { "name", "value" },
   fields = {
     { "name", types.string, required = true, help = "how it is written in equations and results" },
-    { "value", types.number(), help = "first guess; without one it is read off the data" },
+    { "value", types.number(), help = "first guess; lunid.discover reads one off the data where there is none, and regress and fit_curve search between min and max; runs and fits on the trajectory need one" },
     { "min", types.number(), help = "least admissible value" },
     { "max", types.number(), help = "largest admissible value" },
-    { "unit", types.string, default = "", help = "SI unit, such as \"N/m\"" },
+    { "unit", types.string, default = "", help = "SI unit, such as \"N/m\"; one of another size, such as kN/m, is refused" },
     { "fixed", types.boolean, default = false, help = "held at its value" },
     { "std", types.number { min = 0 }, help = "standard deviation, in a saved model" },
   },

@@ -37,6 +37,13 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
+/// Is `typed` what is left of the candidate where letters were skipped?
+bool lacks_letters_of(const std::string& typed, const std::string& candidate) {
+  std::size_t at = 0;
+  for (const char letter : candidate) at += at < typed.size() && typed[at] == letter;
+  return at == typed.size();
+}
+
 }  // namespace
 
 InputError::InputError(std::string message, SourceSpan where, Fault fault)
@@ -55,9 +62,11 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     const std::size_t distance = edit_distance(typed, lower_case(candidate));
     // A word that shares no letter with the candidate is not near it, however short both are.
     if (distance > limit || distance >= std::max(word.size(), candidate.size())) continue;
-    // Among equals the one with the same first letter: people mistype the middle of a word.
+    // Among equals the one with the same first letter: people mistype the middle of a word. Then the one that was
+    // shortened: sgn is sign and not sin.
     const bool same_start = !typed.empty() && !candidate.empty() && typed[0] == lower_case(candidate)[0];
-    const std::size_t score = 2 * distance + (same_start ? 0 : 1);
+    const bool shortened = lacks_letters_of(typed, lower_case(candidate));
+    const std::size_t score = 4 * distance + (same_start ? 0 : 2) + (shortened ? 0 : 1);
     if (best.empty() || score < best_score) best = candidate, best_score = score;
   }
   return best;

@@ -11,6 +11,10 @@ local methods = {}
 --- Draws all frames into a folder as frame_0001.png and so on.
 function methods.save(animation, folder)
   if type(folder) ~= "string" then schema.fail("save", "path: expected a string, got " .. core.describe(folder)) end
+  if folder:match "%.%a%w*$" then
+    schema.fail("save", ("expected a folder, which gets the frames as PNG files, got '%s'; another tool makes a film of them")
+      :format(folder))
+  end
   output.make_folder(folder)
   for i = 1, animation.frames do
     core.render_figure(animation.frame(i), output.place(("%s/frame_%04d.png"):format(folder, i)))

@@ -97,10 +97,10 @@ function lunid.forces(count) end
 ---An unknown number to fit. It stands in expressions as a symbol.
 ---@class lunid.parameter.fields
 ---@field name string # how it is written in equations and results
----@field value? number # first guess; without one it is read off the data
+---@field value? number # first guess; lunid.discover reads one off the data where there is none, and regress and fit_curve search between min and max; runs and fits on the trajectory need one
 ---@field min? number # least admissible value
 ---@field max? number # largest admissible value
----@field unit? string # SI unit, such as "N/m"
+---@field unit? string # SI unit, such as "N/m"; one of another size, such as kN/m, is refused
 ---@field fixed? boolean # held at its value
 ---@field std? number # standard deviation, in a saved model
 ---@param fields lunid.parameter.fields

@@ -135,6 +135,60 @@ spec.case("a plain list is the first field that takes one", function()
   line_3("lunid.model({ mass = 1, restoring = y }, 3)", "study.lua:3: model: expected a table { ... }, got 2 arguments")
 end)
 
+spec.case("what Lua itself would say of an expression in a riddle", function()
+  line_3("local f = math.sin(2*y)", "study.lua:3: math.sin: expected a number, got an expression: write lunid.sin(2*y)")
+  line_3("local f = math.max(1, y)", "study.lua:3: math.max: expected a number, got an expression: write lunid.max(1, y)")
+  line_3("local f = math.floor(y)",
+    "study.lua:3: math.floor: expected a number, got an expression: the language has no such function")
+  line_3("local f = math.sin 'a'", "study.lua:3: math.sin: expected a number, got the string 'a'")
+  line_3("local given = {} local f = 3*y + given.k",
+    "study.lua:3: '+': the right side is nothing: a name or a field that has no value (... + nil)")
+  line_3("local given = {} local f = given.k/y",
+    "study.lua:3: '/': the left side is nothing: a name or a field that has no value (nil / ...)")
+  line_3("local f = y^{}", "study.lua:3: '^': the right side: expected a number or an expression, got a table")
+  line_3("local f = y % 2", "study.lua:3: '%': an expression has no remainder; of a periodic one write lunid.sin or lunid.cos")
+  line_3("local f = y // 2", "study.lua:3: '//': an expression has no whole division; write '/'")
+  line_3("local f = y:tex()", "study.lua:3: an expression has no 'tex' (methods: at derivative symbols text)")
+  line_3("local f = y(2)", "study.lua:3: an expression is no function: write '*' for a product, and k:at { y = 1 } for its value")
+end)
+
+spec.case("Lua's math of numbers is as it was", function()
+  spec.near(math.sin(0.5), 0.479425538604203, 1e-15)  -- this spec is a study
+  spec.near(math.atan(1, 2), 0.463647609000806, 1e-15)
+  spec.equal(math.max(1, 3, 2), 3)
+  spec.equal(math.log(8, 2), 3.0)
+  spec.equal(math.floor(2.5), 2)
+  spec.equal(math.sqrt "4", 2.0)
+end)
+
+spec.case("a parameter without a value", function()
+  local function parameter(text, expected)
+    line_3("local k = lunid.parameter { 'k' } local m = lunid.model { mass = 1, restoring = k*y } " .. text, "study.lua:3: " .. expected)
+  end
+  local todo = ": parameter 'k' has no value: model:with { k = ... }, or fit it first"
+  parameter("print((k*y):at { y = 1 })", "at: parameter 'k' has no value: give it here too, at { k = ... }")
+  parameter("lunid.simulate { model = m, excitation = 0, duration = 1, dt = 0.1 }", "simulate" .. todo)
+  parameter("lunid.frequency_response { model = m, amplitude = 1, from = 1, to = 2 }", "frequency_response" .. todo)
+  parameter("lunid.backbone { model = m, from = 1, to = 2 }", "backbone" .. todo)
+  local record = "local r = lunid.record { dt = 0.1, channels = { { 'F', { 1, 2, 1, 2, 1, 2, 1, 2 } }, { 'y', { 1, 2, 3, 4, 3, 2, 1, 0 } } } } "
+  parameter(record .. "lunid.compare { model = m, record = r }", "compare" .. todo)
+  parameter(record .. "m:force(r)", "force" .. todo)
+  parameter(record .. "lunid.fit_trajectory { model = m, record = r }",
+    "fit_trajectory: parameter 'k' has no first guess: write model:with { k = ... }")
+  parameter(record .. "lunid.locate { model = m, record = r, place = 'y2' }",
+    "locate: place: the model has one coordinate: leave it out, got 'y2'")
+  parameter(record .. "r:window('a')", "argument 1: expected a number, got the string 'a'")
+  parameter(record .. "lunid.figure.motion(r):save 'x.gif'", "save: expected a folder, which gets the frames as PNG files, "
+    .. "got 'x.gif'; another tool makes a film of them")
+end)
+
+spec.case("a shortened name is nearest to what it is short for", function()
+  local text = spec.message_of(function()
+    lunid.effect { name = "mm", family = "damping", contribution = "k*sgn(v)", parameters = { { "k" } } }
+  end)
+  spec.contains(text, "unknown function 'sgn', did you mean 'sign'?")
+end)
+
 spec.case("names that cannot be", function()
   line_3("lunid.parameter { 'k 2' }", "study.lua:3: parameter: name: expected letters, digits and _, got 'k 2'")
   line_3("lunid.parameter { 'end' }", "study.lua:3: parameter: name: 'end' is a word of Lua; choose another")

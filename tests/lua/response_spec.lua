@@ -160,7 +160,7 @@ spec.case("models that have no answer", function()
     "study.lua:4: frequency_response: the model holds the time t itself, so its answers do not repeat with the excitation; use "
     .. "simulate and poincare")
   line_4("lunid.frequency_response { model = lunid.model { mass = 1, restoring = lunid.parameter { 'k' }*y }, amplitude = 1, from = 1, to = 2 }",
-    "study.lua:4: frequency_response: parameter 'k' has no value; give it one")
+    "study.lua:4: frequency_response: parameter 'k' has no value: model:with { k = ... }, or fit it first")
   line_4("lunid.backbone { model = lunid.model { mass = 1, restoring = lunid.state { 'z', rate = v, min = -1, max = 1 } }, from = 1, to = 2 }",
     "study.lua:4: backbone: the state 'z' is held at a bound, which harmonic balance cannot follow")
   local said = spec.study(head .. "lunid.poincare { model = lunid.model { mass = 1, restoring = -y^3 }, "

@@ -97,7 +97,7 @@ spec.case("locate looks where most is left, or at the place that is asked for", 
   spec.equal(spec.message_of(function() lunid.locate { model = two, record = pair, place = "y3" } end),
     "locate: place: expected one of y1, y2, y1 - y2, got 'y3'")
   spec.equal(spec.message_of(function() lunid.locate { model = baseline, record = train, place = "y" } end),
-    "locate: place: expected one of none: there is one coordinate, got 'y'")
+    "locate: place: the model has one coordinate: leave it out, got 'y'")
 end)
 
 spec.case("entries are proposed and ranked at their places", function()
