@@ -89,11 +89,23 @@ local function members_of(group)
   return members
 end
 
+--- Prints rows { name, words } in two columns, the second where the longest name has ended.
+local function print_columns(before, rows)
+  local width = 19
+  for _, row in ipairs(rows) do width = math.max(width, #row[1]) end
+  for _, row in ipairs(rows) do print(("%s%s%s  %s"):format(before, row[1], (" "):rep(width - #row[1]), row[2])) end
+end
+
+--- The members with the first sentence of each.
+local function sentences_of(members)
+  local rows = {}
+  for i, member in ipairs(members) do rows[i] = { member.name, first_sentence(member.definition.help) } end
+  return rows
+end
+
 local function explain_group(group, members)
   print(("%s (lunid help %s NAME)"):format(schema.spelled(members[1].definition):match "^(.*)[.:]", group))
-  for _, member in ipairs(members) do
-    print(("  %-19s %s"):format(member.name, first_sentence(member.definition.help)))
-  end
+  print_columns("  ", sentences_of(members))
 end
 
 --- "lunid check     STUDY.lua"
@@ -103,11 +115,11 @@ local function overview()
   print "Lunid: from a measured record to the equation of its motion.\n\nCommands"
   for _, row in ipairs(command_words) do print(("  %s\n%17s%s"):format(usage(row), "", row[3])) end
   print "\nConstructors of the language (lunid help NAME)"
+  local constructors = {}
   for _, definition in ipairs(schema.definitions) do
-    if not definition.name:find "[.:]" then
-      print(("  %-21s%s"):format(definition.name, first_sentence(definition.help)))
-    end
+    if not definition.name:find "[.:]" then constructors[#constructors + 1] = { name = definition.name, definition = definition } end
   end
+  print_columns("  ", sentences_of(constructors))
   print "\nGroups of them (lunid help GROUP, lunid help GROUP NAME)"
   for _, group in ipairs(groups) do
     local names = {}
@@ -115,8 +127,35 @@ local function overview()
     print(("  %-21s%s"):format(group, table.concat(names, " ")))
   end
   print "\nEffects that discovery tries (lunid help NAME)"
-  for _, entry in ipairs(catalogue.entries()) do print(("  %-21s%s"):format(entry.name, entry.sentence)) end
+  local effects = {}
+  for i, entry in ipairs(catalogue.entries()) do effects[i] = { entry.name, entry.sentence } end
+  print_columns("  ", effects)
   print(("  and %d more in the catalogue: lunid list effects"):format(#catalogue.names - #catalogue.searched))
+end
+
+--- Words of results and of the field that no constructor has for its name.
+local words = {
+  fit = "A fit is made by one of several constructors: lunid.fit_trajectory fits a model's parameters on its free runs, "
+    .. "lunid.regress finds coefficients of features, lunid.fit_curve fits a formula of a record's channels.\n"
+    .. "See `lunid help fit_trajectory`, `lunid help regress`, `lunid help fit_curve`.",
+  gap = "The gap is the error of a free run over the size of the motion: 0 is perfect, and noise alone leaves its floor.\nSee `lunid help discover`, `lunid help compare`.",
+  verdict = "The verdict of a discovery: explained (the model with what was named leaves nothing above the noise), "
+    .. "nothing-missing, ambiguous (several effects do as well), unknown-effect (something is missing, and no name holds).\n"
+    .. "See `lunid help discover`.",
+}
+
+local lists
+
+--- "lunid help systems duffing": where help on a word is that has none of its own.
+local function elsewhere(topic)
+  local places = {}
+  if lists[topic] then places[1] = ("`lunid list %s`"):format(topic) end
+  for _, group in ipairs(groups) do
+    for _, member in ipairs(members_of(group)) do
+      if member.name == topic then places[#places + 1] = ("`lunid help %s %s`"):format(group, topic) end
+    end
+  end
+  return #places > 0 and table.concat(places, " or ") or nil
 end
 
 function help.explain(topic)
@@ -128,7 +167,8 @@ function help.explain(topic)
   end
   topic = topic:gsub("^effects?%.", "")
   if topic == "effects" then return help.list "effects" end
-  local definition = schema.definitions[topic:gsub("^lunid%.", "")]
+  local name = topic:gsub("^lunid%.", "")
+  local definition = schema.definitions[name] or schema.definitions[name:gsub("%.", ":", 1)]  -- lunid help record save
   local names = {}
   for _, group in ipairs(groups) do
     names[#names + 1] = group
@@ -152,12 +192,15 @@ function help.explain(topic)
     end
   end
   if definition then return end
+  if words[topic] then return print(words[topic]) end
+  local place = elsewhere(topic)
+  if place then core.raise(("no help on '%s' alone: see %s"):format(topic, place), "usage") end
   local near = core.nearest(topic, names)
   core.raise(("no help on '%s'%s"):format(topic, near and (", did you mean '%s'?"):format(near) or "; see `lunid help`"),
     "usage")
 end
 
-local lists = {}
+lists = {}
 
 function lists.effects()
   local searched = {}
@@ -179,26 +222,21 @@ function lists.features()
   print("functions   " .. table.concat(names, " "))
 end
 
---- A constructor's first sentence, for the lists.
-local function list_group(group)
-  for _, member in ipairs(members_of(group)) do
-    print(("%-21s%s"):format(member.name, first_sentence(member.definition.help)))
-  end
-end
+local function list_group(group) print_columns("", sentences_of(members_of(group))) end
 
 function lists.excitations() list_group "excitation" end
 function lists.systems() list_group "systems" end
 function lists.cases() require("lunid.thesis").list() end
 
 function lists.solvers()
+  local of_regressions, of_runs = {}, {}
+  for i, name in ipairs(solvers.names) do of_regressions[i] = { name, schema.definitions[name].help } end
+  for i, name in ipairs(simulation.solvers) do of_runs[i] = { name, simulation.solver_words[name] } end
   print "of a regression"
-  for _, name in ipairs(solvers.names) do
-    print(("  %-15s%s"):format(name, schema.definitions[name].help))
-  end
+  print_columns("  ", of_regressions)
   print "of a simulation (solver = \"...\")"
-  for _, name in ipairs(simulation.solvers) do print(("  %-15s%s"):format(name, simulation.solver_words[name])) end
+  print_columns("  ", of_runs)
 end
-
 
 function help.list(topic)
   require "lunid"

@@ -14,4 +14,7 @@ for _, room in ipairs { "symbols", "functions", "records", "derivatives", "signa
   end
 end
 
-return schema.strict_table("lunid", public)
+return schema.strict_table("lunid", public, {
+  fit = "'fit_trajectory', 'regress' or 'fit_curve'",
+  plot = "'figure', such as lunid.figure.history",
+})

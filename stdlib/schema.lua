@@ -378,16 +378,17 @@ function schema.object(kind, fields, methods, to_string, call)
   })
 end
 
---- A table of public functions: an unknown name is an error with "did you mean"; nothing can be assigned.
-function schema.strict_table(words, public)
+--- A table of public functions: an unknown name is an error with "did you mean"; nothing can be assigned. `meant`: what
+--- stands for words that have no name near them.
+function schema.strict_table(words, public, meant)
   local names = {}
   for name in pairs(public) do names[#names + 1] = name end
   table.sort(names)
-  return schema.strict_list(words, names, function(name) return public[name] end)
+  return schema.strict_list(words, names, function(name) return public[name] end, meant)
 end
 
 --- The same of names, in their order, whose values are made when they are asked for.
-function schema.strict_list(words, names, value_of)
+function schema.strict_list(words, names, value_of, meant)
   local known = {}
   for i, name in ipairs(names) do known[name] = i end
   return setmetatable({}, {
@@ -395,7 +396,9 @@ function schema.strict_list(words, names, value_of)
     __index = function(_, name)
       if known[name] then return value_of(name) end
       local near = core.nearest(tostring(name), names)
-      core.raise(("%s has no '%s'%s"):format(words, name, near and (", did you mean '%s'?"):format(near) or ""), "study")
+      local hint = meant and meant[name] and (", did you mean %s?"):format(meant[name])
+        or near and (", did you mean '%s'?"):format(near) or ""
+      core.raise(("%s has no '%s'%s"):format(words, name, hint), "study")
     end,
     __newindex = function(_, name) core.raise(("%s.%s cannot be assigned"):format(words, name), "study") end,
     __pairs = function()

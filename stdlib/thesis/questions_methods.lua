@@ -91,7 +91,7 @@ function questions.criteria(report)
   end
   local rows = {}
   for i, each in ipairs { { "R2 of the force", "r2" }, { "RMSE of the force", "rmse" }, { "QQCC", "qqcc" }, { "mutual information", "mi" } } do
-    rows[i] = { each[1], lunid.statistics.spearman(columns[each[2]], columns.error) }
+    rows[i] = { each[1], (lunid.statistics.spearman(columns[each[2]], columns.error)) }  -- and not its probability
   end
   report:table { head = { "criterion on the training records", "rank correlation with the free run on the test" }, rows = rows,
     caption = ("%d candidate models of case 1: does a better criterion mean a better free run? 1: always, 0: it says nothing"):format(#board.rows) }

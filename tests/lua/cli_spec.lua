@@ -449,5 +449,27 @@ spec.case("simulate", function()
   spec.equal(code, 3)
 end)
 
+spec.case("help finds methods, and says where it is on words that have none of their own", function()
+  spec.contains(spec.lunid "help record save", "record:save { path, version = }\n")
+  local function points(topic, expected)
+    local said, code = spec.lunid("help " .. topic)
+    spec.contains(said, expected)
+    spec.equal(code, expected:match "^no help" and 2 or 0)
+  end
+  points("duffing", "no help on 'duffing' alone: see `lunid help systems duffing`\n")
+  points("solvers", "no help on 'solvers' alone: see `lunid list solvers`\n")
+  points("fit", "See `lunid help fit_trajectory`, `lunid help regress`, `lunid help fit_curve`.\n")
+  points("gap", "The gap is the error of a free run over the size of the motion")
+  points("verdict", "See `lunid help discover`.\n")
+  spec.write("fit.lua", 'require "lunid".fit {}')
+  spec.contains(spec.lunid "run fit.lua", "fit.lua:1: lunid has no 'fit', did you mean 'fit_trajectory', 'regress' or 'fit_curve'?\n")
+end)
+
+spec.case("columns of a list stand apart, however long a name is", function()
+  local said = spec.lunid "list solvers"
+  spec.contains(said, "\n  instrumental_variables  Two-stage least squares")
+  spec.contains(said, "\n  lasso                   Least squares")
+end)
+
 spec.clean()
 spec.finish()
