@@ -207,7 +207,7 @@ return schema.define({
       .. "its own, against which a base that moves acts" },
     { "requires", types.list(types.string), default = {}, help = "what holds between parameters, as \"Fs >= Fc\"" },
     { "guess", types.callable,
-      help = "function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters" },
+      help = "function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters, within their bounds" },
     { "range", types.callable,
       help = "function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter" },
     { "passive", types.either(types.boolean, types.string),

@@ -224,7 +224,7 @@ study_report.public = {
     name = "report",
     help = "What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), "
       .. "report:verbatim(text), "
-      .. "report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, "
+      .. "report:table { head =, rows =, caption = } (no row longer than the head), report:figure(name, figure, caption), report:results { ... }, "
       .. "report:progress(what, done, total), and at the end report:save().",
     fields = {
       { "title", types.string, required = true, help = "above the page" },

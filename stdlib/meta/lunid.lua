@@ -132,7 +132,7 @@ function lunid.state(fields) end
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds
 ---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit =, absolute = }; absolute: the velocity of a mass of its own, against which a base that moves acts
 ---@field requires? table # what holds between parameters, as "Fs >= Fc"
----@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters
+---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters, within their bounds
 ---@field range? function # function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter
 ---@field passive? any # false where it can create energy over a cycle; "where c >= 0" where that depends
 ---@field signature? string # parity, harmonics, loop: how it shows in a record
@@ -1724,7 +1724,7 @@ function lunid.scoreboard(fields) end
 ---@return lunid.page
 function lunid.figure.page(fields) end
 
----What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:verbatim(text), report:table { head =, rows =, caption = }, report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
+---What a study found, in the terminal, in report.html and in results.json: report:section(title), report:text(words), report:verbatim(text), report:table { head =, rows =, caption = } (no row longer than the head), report:figure(name, figure, caption), report:results { ... }, report:progress(what, done, total), and at the end report:save().
 ---@class lunid.report.fields
 ---@field title string # above the page
 ---@param fields lunid.report.fields

@@ -183,6 +183,7 @@ TEST(NearestWord, is_near_or_nothing) {
   EXPECT_EQ(nearest_word("sine", words), "sin");
   EXPECT_EQ(nearest_word("fabs", words), "abs");
   EXPECT_EQ(nearest_word("signum", words), "sign");
+  EXPECT_EQ(nearest_word("sgn", words), "sign") << "a letter left out, not one in place of another";
   EXPECT_EQ(nearest_word("sqtr", words), "sqrt") << "a swap is one slip";
   EXPECT_EQ(nearest_word("TANH", words), "tanh");
   EXPECT_EQ(nearest_word("derivative", words), "");
