@@ -16,7 +16,7 @@ bool same(const Parameter& a, const Parameter& b) {
 }
 
 bool same(const InternalState& a, const InternalState& b) {
-  return a.rate == b.rate && same(a.initial, b.initial) && a.min == b.min && a.max == b.max;
+  return a.rate == b.rate && same(a.initial, b.initial) && a.min == b.min && a.max == b.max && a.anchored == b.anchored;
 }
 
 std::string places(const std::string& a, const std::string& b) {

@@ -163,11 +163,8 @@ Effect read_effect(lua_State* L) {
   Effect effect;
   effect.name = string_field(L, -1, "name").value_or("");
   effect.family = string_field(L, -1, "family").value_or("");
-  effect.signature = string_field(L, -1, "signature").value_or("");
   effect.sentence = string_field(L, -1, "sentence").value_or("");
-  effect.source = string_field(L, -1, "source").value_or("");
   effect.special_case_of = strings_field(L, -1, "special_case_of");
-  effect.confusers = strings_field(L, -1, "confusers");
   effect.channels = strings_field(L, -1, "channels");
   effect.absolute = strings_field(L, -1, "absolute");
   effect.any_motion = boolean_field(L, -1, "any_motion", false);

@@ -278,12 +278,13 @@ int make_state_symbol(lua_State* L) {
   return 1;
 }
 
-/// state{name=, rate=, initial=, min=, max=, place=}
+/// state{name=, rate=, initial=, min=, max=, anchored=, place=}
 int make_state(lua_State* L) {
   check_table(L, 1);
   DeclaredState row;
   row.state.symbol = runtime(L).pool()->state(string_field(L, 1, "name").value_or(""));
   row.state.initial = number_field(L, 1, "initial").value_or(0);
+  row.state.anchored = boolean_field(L, 1, "anchored", false);
   row.place = string_field(L, 1, "place").value_or("");
   DeclarationsPtr declared;
   for (const auto& [field, target] :

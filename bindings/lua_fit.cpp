@@ -125,6 +125,29 @@ Model model_of(const TrajectoryFit& fit, int record) {
   return model;
 }
 
+/// Of the first fitted channel of all records: RMSE over standard deviation, 1 where a constant would do as well.
+double gap_of(const TrajectoryFit& fit) {
+  const Model& model = fit.system->model();
+  double squares = 0, variance = 0;
+  for (std::size_t r = 0; r < fit.data.size() && r < fit.result.residual.size(); ++r) {
+    const Record& record = fit.data[r].record;
+    const std::string channel = model.imposed_motion           ? model.channel('F', 0)
+                                : fit.options.channels.empty() ? fitted_channels(model, record).front().channel
+                                                               : fit.options.channels.front();
+    std::vector<double> measured;
+    for (Eigen::Index i = 0; i < fit.result.residual[r].size(); ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      if (!fit.data[r].use.empty() && !fit.data[r].use[row]) continue;
+      squares += fit.result.residual[r][i] * fit.result.residual[r][i];
+      measured.push_back(record[channel][row]);
+    }
+    if (measured.empty()) continue;
+    const Eigen::Map<const Eigen::ArrayXd> x(measured.data(), static_cast<Eigen::Index>(measured.size()));
+    variance += (x - x.mean()).square().sum();
+  }
+  return std::sqrt(squares / variance);
+}
+
 void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   const FitResult& r = fit.result;
   lua_newtable(L);
@@ -146,6 +169,8 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   lua_setfield(L, -2, "cost");
   lua_pushnumber(L, std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))));
   lua_setfield(L, -2, "rmse");
+  lua_pushnumber(L, gap_of(fit));
+  lua_setfield(L, -2, "gap");
   if (!std::isnan(fit.checked)) {
     lua_pushnumber(L, fit.checked);
     lua_setfield(L, -2, "checked");
@@ -234,10 +259,11 @@ int get(lua_State* L) {
 int to_string(lua_State* L) {
   const TrajectoryFit& fit = check<TrajectoryFit>(L, 1);
   const FitResult& r = fit.result;
+  const double gap = gap_of(fit);
   char text[200];
-  std::snprintf(text, sizeof text, "fit of %zu %s, %lld rows: RMSE %.4g after %d iterations, %s", fit.data.size(),
-                fit.data.size() == 1 ? "record" : "records", static_cast<long long>(r.rows),
-                std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))), r.iterations,
+  std::snprintf(text, sizeof text, "fit of %zu %s, %lld rows: RMSE %.4g (gap %.3g) after %d iterations, %s",
+                fit.data.size(), fit.data.size() == 1 ? "record" : "records", static_cast<long long>(r.rows),
+                std::sqrt(r.cost / static_cast<double>(std::max<Eigen::Index>(1, r.rows))), gap, r.iterations,
                 r.converged ? "converged" : "not converged");
   std::string all = text;
   if (r.outliers > 0) all += "; " + std::to_string(r.outliers) + " rows count as outliers";
@@ -268,6 +294,12 @@ int to_string(lua_State* L) {
         fit.checked);
     all += text;
   }
+  constexpr double no_fit = 0.9;
+  if (gap > no_fit)
+    all +=
+        "\n  note: this is no fit: a constant leaves as much of the motion. The first guesses are far off, or the "
+        "model "
+        "is; lunid.regress along the measured motion needs none";
   for (const std::string& note : fit.notes) all += "\n  note: " + note;
   push_text(L, all);
   return 1;

@@ -200,6 +200,8 @@ void push_states(lua_State* L, const Model& model) {
     lua_setfield(L, -2, "name");
     lua_pushnumber(L, state.initial);
     lua_setfield(L, -2, "initial");
+    lua_pushboolean(L, state.anchored);
+    lua_setfield(L, -2, "anchored");
     for (const auto& [field, expr] : {std::pair{"symbol", state.symbol}, std::pair{"rate", state.rate},
                                       std::pair{"min", state.min}, std::pair{"max", state.max}}) {
       if (!expr.valid()) continue;

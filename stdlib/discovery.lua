@@ -53,7 +53,8 @@ local definition = {
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
       help = "level of false alarms of the whole search" },
     { "minimum_gain", types.number { min = 0, below = 1 }, default = 0.05,
-      help = "least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole" },
+      help = "least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole; five times "
+        .. "that where 1.5 times the noise and more stays open" },
     { "max_effects", types.integer { min = 1, max = 20 }, default = 4, help = "named one after another" },
     { "blocks", types.integer { min = 3, max = 100 }, default = 6, help = "left-out blocks of the training records" },
     { "holdout", types.number { above = 0, max = 0.9 }, default = 0.3, help = "part held out when no test is given" },

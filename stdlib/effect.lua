@@ -148,7 +148,8 @@ local function condition(where, text)
 end
 
 local state_fields = { { "rate", text_or_expression }, { "initial", types.number() }, { "min", text_or_expression },
-  { "max", text_or_expression }, { "unit", types.string }, { "absolute", types.boolean } }
+  { "max", text_or_expression }, { "unit", types.string }, { "anchored", types.boolean },
+  { "absolute", types.boolean } }
 
 local function check_state(where, name, state, own)
   if type(name) ~= "string" then
@@ -177,7 +178,8 @@ local function take_states(entry, own)
     local state = entry.states[name]
     if state.absolute then absolute[#absolute + 1] = entry.name .. "_" .. name end
     states[i] = { own = name, name = entry.name .. "_" .. name, rate = make(state.rate), initial = state.initial,
-      min = state.min and make(state.min), max = state.max and make(state.max), unit = state.unit or "" }
+      min = state.min and make(state.min), max = state.max and make(state.max), anchored = state.anchored,
+      unit = state.unit or "" }
   end
   return states, make, absolute
 end
@@ -203,8 +205,9 @@ return schema.define({
       help = "as an engineer writes it, one for all forms or one for each; else the text of each contribution" },
     { "parameters", types.list(types.table, 1), required = true,
       help = "rows { \"k\", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds" },
-    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit =, absolute = }; absolute: the velocity of a mass of "
-      .. "its own, against which a base that moves acts" },
+    { "states", types.table, default = {}, help = "z = { rate = \"...\", initial = 0, min =, max =, unit =, "
+      .. "anchored =, absolute = }; anchored: as in lunid.state; absolute: the velocity of a mass of its own, against which a "
+      .. "base that moves acts" },
     { "requires", types.list(types.string), default = {}, help = "what holds between parameters, as \"Fs >= Fc\"" },
     { "guess", types.callable,
       help = "function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters, within their bounds" },

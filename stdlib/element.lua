@@ -107,7 +107,7 @@ function element.make(entry, ...)
   for i, state in ipairs(entry.states) do
     states[i] = core.state { name = given.prefix .. "_" .. state.own, initial = state.initial, place = core.place(),
       rate = core.substitute(state.rate, by), min = state.min and core.substitute(state.min, by),
-      max = state.max and core.substitute(state.max, by) }
+      max = state.max and core.substitute(state.max, by), anchored = state.anchored }
   end
   local variant = given.variant or 1
   local form, map = core.substitute(entry.variants[variant], by, states), entry.maps[variant]

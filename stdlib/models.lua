@@ -167,8 +167,9 @@ end
 
 local function state_text(state)
   local function bound(name) return state[name] and (", %s = %s"):format(name, state[name]:text "lua") or "" end
-  return ("local %s = lunid.state { %q, rate = function(%s) return %s end, initial = %s%s%s }"):format(state.name,
-    state.name, state.name, state.rate:text "lua", core.number_text(state.initial), bound "min", bound "max")
+  return ("local %s = lunid.state { %q, rate = function(%s) return %s end, initial = %s%s%s%s }"):format(state.name,
+    state.name, state.name, state.rate:text "lua", core.number_text(state.initial), bound "min", bound "max",
+    state.anchored and ", anchored = true" or "")
 end
 
 --- Lua has room for 200 local names.

@@ -169,10 +169,18 @@ local function effect_section(effect)
   lines[#lines + 1] = parameter_table(effect.parameters, sorted_keys(effect.parameters), {})
   lines[#lines + 1] = ("<p>With it the gap is %s on the training record and %s on the test record.</p>"):format(
     number(effect.gap_train, effect.cause), number(effect.gap_test, effect.cause))
-  if #effect.indistinguishable > 0 then
-    lines[#lines + 1] = "<p><b>This record cannot tell it from</b> <code>"
-      .. escape(table.concat(effect.indistinguishable, ", ")) .. "</code>.</p>"
+  local same, rivals = {}, {}
+  for _, name in ipairs(effect.same_force) do same[name] = true end
+  for _, name in ipairs(effect.indistinguishable) do
+    if not same[name] then rivals[#rivals + 1] = name end
   end
+  local function names(words, list)
+    if #list > 0 then
+      lines[#lines + 1] = ("<p><b>%s</b> <code>%s</code>.</p>"):format(words, escape(table.concat(list, ", ")))
+    end
+  end
+  names("This record cannot tell it from", rivals)
+  names("The same force in another notation:", effect.same_force)
   return table.concat(lines, "\n")
 end
 

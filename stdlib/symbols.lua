@@ -84,6 +84,8 @@ symbols.state = schema.define({
     { "initial", types.number(), default = 0, help = "value at the start of a run" },
     { "min", types.expression, help = "lower bound; may follow the motion" },
     { "max", types.expression, help = "upper bound; may follow the motion" },
+    { "anchored", types.boolean, default = false,
+      help = "a fit takes it to be `initial` where the first record begins: for a state that only adds up, such as a path" },
   },
   returns = "expression",
   example = [[local z = lunid.state { "z", rate = function(z) return v - 40*lunid.abs(v)*z end }]],

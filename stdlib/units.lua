@@ -1,29 +1,26 @@
--- Units of parameters: those that a study writes must be SI, and others are read off the equation they stand in: the k of k*y is in N/m, since y is in m and the sum in N.
+-- Units of parameters: those that a study writes must be SI, and others are read off the equation they stand in: the k of
+-- k*y is in N/m, since y is in m and the sum in N.
 local core = require "lunid.core"
 
 local units = {}
 
--- Units of SI whose factor is 1, beside those that the columns of a record know.
-local further = {}
-for name in ("T H F C S Wb mol cd ohm sr lm lx Bq Gy"):gmatch "%S+" do further[name] = true end
-
---- "N/m^n" as "N/m", "N/(m s)" as "N/m s": factors are what they are in any power that is no whole number, and in any
---- order. A second value: whether nothing was left out.
+--- "N/m^n" as "N/m", "N/(m s)" as "N/m s", "Ns/m" as "N s/m": factors are what they are in any power that is no whole
+--- number, and in any order. A second value: whether nothing was left out.
 local function plain(text)
   local short = text:gsub("%^%b()", ""):gsub("%^%-?[%d]*%.[%d]+", ""):gsub("%^%-?[%a_][%w_]*", ""):gsub("[()]", "")
   local whole = short == text
-  short = short:gsub("%f[%a]%a+", function(name) return further[name] and "1" or nil end)
+  short = short:gsub("%f[%a](%a?N)([sm])%f[%A]", "%1 %2")
   return short:gsub("%f[%a](%a+)%.%f[%a]", "%1 "):gsub("%s*([/*])%s*", "%1"):gsub("%s+", " "):match "^%s*(.-)%s*$", whole
 end
 
---- What is wrong with a parameter's unit, or nil: values are SI, and a unit of another size would only be a label.
+--- What is wrong with a parameter's unit, or nil: values are SI, and a unit of another size would only be a label. One that
+--- nobody knows is a label and no more.
 function units.problem(text)
   local short, whole = plain(text)
   if short == "" then return nil end
   local factor, si = core.si_unit(short)
-  if factor == 1 then return nil end
+  if not factor or factor == 1 then return nil end
   local problem = ("expected an SI unit such as N/m, got '%s'"):format(text)
-  if not factor then return problem .. ", which is unknown" end
   if not whole then return problem .. ": write the value in SI" end
   local words = core.number_text(factor) .. (si ~= "" and " " .. si or "")
   return ("%s (%s): write the value %s"):format(problem, words, si ~= "" and "in " .. si or "itself, without a unit")

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "expr/digits.hpp"
+#include "record/motion.hpp"
+#include "record/spectra.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
 
@@ -65,7 +68,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
   const auto motion = record[measured];
   const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
   if (!(*high > *low))
-    throw InputError("discover: the " + words_of(measured) + " is constant (" + std::to_string(*low) + " " +
+    throw InputError("discover: the " + words_of(measured) + " is constant (" + number(*low) + " " +
                          units_of(record, "y" + measured.substr(1)).of(measured) +
                          " in every row); nothing can be learned from a record without motion",
                      where, Fault::data);
@@ -174,6 +177,56 @@ bool is_free(const Study& study, const Record& record) {
   return std::all_of(study.forces.begin(), study.forces.end(), [&](const std::string& force) {
     return record.has(force) && std::ranges::all_of(record[force], [](double f) { return f == 0; });
   });
+}
+
+Record without_wild_rows(const Record& record, std::vector<std::string>& warnings) {
+  Record out = record;
+  std::vector<Channel> measured;
+  bool any = false;
+  for (Channel channel : record.channels()) {
+    if (channel.derived) continue;
+    const auto values = record[channel.name];
+    channel.values = Eigen::Map<const Eigen::VectorXd>(values.data(), record.rows());
+    const bool moves = (channel.name[0] == 'y' || channel.name[0] == 'v') && !channel.name.ends_with("_reference");
+    const std::vector<WildRow> wild = moves ? wild_rows(values) : std::vector<WildRow>{};
+    any = any || !wild.empty();
+    for (const auto& [row, value] : wild) channel.values[row] = value;
+    if (!wild.empty()) {
+      channel.noise = noise_level({channel.values.data(), values.size()});
+      out = out.with(channel);
+      warnings.push_back(record.name() + ": " + std::to_string(wild.size()) +
+                         (wild.size() == 1 ? " row of " : " single rows of ") + channel.name +
+                         " off all neighbours, first at t = " + number(record.time(wild.front().row)) +
+                         " s: taken for wild points and for what the neighbours say");
+    }
+    measured.push_back(std::move(channel));
+  }
+  if (!any) return record;
+  const Record again = derive_motion(Record(record.name(), record.start(), record.dt(), std::move(measured)));
+  for (const Channel& channel : record.channels())
+    if (channel.derived && again.has(channel.name)) out = out.with(again.channel(channel.name));
+  return out;
+}
+
+bool have_rows_in_common(const Record& a, const Record& b) {
+  constexpr Eigen::Index enough = 20;  // that measured values are alike by chance
+  const double first = std::max(a.start(), b.start()), shift_a = (first - a.start()) / a.dt(),
+               shift_b = (first - b.start()) / b.dt();
+  const auto from_a = static_cast<Eigen::Index>(std::lround(shift_a)),
+             from_b = static_cast<Eigen::Index>(std::lround(shift_b));
+  const Eigen::Index rows = std::min(a.rows() - from_a, b.rows() - from_b);
+  const bool aligned =
+      std::abs(shift_a - static_cast<double>(from_a)) < 0.01 && std::abs(shift_b - static_cast<double>(from_b)) < 0.01;
+  if (std::abs(a.dt() - b.dt()) > 1e-9 * a.dt() || !aligned || rows < enough) return false;
+  bool moves = false;
+  for (const Channel& channel : a.channels()) {
+    if (!b.has(channel.name)) return false;
+    const auto own = a[channel.name].subspan(static_cast<std::size_t>(from_a), static_cast<std::size_t>(rows));
+    const auto other = b[channel.name].subspan(static_cast<std::size_t>(from_b), static_cast<std::size_t>(rows));
+    if (!std::ranges::equal(own, other)) return false;
+    moves = moves || std::ranges::any_of(own, [&](double x) { return x != own.front(); });
+  }
+  return moves;
 }
 
 bool are_free(const Study& study, const std::vector<Record>& records) {

@@ -20,6 +20,14 @@ bool are_free(const Study& study, const std::vector<Record>& records);
 /// Throws InputError for a record that cannot be a discovery's: rows, forces, a motion that is there and moves.
 void check_record(const Study& study, const Record& record);
 
+/// Single rows of a measured displacement or velocity that no motion can have (wild_rows) are what their neighbours
+/// say, with a warning: one of five deviations outweighs the noise of a thousand. An acceleration may have them: a
+/// blow.
+Record without_wild_rows(const Record& record, std::vector<std::string>& warnings);
+
+/// A record holds rows of another one, at the same times.
+bool have_rows_in_common(const Record& a, const Record& b);
+
 /// What free runs are held against, and what integrals lose: fills Study::measured and Study::slow, with a warning.
 void choose_output(Study& study, const std::vector<Record>& train);
 

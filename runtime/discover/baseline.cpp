@@ -1,4 +1,5 @@
 #include "discover/baseline.hpp"
+#include "expr/digits.hpp"
 
 #include <cmath>
 
@@ -20,12 +21,10 @@ void say_first(const Candidate& c, std::vector<std::string>& warnings) {
   if (!c.ran()) said.push_back("the baseline cannot be simulated over the training records (" + c.fit.stopped + ")");
   const auto& table = c.system->model().parameters;
   for (std::size_t i = 0; i < table.size(); ++i)
-    if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed) {
-      char value[32];
-      std::snprintf(value, sizeof value, "%.4g", c.fit.theta[static_cast<Eigen::Index>(i)]);
-      said.push_back("the baseline's " + table[i].name + " sits at its bound " + value +
+    if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
+      said.push_back("the baseline's " + table[i].name + " sits at its bound " +
+                     number(c.fit.theta[static_cast<Eigen::Index>(i)], 4) +
                      ": widen it, or see what the baseline's other terms leave to it");
-    }
   warnings.insert(warnings.begin(), said.begin(), said.end());
 }
 
@@ -41,6 +40,7 @@ void from_given_guess(const Study& study, const Model& model, Candidate& baselin
 void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::vector<Parameter>& table,
                        std::vector<std::string>& warnings) {
   for (Eigen::Index i = 0; i < j; ++i) {
+    if (table[static_cast<std::size_t>(i)].fixed || table[static_cast<std::size_t>(j)].fixed) continue;
     const double cosine = gram(i, j) / std::sqrt(gram(i, i) * gram(j, j));
     const double left = 1 - cosine * cosine;
     const auto &a = table[static_cast<std::size_t>(i)].name, &b = table[static_cast<std::size_t>(j)].name;

@@ -108,10 +108,7 @@ std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eige
     if (std::isfinite(theta[static_cast<Eigen::Index>(i)])) continue;
     std::vector<double> values{1.0};
     if (!candidate.linear[i]) {
-      values.clear();
-      for (int decade = -6; decade <= 6; ++decade)
-        for (const double v : {std::pow(10.0, decade), -std::pow(10.0, decade)})
-          if (v >= table[i].min && v <= table[i].max) values.push_back(v);
+      values = magnitudes(table[i]);
       if (values.empty()) values.push_back(std::isfinite(table[i].min) ? table[i].min : table[i].max);
     }
     std::vector<Eigen::VectorXd> next;
@@ -162,6 +159,14 @@ std::size_t Candidate::added() const {
   std::size_t count = 0;
   for (const auto& c : choices) count += c.parameters().size();
   return count;
+}
+
+std::vector<double> magnitudes(const Parameter& parameter) {
+  std::vector<double> out;
+  for (int decade = -6; decade <= 6; ++decade)
+    for (const double value : {std::pow(10.0, decade), -std::pow(10.0, decade)})
+      if (value >= parameter.min && value <= parameter.max) out.push_back(value);
+  return out;
 }
 
 std::vector<std::uint8_t> linear_parameters(const Model& model) {

@@ -101,6 +101,9 @@ Eigen::VectorXd without_signs(const System& system, Eigen::VectorXd theta);
 /// The mass of a coordinate holds this symbol.
 bool in_a_mass(const Model& model, Expr symbol);
 
+/// What a parameter of which nothing is known may be: powers of ten of either sign that its bounds allow.
+std::vector<double> magnitudes(const Parameter& parameter);
+
 /// Parameters of this model in which m*a + f is affine, all at once. Main thread only (derivatives grow the pool).
 std::vector<std::uint8_t> linear_parameters(const Model& model);
 

@@ -14,6 +14,7 @@
 #include "discover/removable.hpp"
 #include "discover/sensor.hpp"
 #include "discover/unknown_force.hpp"
+#include "expr/digits.hpp"
 
 namespace lunid {
 
@@ -41,7 +42,8 @@ std::string below_the_least_gain(const Study& study, const SearchResult& found) 
   if (!found.faint) return "";
   char text[160];
   std::snprintf(text, sizeof text, " lowers it beyond chance, but by %.2g %%: less than the least gain of %.2g %%",
-                100 * (1 - found.faint->left_out_gap / found.baseline.left_out_gap), 100 * study.options->minimum_gain);
+                100 * (1 - found.faint->left_out_gap / found.baseline.left_out_gap),
+                100 * required_gain(study, found.faint->left_out_gap));
   return found.faint->name() + text;
 }
 
@@ -84,13 +86,31 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   out.experiment.options.cancelled = nullptr;
 }
 
-/// Parameters that sit at their bounds are warned of.
-void warn_of_bounds(const Candidate& c, Discovery& out) {
+/// Parameters that sit at their bounds are warned of; the baseline's own were before all else (fit_baseline).
+void warn_of_bounds(const Candidate& baseline, const Candidate& c, Discovery& out) {
   const auto& table = c.system->model().parameters;
+  const auto sits = [](const FitResult& fit, std::size_t i) { return i < fit.at_bound.size() && fit.at_bound[i]; };
   for (std::size_t i = 0; i < table.size(); ++i)
-    if (i < c.fit.at_bound.size() && c.fit.at_bound[i] && !table[i].fixed)
+    if (sits(c.fit, i) && !table[i].fixed && !sits(baseline.fit, i))
       out.warnings.push_back("parameter " + table[i].name + " sits at its bound " +
-                             std::to_string(c.fit.theta[static_cast<Eigen::Index>(i)]));
+                             number(c.fit.theta[static_cast<Eigen::Index>(i)], 4));
+}
+
+/// A gain, or a mass beside that of the baseline, which is a power of a thousand or -1 is rather a unit or a sign.
+std::string unit_or_sign(const NamedEffect& e, const Model& baseline) {
+  constexpr double near = 0.03;
+  double ratio = 0;
+  for (const Parameter& p : e.parameters) {
+    if (p.name == "g" && (e.family == "sensor" || e.family == "input")) ratio = p.value;
+    if (e.name == "added_mass" && e.place.empty() && baseline.mass.is_constant())
+      ratio = 1 + p.value / baseline.mass.value();
+  }
+  if (ratio == 0) return "";
+  const std::string is = e.name + " makes it " + number(ratio, 4) + " times what is given: ";
+  if (std::abs(ratio + 1) < near) return is + "is the sign of the force, or of the motion, reversed?";
+  const double powers = std::log10(std::abs(ratio)) / 3, whole = std::round(powers);
+  if (whole == 0 || std::abs(std::pow(1000.0, powers - whole) - 1) > near) return "";
+  return is + "is a unit (mm for m, kN for N, ms for s, g for kg) not said?";
 }
 
 /// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
@@ -139,7 +159,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   const Left& left = round.left;
   char text[160];
   if (out.verdict == "explained" || out.verdict == "ambiguous") {
-    std::string names = words_of(out.effects) + not_physics(found.order);
+    std::string names = words_of(out.effects) + not_physics(found.chosen.choices);
     const bool in_runs = out.short_test.seconds > 0;
     const Gap& last = in_runs ? out.short_test.final : out.final_test;
     const double first = at_most_all(in_runs ? out.short_test.baseline.value : out.baseline_test.value);
@@ -147,8 +167,9 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     const double share = excess > 0 ? (first - last.value) / excess : 0;
     char part[40] = "";
     if (in_runs) std::snprintf(part, sizeof part, ", in runs of %.3g s", out.short_test.seconds);
-    std::snprintf(text, sizeof text, ": on data not used in the fit%s, %.0f %% of what the noise allows is closed",
-                  part, 100 * std::clamp(share, 0.0, 1.0));
+    std::snprintf(text, sizeof text, ": on data %s%s, %.0f %% of what the noise allows is closed",
+                  study.test_is_known ? "that the fit knows" : "not used in the fit", part,
+                  100 * std::clamp(share, 0.0, 1.0));
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
@@ -225,12 +246,12 @@ class Conclusion {
     out_.final = fitted(found.chosen);
     const std::optional<Place> place = main_place();
     out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
-    for (std::size_t i = 0; i < found.rivals.size(); ++i) {
-      const Candidate& c = found.rivals[i];
+    for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             corrected(improvement_p_value(found.baseline, c)), found.remarks[i], fitted(c)});
-    }
-    warn_of_bounds(found.chosen, out_);
+                             corrected(improvement_p_value(found.baseline, c)), remark, fitted(c)});
+    warn_of_bounds(found.baseline, found.chosen, out_);
+    for (const NamedEffect& e : out_.effects)
+      if (const std::string words = unit_or_sign(e, out_.baseline); !words.empty()) out_.warnings.push_back(words);
     out_.removable = removable_terms(out_.baseline, found.chosen);
     if (!found.chosen.choices.empty()) {
       progress_("name again on resampled blocks", 0.96);
@@ -247,8 +268,9 @@ class Conclusion {
     compare_all(found, study_.test, runs_.before_test, runs_.after_test, "test");
     out_.map = residual_map(study_, found.baseline, found.chosen, place);
     if (place) out_.map_place = motion_of(*place);
-    for (const Choice& choice : found.order)
-      if (choice.effect->place) out_.forces.push_back(force_of_effect(study_, found.chosen, *choice.effect, 0));
+    for (const Step& step : found.steps)
+      if (const Effect& effect = *step.added.effect; effect.place)
+        out_.forces.push_back(force_of_effect(study_, found.chosen, effect, 0));
     out_.output = study_.output();
     out_.run_length = study_.run_length;
     out_.interpolation = words_of_interpolation(study_);
@@ -270,35 +292,38 @@ class Conclusion {
 
   void name_steps(const SearchResult& found) {
     for (std::size_t i = 0; i < found.steps.size(); ++i) {
-      const Candidate& model = found.steps[i];
-      const Effect& effect = *found.order[i].effect;
+      const auto& [added, model] = found.steps[i];
+      const Candidate& before = i == 0 ? found.baseline : found.steps[i - 1].model;
+      const Effect& effect = *added.effect;
       NamedEffect named;
       named.name = effect.name;
       named.family = effect.family;
-      named.formula = formula_at(found.order[i].form().formula, effect.place);
+      named.formula = formula_at(added.form().formula, effect.place);
       named.sentence = effect.sentence;
       named.label = effect.label();
       if (effect.place) named.place = motion_of(*effect.place);
-      named.where = where(i == 0 ? found.baseline : found.steps[i - 1], found.chosen, effect.place);
-      named.parameters = own_parameters(found.chosen, found.order[i]);
+      named.where = where(before, found.chosen, effect.place);
+      named.parameters = own_parameters(found.chosen, added);
       const bool last = i + 1 == found.steps.size();
       named.gap_train =
           last ? out_.final_train.value : pool_gap(runs(study_, model, study_.full, false), runs_.share).value;
       named.gap_test =
           last ? out_.final_test.value : pool_gap(runs(study_, model, study_.test, false), runs_.share).value;
-      named.p_value = corrected(improvement_p_value(i == 0 ? found.baseline : found.steps[i - 1], model));
+      named.p_value = corrected(improvement_p_value(before, model));
       if (last) {
         for (const Choices& tie : found.ties.rivals) named.indistinguishable.push_back(name_of(tie));
-        named.indistinguishable.insert(named.indistinguishable.end(), found.ties.aliases.begin(),
-                                       found.ties.aliases.end());
+        named.same_force = found.ties.aliases;
       }
       if (found.steps.size() > 1)
         for (const Choices& tie : found.ties.rivals)
           if (std::string other = in_place_of(effect, found.chosen.choices, tie); !other.empty())
             named.indistinguishable.push_back(std::move(other));
-      for (std::string& other : in_other_words(found.order[i]))
-        if (std::ranges::find(named.indistinguishable, other) == named.indistinguishable.end())
-          named.indistinguishable.push_back(std::move(other));
+      for (std::string& other : in_other_words(added)) {
+        const bool is_told = std::ranges::find(named.indistinguishable, other) != named.indistinguishable.end() ||
+                             std::ranges::find(named.same_force, other) != named.same_force.end();
+        if (!is_told) named.same_force.push_back(std::move(other));
+      }
+      named.indistinguishable.insert(named.indistinguishable.end(), named.same_force.begin(), named.same_force.end());
       out_.effects.push_back(std::move(named));
     }
   }
@@ -348,7 +373,7 @@ class Conclusion {
 
   /// With several coordinates: where the first effect was named, or generic forces see most.
   std::optional<Place> main_place() const {
-    if (round_.names()) return round_.found.order.front().effect->place;
+    if (round_.names()) return round_.found.steps.front().added.effect->place;
     if (study_.degrees() == 1) return {};
     return round_.left.closure.place.value_or(Place{});
   }

@@ -17,6 +17,7 @@
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
 #include "discover/verdict.hpp"
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
@@ -173,11 +174,11 @@ class Spine {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found = search(study_, model_, baseline_, part, {}, step);
     } else if (study_.between != before) {
-      refit(round.found);
+      judge_again(round.found);
     }
     if (lower_noise(whole_, round.found.chosen)) {
       take_noise();
-      refit(round.found);
+      judge_again(round.found);
     }
     tried_ = std::max(tried_, round.found.grown.tried);
     progress("decide", until);
@@ -214,23 +215,44 @@ class Spine {
     progress("fit all rows", 0.92);
     study_ = whole_;
     SearchResult& found = round.found;
-    std::vector<Candidate*> all{&found.baseline, &found.chosen};
-    for (std::size_t i = 0; i + 1 < found.steps.size(); ++i) all.push_back(&found.steps[i]);  // the last is the chosen
-    for (Candidate& c : found.rivals) all.push_back(&c);
-    if (found.faint) all.push_back(&*found.faint);
+    const std::vector<Candidate*> all = models_of(found);
     const auto fit_again = [&](int i) {
       Candidate& c = *all[static_cast<std::size_t>(i)];
       if (c.ran()) c.fit = fit_near(study_, c, c.fit.theta, 12, c.fit.substeps);
     };
     parallel_for(static_cast<int>(all.size()), options_.threads, fit_again);
+    drop_those_that_do_not_run(found);
     found.whitening = residual_colour(study_, found.chosen.ran() ? found.chosen : found.baseline);
-    parallel_for(static_cast<int>(all.size()), options_.threads,
-                 [&](int i) { judge(study_, *all[static_cast<std::size_t>(i)], found.whitening, i < 2 ? 30 : 2); });
-    for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study_, *c);
-    if (found.faint) run_left_out(study_, *found.faint);
-    if (!found.steps.empty()) found.steps.back() = found.chosen;
+    judge_again(found);
     baseline_ = found.baseline;
     decide(study_, round);
+  }
+
+  /// All that were judged, baseline and chosen set first; the last step is the chosen set.
+  static std::vector<Candidate*> models_of(SearchResult& found) {
+    std::vector<Candidate*> all{&found.baseline, &found.chosen};
+    for (std::size_t i = 0; i + 1 < found.steps.size(); ++i) all.push_back(&found.steps[i].model);
+    for (Beaten& rival : found.rivals) all.push_back(&rival.model);
+    if (found.faint) all.push_back(&*found.faint);
+    return all;
+  }
+
+  static void drop_those_that_do_not_run(SearchResult& found) {
+    std::erase_if(found.rivals, [](const Beaten& rival) { return !rival.model.ran(); });
+    if (found.faint && !found.faint->ran()) found.faint.reset();
+  }
+
+  /// To the study as it is now. The names stay; rivals are judged where they are, nearly.
+  void judge_again(SearchResult& found) const {
+    const std::vector<Candidate*> all = models_of(found);
+    parallel_for(static_cast<int>(all.size()), options_.threads, [&](int i) {
+      Candidate& c = *all[static_cast<std::size_t>(i)];
+      c.left_out.resize(0);
+      judge(study_, c, found.whitening, i < 2 ? 30 : 2);
+    });
+    for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study_, *c);
+    if (found.faint) run_left_out(study_, *found.faint);
+    if (!found.steps.empty()) found.steps.back().model = found.chosen;
   }
 
   /// What a quarter of the resampled training records would have named in place of the chosen set is a tie. Not a part
@@ -241,7 +263,7 @@ class Spine {
     SearchResult& found = round.found;
     const Choices& chosen = found.chosen.choices;
     const Naming naming = bootstrap_naming(study_, found);
-    for (const Candidate& rival : found.rivals) {
+    for (const auto& [rival, by, remark] : found.rivals) {
       const Choices& set = rival.choices;
       const int count = naming.of(rival.name());
       if (count == 0 || count < doubt * naming.resamples || within(set, chosen) || within(chosen, set)) continue;
@@ -257,15 +279,6 @@ class Spine {
     if (options_.cancelled && *options_.cancelled)
       throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
     if (options_.progress) options_.progress(stage, done_);
-  }
-
-  /// The names stay; what was fitted is fitted again to the study as it is now.
-  void refit(SearchResult& found) const {
-    for (Candidate* c : {&found.baseline, &found.chosen}) {
-      judge(study_, *c, found.whitening);
-      run_left_out(study_, *c);
-    }
-    for (auto& c : found.steps) judge(study_, c, found.whitening);
   }
 
   /// Several outputs weigh by their noise: the fit is another one.
@@ -399,11 +412,11 @@ class Spine {
           fault.empty() ? std::nullopt : gap_of_one_fit_to_all(study, round, out_.test_p_value, before, after);
       if (of_all)
         out_.warnings.push_back(left_open_by_training(found.chosen, fault, *of_all));
-      else if (!fault.empty() && !leave_the_tied(study, round, fault, before))
-        take_back(round, fault, steps_that_stand(study, round, before));
-      else if (const std::size_t stand = steps_that_help(study, round, after);
-               fault.empty() && stand < found.steps.size())
-        take_back(round, "did no better on the test record than " + found.steps[stand - 1].name(), stand);
+      else if (!fault.empty()) {
+        if (!leave_the_tied(study, round, fault, before))
+          take_back(study, round, fault, steps_that_stand(study, round, before));
+      } else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size())
+        take_back(study, round, "did no better on the test record than " + found.steps[stand - 1].model.name(), stand);
     } else {
       round.verdict = something_is_missing(round) ? "unknown-effect" : "nothing-missing";
     }
@@ -468,9 +481,9 @@ class Spine {
     TiedRival& first = standing.front();
     out_.warnings.push_back("the training records could not tell " + found.chosen.name() + " from " +
                             first.model.name() + ": the former " + fault);
-    const std::string as_tied = tie_remark(found.chosen);
-    withdraw(round, not_confirmed);
-    std::ranges::replace(found.remarks, as_tied, not_confirmed);
+    withdraw(round, Beaten::By::test, not_confirmed);
+    for (Beaten& rival : found.rivals)
+      if (rival.by == Beaten::By::tie) rival = {std::move(rival.model), Beaten::By::test, not_confirmed};
     name_alone(found, std::move(first.model));
     for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
     remark_ties(found);
@@ -485,59 +498,60 @@ class Spine {
   /// Names are taken back that had taken the place of common ones on the training records: where the test records bear
   /// those out whole, and they leave less there than what would stand, they are the answer after all; not where they
   /// leave far more of the training records than what is taken back.
-  bool leave_the_common(Round& round, const std::string& fault, std::size_t stand) {
+  /// `tested`: the study as the test records are judged (short_test_runs).
+  bool leave_the_common(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
     if (!round.displaced) return false;
     const double followed = round.gap(round.train).value;
+    const double open =
+        stand == 0 ? INFINITY : round.gap(runs(tested, round.found.steps[stand - 1].model, tested.test)).value;
     Ground as_found = ground();
     Round common = std::move(*round.displaced);
     round.displaced.reset();
     read_force({common.between.kind, study_.between.alike});
     baseline_ = common.found.baseline;
     fit_all_rows(common);
-    std::vector<FreeRun> before = runs(study_, common.found.baseline, study_.test, false),
-                         after = runs(study_, common.found.chosen, study_.test);
-    const double p_value = test_p_value(study_, before, after);
-    const double open = stand == 0
-                            ? INFINITY
-                            : round.gap(runs(as_found.study, round.found.steps[stand - 1], as_found.study.test)).value;
+    const Study study = tested.run_length > study_.run_length ? in_short_runs(study_, short_run) : study_;
+    const std::vector<FreeRun> before = runs(study, common.found.baseline, study.test, false),
+                               after = runs(study, common.found.chosen, study.test);
+    const double p_value = test_p_value(study, before, after);
     const bool follows = common.gap(common.train).value < 3 * followed;
-    if (!common.names() || !follows || !refuted(study_, common, p_value, before, after).empty() ||
-        steps_that_help(study_, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
+    if (!common.names() || !follows || !refuted(study, common, p_value, before, after).empty() ||
+        steps_that_help(study, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
       stand_on(std::move(as_found));
       return false;
     }
     out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
                             ", whose place they had taken on the training records, stands");
-    common.found.rivals.insert(common.found.rivals.begin(), std::move(round.found.chosen));
-    common.found.remarks.insert(common.found.remarks.begin(), not_confirmed);
+    common.found.rivals.insert(common.found.rivals.begin(),
+                               Beaten{std::move(round.found.chosen), Beaten::By::test, not_confirmed});
     round = std::move(common);
-    runs_.before_test = std::move(before);
-    runs_.after_test = std::move(after);
+    runs_.before_test = runs(study_, round.found.baseline, study_.test, false);
+    runs_.after_test = runs(study_, round.found.chosen, study_.test);
     out_.test_p_value = p_value;
     return true;
   }
 
   /// All names but those of the first steps that stand.
-  void take_back(Round& round, const std::string& fault, std::size_t stand) {
-    if (leave_the_common(round, fault, stand)) return;
+  void take_back(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
+    if (leave_the_common(tested, round, fault, stand)) return;
     SearchResult& found = round.found;
-    const std::vector<Candidate> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
+    const std::vector<Step> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
     const std::string what_stands =
-        stand > 0 ? "only " + steps.back().name() + " stands"
+        stand > 0 ? "only " + steps.back().model.name() + " stands"
                   : "the name is withdrawn. The training records may not show what the test record does: train on one "
                     "like it as well";
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
-    withdraw(round, not_confirmed);
-    found.order.resize(stand);
+    withdraw(round, Beaten::By::test, not_confirmed);
     if (stand > 0) {
       found.steps = steps;
-      found.chosen = steps.back();
+      found.chosen = steps.back().model;
       if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
     }
     runs_.after_test = runs(study_, found.chosen, study_.test);
     if (stand > 0)
-      out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);
+      out_.test_p_value = test_p_value(tested, runs(tested, found.baseline, tested.test, false),
+                                       runs(tested, found.chosen, tested.test));
     else
       runs_.before_test = runs_.after_test;
     round.train = runs(study_, found.chosen, study_.full);
@@ -562,14 +576,15 @@ class Spine {
   /// What is left of a larger set has rivals of its own.
   void find_ties_of_the_rest(SearchResult& found) const {
     std::vector<const Candidate*> rivals;
-    for (const Candidate& c : found.rivals) rivals.push_back(&c);
+    for (const Beaten& rival : found.rivals) rivals.push_back(&rival.model);
     found.ties = find_ties(study_, found.baseline, found.chosen, rivals);
     remark_ties(found);
   }
 
   static void remark_ties(SearchResult& found) {
-    for (std::size_t i = 0; i < found.rivals.size(); ++i)
-      if (holds_name(found.ties.rivals, found.rivals[i].name())) found.remarks[i] = tie_remark(found.chosen);
+    for (Beaten& rival : found.rivals)
+      if (holds_name(found.ties.rivals, rival.model.name()))
+        rival = {std::move(rival.model), Beaten::By::tie, tie_remark(found.chosen)};
   }
 
   void warn_of_untried(const SearchResult& found) {
@@ -599,7 +614,7 @@ class Spine {
 
 void validate(const DiscoverOptions& o) {
   auto refuse = [](const std::string& field, const std::string& range, double got) {
-    throw InputError("discover: " + field + ": expected " + range + ", got " + std::to_string(got), {}, Fault::usage);
+    throw InputError("discover: " + field + ": expected " + range + ", got " + number(got), {}, Fault::usage);
   };
   if (!(o.alpha > 0 && o.alpha < 0.5)) refuse("alpha", "0 < alpha < 0.5", o.alpha);
   if (!(o.minimum_gain >= 0 && o.minimum_gain < 1)) refuse("minimum_gain", "0 <= minimum_gain < 1", o.minimum_gain);

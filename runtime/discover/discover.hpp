@@ -84,7 +84,7 @@ struct ResidualMap {
 
 struct Rival {
   std::string name;
-  double gap = 0;  ///< over left-out blocks of the training records
+  double gap = 0;  ///< of its fit to the training records, which knows all rows
   double log_likelihood = 0;
   double p_value = 1;  ///< against the baseline, corrected alike
   std::string remark;  ///< why it was not named
@@ -97,9 +97,9 @@ struct NamedEffect {
   std::string label;                  ///< the name, and where
   std::vector<Parameter> parameters;  ///< under the entry's own names, with std
   std::vector<std::string> indistinguishable;
+  std::vector<std::string> same_force;  ///< of these: the same force in another notation, no rivals
   double gap_train = 0, gap_test = 0;
   double p_value = 1;  ///< against the model without it (F-test), times the start points tried in the whole search
-  std::vector<Rival> rivals;
 };
 
 /// How often each set of effects would have been named.

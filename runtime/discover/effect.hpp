@@ -64,14 +64,14 @@ struct Effect {
   std::vector<Parameter> parameters;
   std::vector<InternalState> states;
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
-  std::vector<std::string> special_case_of, confusers, channels;
+  std::vector<std::string> special_case_of, channels;
   bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
   bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
   int number = 1;        ///< of those; the second stands beside the first alone
   /// Of the states: velocities of masses of its own, against which a base that moves acts (frame.hpp).
   std::vector<std::string> absolute;
   std::string suffix = {};  ///< behind the entry's own names of parameters and states: of a place, of a repetition
-  std::string signature, sentence, source;
+  std::string sentence;
   /// Its name, and where it is: "coulomb_friction at y2".
   std::string label() const { return place ? name + " " + words_of(*place) : name; }
   bool is_special_case(const Effect& general) const {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "discover/views.hpp"
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "simulate/fit.hpp"
 
@@ -269,24 +270,18 @@ class Designer {
   ExperimentDesign out_;
 };
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
-
 std::string level_of(const ExperimentDesign& design, const ExperimentCandidate& c) {
   const Units& units = design.options.units;
-  const std::string drive = number(c.level) + " " + (c.excitation.has("F") ? units.force : units.y);
+  const std::string drive = number(c.level, 3) + " " + (c.excitation.has("F") ? units.force : units.y);
   if (!c.excitation.has("F") || !(design.options.limits.force > 0)) return drive;
-  return drive + ", motion up to " + number(c.peak) + " " + units.y;
+  return drive + ", motion up to " + number(c.peak, 3) + " " + units.y;
 }
 
 }  // namespace
 
 void validate(const ExperimentOptions& o, bool imposed) {
   auto refuse = [](const std::string& field, const std::string& expected, double got) {
-    throw InputError("design_experiment: " + field + ": expected " + expected + ", got " + number(got), {},
+    throw InputError("design_experiment: " + field + ": expected " + expected + ", got " + number(got, 3), {},
                      Fault::usage);
   };
   if (!imposed && !(o.limits.force > 0 && std::isfinite(o.limits.force)))
@@ -295,11 +290,11 @@ void validate(const ExperimentOptions& o, bool imposed) {
     refuse("limits.displacement", "> 0 m", o.limits.displacement);
   if (!(o.limits.from > 0)) refuse("limits.frequency", "a lower end > 0 Hz", o.limits.from);
   if (!(o.limits.to > o.limits.from))
-    refuse("limits.frequency", "an upper end > " + number(o.limits.from) + " Hz", o.limits.to);
+    refuse("limits.frequency", "an upper end > " + number(o.limits.from, 3) + " Hz", o.limits.to);
   if (!(o.rate >= 8 * o.limits.to))
-    refuse("rate", ">= " + number(8 * o.limits.to) + " Hz, eight rows in a period of limits.frequency[2]", o.rate);
+    refuse("rate", ">= " + number(8 * o.limits.to, 3) + " Hz, eight rows in a period of limits.frequency[2]", o.rate);
   if (!(o.duration * o.limits.from >= 5))
-    refuse("duration", ">= " + number(5 / o.limits.from) + " s, five periods of limits.frequency[1]", o.duration);
+    refuse("duration", ">= " + number(5 / o.limits.from, 3) + " s, five periods of limits.frequency[1]", o.duration);
   if (o.duration * o.rate > 1e6) refuse("duration", "at most 1e6 rows", o.duration * o.rate);
   if (o.measured != "y" && o.measured != "v" && o.measured != "a")
     throw InputError("design_experiment: measured: expected y, v or a, got '" + o.measured + "'", {}, Fault::usage);
@@ -319,11 +314,11 @@ std::string sentence_of(const ExperimentDesign& design) {
   if (design.empty()) return {};
   const ExperimentCandidate& best = design.best();
   const std::string what = best.name + " (" + best.words + ", up to " + level_of(design, best) + ", " +
-                           number(design.options.duration) + " s)";
+                           number(design.options.duration, 3) + " s)";
   const std::string beyond =
-      design.beyond > 1 ? " at " + number(design.beyond) + " times the force and displacement of these records" : "";
-  const std::string apart = "predicted separation " + number(best.separation) + " standard deviations of the noise, " +
-                            "expected z " + number(best.expected_z);
+      design.beyond > 1 ? " at " + number(design.beyond, 3) + " times the force and displacement of these records" : "";
+  const std::string apart = "predicted separation " + number(best.separation, 3) +
+                            " standard deviations of the noise, " + "expected z " + number(best.expected_z, 3);
   if (best.decides()) return what + beyond + " would decide: " + apart;
   return "none within these limits of force, displacement and band" + beyond + " would surely decide; nearest is " +
          what + ": " + apart + ", where 4 is needed";
@@ -342,7 +337,7 @@ std::string to_terminal(const ExperimentDesign& design) {
     if (!c.remark.empty() && c.pairs.empty()) {
       std::snprintf(line, sizeof line, "%-18s not run: %s\n", c.name.c_str(), c.remark.c_str());
     } else {
-      const std::string force = c.excitation.has("F") ? number(c.level) : "";
+      const std::string force = c.excitation.has("F") ? number(c.level, 3) : "";
       std::snprintf(line, sizeof line, "%-18s %10.3g %10.3g %11s %11.3g  %s\n", c.name.c_str(), c.separation,
                     c.expected_z, force.c_str(), c.peak, c.words.c_str());
     }

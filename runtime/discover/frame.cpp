@@ -305,8 +305,6 @@ Discovery Frame::as_given(Discovery found) const {
   if (!moves()) return found;
   std::vector<Model*> models{&found.baseline, &found.final};
   for (Rival& rival : found.rivals) models.push_back(&rival.model);
-  for (NamedEffect& effect : found.effects)
-    for (Rival& rival : effect.rivals) models.push_back(&rival.model);
   if (found.unknown && found.unknown->closure) models.push_back(&found.unknown->closure->model);
   for (Model* model : models) *model = as_given(*model);
   found.warnings.insert(found.warnings.begin(), note());

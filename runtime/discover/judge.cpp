@@ -7,6 +7,7 @@
 #include "discover/gap.hpp"
 #include "discover/grow.hpp"
 #include "discover/sensor.hpp"
+#include "statistics/distributions.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -183,14 +184,6 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
   return rest < left * left * whole;
 }
 
-/// Its deviation says nothing of whether it is zero: something else takes its place exactly, as a path that was slipped
-/// before the record that of a peak resistance. Chance alone brings one of a hundred parameters so near to zero.
-bool is_on_a_ridge(const FitResult& fit, Eigen::Index k) {
-  constexpr double deviations = 0.01;
-  const double variance = fit.covariance.rows() > k ? fit.covariance(k, k) : 0;
-  return is_unseen(fit, k) || std::abs(fit.theta[k]) < deviations * std::sqrt(variance);
-}
-
 }  // namespace
 
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
@@ -202,8 +195,7 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
     const auto k = static_cast<Eigen::Index>(j);
     if (larger.linear[j]) {
       any = true;
-      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers) ||
-             (is_on_a_ridge(larger.fit, k) && is_a_size(study, larger, smaller, k));
+      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers);
     } else if (within_two_deviations_of_zero(larger.fit, k) && is_a_size(study, larger, smaller, k)) {
       return false;
     }
@@ -211,10 +203,12 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
   return told || !any;
 }
 
-std::size_t added_near_zero(const Candidate& c) {
+std::size_t added_near_zero(const Candidate& c, double level) {
   std::size_t count = 0;
-  for (Eigen::Index k = c.parameters() - static_cast<Eigen::Index>(c.added()); k < c.parameters(); ++k)
-    count += within_two_deviations_of_zero(c.fit, k);
+  for (Eigen::Index k = c.parameters() - static_cast<Eigen::Index>(c.added()); k < c.parameters(); ++k) {
+    const double deviation = c.fit.deviation(k);
+    count += is_unseen(c.fit, k) || (deviation > 0 && 2 * normal_tail(std::abs(c.fit.theta[k]) / deviation) > level);
+  }
   return count;
 }
 

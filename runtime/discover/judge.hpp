@@ -53,8 +53,9 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 /// its own fit ended there, whatever the p-value says.
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
-/// How many of the numbers that its entries brought are within two standard deviations of zero, or are not seen at all.
-std::size_t added_near_zero(const Candidate& c);
+/// How many of the numbers that its entries brought are as far from zero as chance brings them with at least this
+/// probability, or are not seen at all.
+std::size_t added_near_zero(const Candidate& c, double level);
 
 /// False where all that `larger` has beyond `smaller` are coefficients whose force along the motion is less than a
 /// thousandth of the force that acts: a motion that amplifies small differences (several wells) may ask for it, but it

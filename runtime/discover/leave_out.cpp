@@ -59,6 +59,8 @@ void run_left_out(const Study& study, Candidate& candidate) {
       for (Eigen::Index i = 0; i < residual[r].size(); ++i)
         if (left_out(study, r % records, i, part, parts)) residual[r][i] = own[r][i];
   }
+  for (std::size_t r = 0; r < residual.size(); ++r)
+    residual[r] = residual[r].tail(residual[r].size() - lead_in(study, study.train[r % records].record)).eval();
   candidate.left_out = join(residual);
   candidate.left_out_gap =
       std::sqrt(candidate.left_out.squaredNorm() / static_cast<double>(candidate.left_out.size())) /

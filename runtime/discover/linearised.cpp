@@ -34,9 +34,11 @@ std::vector<MatrixXd> slopes(const Study& study, const System& system, const Vec
   if (!run.run.summary.completed) return {};
   std::vector<MatrixXd> out;
   const std::vector<double> weights = study.weights(data.record);
-  for (const std::string& output : study.outputs())
-    out.push_back(weights[out.size()] *
-                  shown_slopes(system, values, data.excitation, run, output).leftCols(theta.size() + fitted.size()));
+  for (const std::string& output : study.outputs()) {
+    MatrixXd all = weights[out.size()] * shown_slopes(system, values, data.excitation, run, output);
+    hold_anchored(system.model(), at.segments[record], all);
+    out.push_back(all.leftCols(theta.size() + fitted.size()));
+  }
   return out;
 }
 

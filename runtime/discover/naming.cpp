@@ -45,12 +45,12 @@ class Resampler {
     if (!found.chosen.choices.empty()) can_be_told_ = add(found.chosen, found.whitening) && can_be_told_;
     // What likelihood alone prefers was refused by runs over left-out blocks, and what the test took back by that
     // record: a resample makes neither again.
-    const auto refused = [&](const Candidate& c, const std::string& remark) {
+    const auto refused = [&](const Beaten& rival) {
       return !found.chosen.choices.empty() &&
-             (remark == not_confirmed || !not_rejected(study, found.chosen, c, tried_));
+             (rival.by == Beaten::By::test || !not_rejected(study, found.chosen, rival.model, tried_));
     };
-    for (std::size_t i = 0; i < found.rivals.size(); ++i)
-      if (const Candidate& c = found.rivals[i]; c.ran() && c.innovations.size() > 0 && !refused(c, found.remarks[i]))
+    for (const Beaten& rival : found.rivals)
+      if (const Candidate& c = rival.model; c.ran() && c.innovations.size() > 0 && !refused(rival))
         add(c, found.whitening);
   }
 

@@ -106,12 +106,10 @@ std::vector<Guess> spread_unknown(const Shape& shape, std::vector<Guess> guesses
     if (shape.linear[i] || guesses.front().count(table[i].name) || std::isfinite(table[i].value)) continue;
     std::vector<Guess> next;
     for (const auto& guess : guesses)
-      for (int decade = -6; decade <= 6; ++decade)
-        for (const double value : {std::pow(10.0, decade), -std::pow(10.0, decade)}) {
-          if (value < table[i].min || value > table[i].max) continue;
-          next.push_back(guess);
-          next.back()[table[i].name] = value;
-        }
+      for (const double value : magnitudes(table[i])) {
+        next.push_back(guess);
+        next.back()[table[i].name] = value;
+      }
     if (!next.empty() && next.size() <= 2000) guesses = std::move(next);
   }
   return guesses;

@@ -202,16 +202,17 @@ class Search {
     accept(field, chosen, alike, pick);
   }
 
-  /// A general form whose one further number may be zero is its special case, a stop that moves by nothing: colour that
-  /// no whitening takes away is followed by any further number. Of several that hang on each other the general form has
-  /// to outgrow the special one.
+  /// A general form whose one further number may be zero, by chance among all start points that were tried, is its
+  /// special case, a stop that moves by nothing: colour that no whitening takes away is followed by any further number.
+  /// Of several that hang on each other the general form has to outgrow the special one.
   std::size_t in_special_form(const std::vector<Candidate>& field, std::size_t pick) const {
     const Candidate& general = field[pick];
     for (std::size_t i = 0; i < field.size(); ++i) {
       const Candidate& special = field[i];
       if (special.added() >= general.added() || !is_general_form(general.choices, special.choices)) continue;
       const std::size_t further = general.added() - special.added();
-      const bool may_be_zero = added_near_zero(general) >= further;
+      const double level = study_.options->alpha / std::max(1, result_.grown.tried);
+      const bool may_be_zero = added_near_zero(general, level) >= further;
       if (may_be_zero && (further == 1 || !outgrows(study_, general, special, result_.grown.tried))) return i;
     }
     return pick;
@@ -330,10 +331,19 @@ class Search {
     if (!told_from_zero(study_, with, without) || !carries_force(study_, with, without)) return false;
     if (!(with.left_out_gap < (1 - least_gain) * without.left_out_gap)) return false;
     if (corrected(improvement_p_value(without, with)) > study_.options->alpha) return false;
-    if (!(left_out_p_value(study_, without, with) < std::max(study_.options->alpha, 0.05))) return false;
+    const double level = std::max(study_.options->alpha, 0.05);
+    if (!foretells_nearly_all(without, with) && !(left_out_p_value(study_, without, with) < level)) return false;
     if (!is_between_samples(without, with)) return true;
     result_.as_read.push_back(with.name());
     return false;
+  }
+
+  /// Blocks that were left out may hold what is missing in a few rows alone, a peak that was clipped: of a resample
+  /// without them nothing is learned, but that they were foretold is no chance.
+  bool foretells_nearly_all(const Candidate& without, const Candidate& with) const {
+    constexpr double most = 0.5, nearly_all = 0.95;
+    return with.left_out_gap < most * without.left_out_gap &&
+           closed_share(without.left_out_gap, with.left_out_gap, study_.noise_gap()) > nearly_all;
   }
 
   /// Of the best single effects the one that would be named but for the least gain.
@@ -461,15 +471,12 @@ class Search {
       }
       std::vector<Candidate> with = obtain(field, sets, chosen);
       const auto best = std::ranges::min_element(with, {}, [](const Candidate& c) { return c.fit.cost; });
-      const auto which = static_cast<std::size_t>(best - with.begin());
-      ordered.push_back(rest[which]);
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(which));
-      result_.steps.push_back(std::move(*best));
+      const auto which = best - with.begin();
+      ordered.push_back(rest[static_cast<std::size_t>(which)]);
+      rest.erase(rest.begin() + which);
+      result_.steps.push_back({ordered.back(), std::move(*best)});
     }
-    ordered.push_back(rest.front());
-    // The chosen model's effects in the order of the steps.
-    result_.steps.push_back(chosen);
-    result_.order = std::move(ordered);
+    result_.steps.push_back({rest.front(), chosen});
   }
 
   /// Other sets first, best first; then those that only add to the chosen one.
@@ -482,30 +489,25 @@ class Search {
     for (const auto& c : field) {
       if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;
       seen.push_back(c.name());
-      std::string remark;
       const bool tie = holds_name(result_.ties.rivals, c.name());
-      const bool alias = std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end();
-      if (alias)
-        remark = "the same force as " + chosen.name() + " on this record, in another notation";
-      else if (tie)
-        remark = tie_remark(chosen);
-      else if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
-        remark = "no better than the baseline";
-      else if (std::ranges::find(result_.as_read, c.name()) != result_.as_read.end())
-        remark = "no better than what the force may do between its samples";
-      else if (chosen.choices.empty())
-        remark = "does not lower the left-out gap by the least gain";
-      else if (!not_rejected(study_, chosen, c, result_.grown.tried))
-        remark = "fits better, but not all of its effects earn their place";
-      else if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
-        remark = "not better by what its extra parameters cost";
-      else if (fits_worse(study_, c, chosen))
-        remark = "fits worse";
-      else
-        remark = "fits no better";
-      result_.rivals.push_back(c);
-      result_.remarks.push_back(remark);
+      result_.rivals.push_back({c, tie ? Beaten::By::tie : Beaten::By::training, why_not(c, chosen, tie)});
     }
+  }
+
+  std::string why_not(const Candidate& c, const Candidate& chosen, bool tie) const {
+    if (std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end())
+      return "the same force as " + chosen.name() + " on this record, in another notation";
+    if (tie) return tie_remark(chosen);
+    if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
+      return "no better than the baseline";
+    if (std::ranges::find(result_.as_read, c.name()) != result_.as_read.end())
+      return "no better than what the force may do between its samples";
+    if (chosen.choices.empty()) return "does not lower the left-out gap by the least gain";
+    if (!not_rejected(study_, chosen, c, result_.grown.tried))
+      return "fits better, but not all of its effects earn their place";
+    if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
+      return "not better by what its extra parameters cost";
+    return fits_worse(study_, c, chosen) ? "fits worse" : "fits no better";
   }
 
   const Study& study_;

@@ -12,14 +12,26 @@
 
 namespace lunid {
 
+/// A model between the baseline and the chosen set, and the effect that it has beyond the one before.
+struct Step {
+  Choice added;
+  Candidate model;
+};
+
+/// A judged set that was not chosen.
+struct Beaten {
+  enum class By { training, tie, test };  ///< tie: the training records cannot tell it from the chosen set
+  Candidate model;
+  By by;
+  std::string remark;  ///< why not
+};
+
 struct SearchResult {
   Whitening whitening;
   Candidate baseline;                ///< judged, with left-out runs
   Candidate chosen;                  ///< the baseline itself when nothing is named
-  std::vector<Candidate> steps;      ///< models between baseline and chosen, one effect more each; the last is chosen
-  Choices order;                     ///< the effect that each step adds
-  std::vector<Candidate> rivals;     ///< judged sets that were not chosen, best first
-  std::vector<std::string> remarks;  ///< for each rival: why not
+  std::vector<Step> steps;           ///< one effect more each; the last is the chosen set
+  std::vector<Beaten> rivals;        ///< best first
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
   std::vector<std::string> as_read;  ///< sets that are no better than a force that is read otherwise (between_samples)

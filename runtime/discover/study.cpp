@@ -304,7 +304,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (!study.imposed) study.forces = study.model.inputs();
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed) record = with_known_forces(study, record, study.warnings);
+      if (!study.imposed) record = with_known_forces(study, without_wild_rows(record, study.warnings), study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(study, record);
@@ -324,6 +324,14 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   for (const auto& record : test) {
     check_record(study, record);
     study.test.push_back(record);
+    for (const auto& known : train)
+      if (have_rows_in_common(known, record)) {
+        study.test_is_known = true;
+        study.warnings.push_back("the test record " + record.name() + " holds rows of the training record " +
+                                 known.name() +
+                                 ": it confirms nothing. Give another record, or windows that do not "
+                                 "overlap; without a test the last part of each record is held out");
+      }
   }
   if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {

@@ -75,7 +75,8 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
   Ties out;
   for (const Candidate* other : among) {
     const Candidate& c = *other;
-    if (same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || c.name() == chosen.name()) continue;
+    if (!c.ran() || same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || c.name() == chosen.name())
+      continue;
     if (c.parameters() != chosen.parameters()) {
       if (is_fault_of_the_same_run(chosen, c)) out.rivals.push_back(c.choices);
       continue;

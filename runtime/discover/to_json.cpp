@@ -59,6 +59,7 @@ json effect(const NamedEffect& e) {
               {"formula", e.formula},
               {"parameters", parameters(e.parameters)},
               {"indistinguishable", e.indistinguishable},
+              {"same_force", e.same_force},
               {"where", e.where},
               {"sentence", e.sentence},
               {"p_value", e.p_value},

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "discover/discover.hpp"
+#include "expr/digits.hpp"
 
 namespace lunid {
 
@@ -48,18 +49,12 @@ std::string gap(const Gap& g) {
   return text;
 }
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
-
 /// The best sets that were not named; why not is in discovery.json and the report.
 std::string rivals(const Discovery& d) {
   constexpr std::size_t most = 3;
   std::string out;
   for (std::size_t i = 0; i < std::min(most, d.rivals.size()); ++i)
-    out += (i == 0 ? "" : " | ") + d.rivals[i].name + " " + number(d.rivals[i].gap);
+    out += (i == 0 ? "" : " | ") + d.rivals[i].name + " " + number(d.rivals[i].gap, 3);
   if (d.rivals.size() > most) out += " | " + std::to_string(d.rivals.size() - most) + " more";
   return out;
 }
@@ -78,7 +73,7 @@ std::string resampled(const Naming& naming) {
 std::string words_of(const ClosedLoop& loop) {
   std::string out = sentence_of(loop);
   if (!loop.by_instruments.empty()) out += "\nwith " + loop.reference + " as instrument: " + list(loop.by_instruments);
-  const auto both = [](double before, double after) { return number(before) + " -> " + number(after); };
+  const auto both = [](double before, double after) { return number(before, 3) + " -> " + number(after, 3); };
   if (std::isfinite(loop.final_test.force))
     out += "\ngap  force, test " + both(loop.baseline_test.force, loop.final_test.force);
   if (std::isfinite(loop.final_test.one_step))
@@ -119,29 +114,31 @@ std::string to_terminal(const Discovery& d) {
     std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", r.role.c_str(), static_cast<long>(r.rows),
                   r.seconds, r.rate);
     std::string words = r.record + text;
-    if (d.run_length > 0) words += ", in " + std::to_string(r.runs) + " runs of " + number(d.run_length) + " s";
+    if (d.run_length > 0) words += ", in " + std::to_string(r.runs) + " runs of " + number(d.run_length, 3) + " s";
     line("record", words);
   }
   for (const auto& w : d.warnings) line("note", w);
   line("baseline", list(d.baseline.parameters));
   line("gap", "train " + gap(d.baseline_train) + "   test " + gap(d.baseline_test) + "   (noise alone: train " +
-                  number(d.final_train.floor) + ", test " + number(d.final_test.floor) + ")");
+                  number(d.final_train.floor, 3) + ", test " + number(d.final_test.floor, 3) + ")");
   for (const auto& o : d.outputs)
     line("", o.output + ": train " + gap(o.baseline_train) + " -> " + gap(o.final_train) + "   test " +
                  gap(o.baseline_test) + " -> " + gap(o.final_test) + "   (noise alone: train " +
-                 number(o.final_train.floor) + ", test " + number(o.final_test.floor) + ")");
+                 number(o.final_train.floor, 3) + ", test " + number(o.final_test.floor, 3) + ")");
   line("where", d.where);
   if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train after the fit)");
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.label + "  " + e.formula + ", " + list(e.parameters));
-    line("", "gap  train " + number(train) + " -> " + number(e.gap_train) + "   test " + number(test) + " -> " +
-                 number(e.gap_test));
-    if (!e.indistinguishable.empty()) {
-      std::string names;
-      for (const auto& n : e.indistinguishable) names += (names.empty() ? "" : ", ") + n;
-      line("", "this record cannot tell it from: " + names);
+    line("", "gap  train " + number(train, 3) + " -> " + number(e.gap_train, 3) + "   test " + number(test, 3) +
+                 " -> " + number(e.gap_test, 3));
+    std::string rivals, same;
+    for (const auto& n : e.indistinguishable) {
+      std::string& names = std::ranges::find(e.same_force, n) == e.same_force.end() ? rivals : same;
+      names += (names.empty() ? "" : ", ") + n;
     }
+    if (!rivals.empty()) line("", "this record cannot tell it from: " + rivals);
+    if (!same.empty()) line("", "the same force in another notation: " + same);
     train = e.gap_train;
     test = e.gap_test;
   }
@@ -149,11 +146,11 @@ std::string to_terminal(const Discovery& d) {
   for (const auto& r : d.removable) line("absent?", r.term + ": " + r.reason + "; it may be removed from the baseline");
   line("equation", short_equation(d.final));
   if (!d.effects.empty()) line("", list(d.final.parameters));
-  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before) + " -> " +
-                  number(d.gap_left_out_after) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
+  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before, 3) + " -> " +
+                  number(d.gap_left_out_after, 3) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
   if (d.short_test.seconds > 0)
-    line("", "test, in runs of " + number(d.short_test.seconds) + " s " + gap(d.short_test.baseline) + " -> " +
-                 gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor) + ")");
+    line("", "test, in runs of " + number(d.short_test.seconds, 3) + " s " + gap(d.short_test.baseline) + " -> " +
+                 gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor, 3) + ")");
   if (d.loop) line("loop", words_of(*d.loop));
   line("verdict", d.verdict + ": " + d.sentence);
   return out.str();

@@ -128,7 +128,7 @@ bool is_patchwork(const Study& study, const Round& round) {
   if (found.steps.size() < 2 || !far_from_the_floor(after, little_open)) return false;
   const auto share_closed = [&, before = pool_gap(runs(study, found.baseline, study.full, false), 0).value](
                                 double gap) { return closed_share(before, gap, after.floor); };
-  const double first = pool_gap(runs(study, found.steps.front(), study.full, false), 0).value;
+  const double first = pool_gap(runs(study, found.steps.front().model, study.full, false), 0).value;
   return share_closed(first) < 0.8 * share_closed(after.value);
 }
 
@@ -147,7 +147,7 @@ void decide(const Study& study, Round& round) {
   SearchResult& found = round.found;
   round.train = runs(study, found.chosen, study.full);
   if (round.names() && !lowers_the_gap(study, runs(study, found.baseline, study.full, false), round.train)) {
-    withdraw(round, "does not lower the gap of the training record");
+    withdraw(round, Beaten::By::training, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
   const double closed = std::isfinite(found.baseline.left_out_gap)
@@ -156,7 +156,7 @@ void decide(const Study& study, Round& round) {
   const Choices& names = found.chosen.choices;
   const bool series = is_series(names) || is_loose_series(names, round.gap(round.train), closed);
   if (series) {
-    withdraw(round, "a curve of another kind, followed as by a series");
+    withdraw(round, Beaten::By::training, "a curve of another kind, followed as by a series");
     round.train = runs(study, found.chosen, study.full);
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
@@ -166,7 +166,7 @@ void decide(const Study& study, Round& round) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
   } else if (const std::string fault = why_no_explanation(study, round, closed); !fault.empty()) {
-    withdraw(round, "nearest, but " + fault);
+    withdraw(round, Beaten::By::training, "nearest, but " + fault);
     round.train = runs(study, found.chosen, study.full);
     round.verdict = "unknown-effect";
   } else {
@@ -174,24 +174,21 @@ void decide(const Study& study, Round& round) {
   }
 }
 
-void withdraw(Round& round, const std::string& remark) {
+void withdraw(Round& round, Beaten::By by, const std::string& remark) {
   SearchResult& found = round.found;
   round.withdrawn = found.chosen.name();
-  found.rivals.insert(found.rivals.begin(), found.chosen);
-  found.remarks.insert(found.remarks.begin(), remark);
+  found.rivals.insert(found.rivals.begin(), Beaten{std::move(found.chosen), by, remark});
   found.chosen = found.baseline;
   found.steps.clear();
   found.ties = {};
 }
 
 void name_alone(SearchResult& found, Candidate chosen) {
-  if (const auto at = std::ranges::find(found.rivals, chosen.name(), &Candidate::name); at != found.rivals.end()) {
-    found.remarks.erase(found.remarks.begin() + (at - found.rivals.begin()));
-    found.rivals.erase(at);
-  }
+  const std::string name = chosen.name();
+  const auto at = std::ranges::find_if(found.rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
+  if (at != found.rivals.end()) found.rivals.erase(at);
   found.chosen = std::move(chosen);
-  found.order = found.chosen.choices;
-  found.steps = {found.chosen};
+  found.steps = {{found.chosen.choices.front(), found.chosen}};
 }
 
 namespace {
@@ -317,15 +314,15 @@ std::optional<Round> borne_out(const Study& study, const Round& round) {
   SearchResult& found = out.found;
   name_alone(found, *faint);
   std::vector<const Candidate*> others;
-  for (const Candidate& c : round.found.rivals)
-    if (c.choices.size() == 1) others.push_back(&c);
+  for (const Beaten& rival : round.found.rivals)
+    if (rival.model.choices.size() == 1) others.push_back(&rival.model);
   found.ties = find_ties(study, baseline, found.chosen, others);
   out.train = runs(study, found.chosen, study.full);
   out.left = look_for_structure(study, found.chosen, out.train, found.whitening);
   const std::vector<FreeRun> after = runs(study, found.chosen, study.test);
   const double p_value = test_p_value(study, before, after);
   const Gap last = out.gap(after);
-  const bool whole = closed_share(first.value, last.value, last.floor) >= most_closed(found.order);
+  const bool whole = closed_share(first.value, last.value, last.floor) >= most_closed(found.chosen.choices);
   if (!whole || !(p_value < study.options->alpha) || !refuted(study, out, p_value, before, after).empty()) return {};
   out.verdict = found.ties.verdict();
   return out;
@@ -345,7 +342,7 @@ bool may_stand_instead(const SearchResult& found, const Candidate& rival) {
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before) {
   std::vector<TiedRival> standing;
-  for (const Candidate& rival : round.found.rivals) {
+  for (const auto& [rival, by, remark] : round.found.rivals) {
     if (rival.choices.size() != 1 || !may_stand_instead(round.found, rival)) continue;
     Round other;
     other.found.baseline = round.found.baseline;
@@ -390,7 +387,7 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
   const SearchResult& found = round.found;
   const Gap first = round.gap(before);
   for (std::size_t count = found.steps.size(); count-- > 1;) {
-    const Candidate& step = found.steps[count - 1];
+    const Candidate& step = found.steps[count - 1].model;
     const std::vector<FreeRun> after = runs(study, step, study.test);
     const Gap last = round.gap(after);
     const bool closes = std::isfinite(last.value) &&
@@ -408,10 +405,10 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
 
 std::size_t steps_that_help(const Study& study, const Round& round, const std::vector<FreeRun>& after) {
   constexpr double neither = 0.005;  // better nor worse
-  const std::vector<Candidate>& steps = round.found.steps;
+  const std::vector<Step>& steps = round.found.steps;
   std::size_t count = steps.size();
   for (Gap with = round.gap(after); count > 1; --count) {
-    const Gap without = round.gap(runs(study, steps[count - 2], study.test, false));
+    const Gap without = round.gap(runs(study, steps[count - 2].model, study.test, false));
     const bool raised = without.value < (1 - neither) * with.value;
     const bool open = without.value > 1.5 * with.floor && closed_share(without.value, with.value, with.floor) < 0.5;
     if (!raised && !open) break;

@@ -79,7 +79,7 @@ bool gone_on_test(const Study& study, const Round& round, const std::vector<Free
 inline constexpr auto not_confirmed = "not confirmed by the test record";
 
 /// Takes the names back; the model is the baseline again.
-void withdraw(Round& round, const std::string& remark);
+void withdraw(Round& round, Beaten::By by, const std::string& remark);
 
 /// Names a single effect, which is among the rivals no more.
 void name_alone(SearchResult& found, Candidate chosen);

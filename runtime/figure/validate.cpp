@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "expr/error.hpp"
 #include "figure/figure.hpp"
 
@@ -38,7 +39,7 @@ void check_size(const Size& size) {
   const auto inside = [](double value, double low, double high) { return value >= low && value <= high; };
   if (!inside(size.width_cm, 3.0, 100.0)) fail("figure", "size.width_cm: expected 3 to 100");
   if (size.height_cm != 0.0 && !inside(size.height_cm, 3.0, 100.0)) fail("figure", "size.height_cm: expected 3 to 100");
-  if (!inside(size.dpi, 50.0, 600.0)) fail("figure", "size.dpi: expected 50 to 600, got " + std::to_string(size.dpi));
+  if (!inside(size.dpi, 50.0, 600.0)) fail("figure", "size.dpi: expected 50 to 600, got " + number(size.dpi));
 }
 
 void check_map(const std::string& place, const HeatMap& map) {

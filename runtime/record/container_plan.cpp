@@ -1,5 +1,6 @@
 // Which variables of a MAT or HDF5 file are the channels of a record.
 #include "record/container_plan.hpp"
+#include "expr/digits.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,7 @@ double interval_of(Container& file, const std::string& path, const ReadOptions& 
                    file.variables()[choice.variable].shape_text());
   const double value = read_choice(file, path, choice)[0];
   if (!(value > 0) || !std::isfinite(value))
-    fail(path, "variable '" + name + "' " + words + ": expected a number > 0, got " + std::to_string(value));
+    fail(path, "variable '" + name + "' " + words + ": expected a number > 0, got " + number(value));
   return is_rate ? 1 / value : value;
 }
 

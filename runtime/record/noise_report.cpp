@@ -1,5 +1,6 @@
 // The noise of a channel in more than one number.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -19,22 +20,34 @@ double quantile(std::vector<double> x, double part) {
   return *at;
 }
 
-/// Deviation by the median of absolute sixth differences, which leave next to nothing of a smooth signal; and the rows
-/// at which they stand out. One wild row makes seven of them.
-void by_differences(std::span<const double> x, NoiseReport& report) {
-  constexpr int order = 6;
-  constexpr double gain = 30.3974;  // sqrt(binomial(12, 6)): of the deviation of white noise
+constexpr int order = 6;
+constexpr double gain = 30.3974;  // sqrt(binomial(12, 6)): of the deviation of white noise
+constexpr double stands_out = 6;  // deviations
+
+/// They leave next to nothing of a smooth signal.
+std::vector<double> sixth_differences(std::span<const double> x) {
   std::vector<double> d(x.begin(), x.end());
   for (int k = 0; k < order; ++k) {
     for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
     d.pop_back();
   }
+  return d;
+}
+
+double median_size(const std::vector<double>& d) {
   std::vector<double> size(d.size());
   for (std::size_t i = 0; i < d.size(); ++i) size[i] = std::abs(d[i]);
-  report.robust = quantile(size, 0.5) / 0.67449 / gain;
-  const double limit = 6 * report.robust * gain;
-  for (std::size_t i = 0; i < size.size(); ++i) {
-    if (size[i] <= limit || limit == 0) continue;
+  return quantile(std::move(size), 0.5) / 0.67449;
+}
+
+/// Deviation by the median of absolute sixth differences; and the rows at which they stand out. One wild row makes
+/// seven of them.
+void by_differences(std::span<const double> x, NoiseReport& report) {
+  const std::vector<double> d = sixth_differences(x);
+  report.robust = median_size(d) / gain;
+  const double limit = stands_out * report.robust * gain;
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    if (std::abs(d[i]) <= limit || limit == 0) continue;
     ++report.outliers;
     i += order;  // the rest of them are of the same row
   }
@@ -65,6 +78,32 @@ Line median_line(const std::vector<double>& x, const std::vector<double>& y) {
 }
 
 }  // namespace
+
+std::vector<WildRow> wild_rows(std::span<const double> x) {
+  constexpr std::array<double, order + 1> weights{1, -6, 15, -20, 15, -6, 1};
+  constexpr std::size_t middle = order / 2;
+  constexpr double alone = 15;  // times what is left where the row is mended: a kink leaves a seventh
+  std::vector<WildRow> out;
+  if (x.size() < 64) return out;
+  std::vector<double> d = sixth_differences(x);
+  const double limit = stands_out * median_size(d);
+  if (!(limit > 0)) return out;
+  for (std::size_t i = order; i + order < x.size(); ++i) {
+    const double off =
+        -d[i - middle] / weights[middle];  // what the row has beyond its neighbours, with the sign turned
+    if (!(std::abs(d[i - middle]) > limit)) continue;
+    double left = 0;
+    std::array<double, order + 1> mended;
+    for (std::size_t j = 0; j <= order; ++j) {
+      mended[j] = d[i - j] + weights[j] * off;
+      left = std::max(left, std::abs(mended[j]));
+    }
+    if (left > limit || alone * left > std::abs(d[i - middle])) continue;
+    for (std::size_t j = 0; j <= order; ++j) d[i - j] = mended[j];
+    out.push_back({static_cast<Index>(i), x[i] + off});
+  }
+  return out;
+}
 
 NoiseReport noise_report(std::span<const double> x, double dt) {
   NoiseReport report;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace lunid {
@@ -17,13 +18,16 @@ inline int thread_count(int threads) {
 
 /// Runs job(0) ... job(count - 1), each once, on `threads` threads (0: all cores). Results must go to slots of their
 /// own, so that they do not depend on the number of threads. Of several exceptions that of the least job is rethrown,
-/// so that it is the same one each time; jobs after it may be left out.
+/// so that it is the same one each time; jobs after it may be left out. Jobs that divide their own work so do it on the
+/// thread that they have.
 inline void parallel_for(int count, int threads, const std::function<void(int)>& job) {
-  const int workers = std::min(count, thread_count(threads));
+  thread_local bool divided = false;  // what runs here is part of a larger job
+  const int workers = divided ? std::min(count, 1) : std::min(count, thread_count(threads));
   std::atomic<int> next{0}, failed{count};  // failed: the least job that threw
   std::exception_ptr failure;
   std::mutex guard;
   auto work = [&] {
+    const bool before = std::exchange(divided, divided || workers > 1);
     for (int i = next++; i < failed; i = next++) {
       try {
         job(i);
@@ -34,6 +38,7 @@ inline void parallel_for(int count, int threads, const std::function<void(int)>&
         failed = i;
       }
     }
+    divided = before;
   };
   std::vector<std::jthread> pool;
   for (int i = 1; i < workers; ++i) pool.emplace_back(work);

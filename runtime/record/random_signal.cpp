@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "expr/digits.hpp"
 #include "expr/error.hpp"
 #include "record/spectrum.hpp"
 
@@ -13,12 +14,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-std::string number(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
 
 /// To rms 1; a signal of zeros stays one.
 VectorXd of_unit_rms(VectorXd x) {

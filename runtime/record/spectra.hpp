@@ -79,6 +79,14 @@ struct NoiseReport {
 /// noise.
 NoiseReport noise_report(std::span<const double> x, double dt);
 
+/// A single row that a smooth signal cannot have: off what its neighbours say by far more than their noise, and mended
+/// by one value (a kink, or a jump, of the signal is not).
+struct WildRow {
+  Eigen::Index row;
+  double value;  ///< by its neighbours: the sixth difference about it is zero
+};
+std::vector<WildRow> wild_rows(std::span<const double> x);
+
 /// What a channel's rows are like, for print(record).
 struct ChannelSummary {
   double least = 0, most = 0, mean = 0, std = 0;  ///< of the rows that are numbers

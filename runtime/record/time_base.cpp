@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include "expr/digits.hpp"
 #include "record/middle_value.hpp"
 
 namespace lunid {
@@ -15,13 +16,6 @@ namespace {
 constexpr const char* mend_time =
     "; delete the rows that are out of order, or where all are evenly spaced give their rate in place of the time: "
     "rate = HZ (--rate HZ)";
-
-std::string number(double value) {
-  std::ostringstream text;
-  text.precision(6);
-  text << value;
-  return text.str();
-}
 
 /// Least-squares line t = t0 + i*dt.
 TimeBase fit_line(std::span<const double> t) {

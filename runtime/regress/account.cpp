@@ -4,9 +4,9 @@
 #include <atomic>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "regress/lag.hpp"
-#include "regress/number.hpp"
 #include "regress/unit.hpp"
 
 namespace lunid::detail {
@@ -163,8 +163,8 @@ void add_terms(Regression& result, const RegressOptions& options, const Solved& 
 }
 
 std::string describe(const Stream& record) {
-  return record.name() + ", " + number(record.start(), 6) + " to " + number(record.start() + record.duration(), 6) +
-         " s, " + std::to_string(record.rows()) + " rows";
+  return record.name() + ", " + number(record.start()) + " to " + number(record.start() + record.duration()) + " s, " +
+         std::to_string(record.rows()) + " rows";
 }
 
 namespace {
@@ -184,7 +184,7 @@ void warn_of_one_frequency(std::vector<std::string>& out, std::span<const Stream
   if (data.rms()[0] == 0) return;
   const Fit one = least_squares(data);
   if (one.r2 > 0.999)
-    out.push_back("on these data a = " + number(one.coefficients[0], 4) + "*y (R2 " + number(one.r2, 6) +
+    out.push_back("on these data a = " + number(one.coefficients[0], 4) + "*y (R2 " + number(one.r2) +
                   "): one frequency, so that an error of the mass appears in the coefficient of y");
 }
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "regress/number.hpp"
+#include "expr/digits.hpp"
 #include "regress/solvers.hpp"
 #include "regress/stopwatch.hpp"
 #include "regress/subset.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "regress/lag.hpp"
-#include "regress/number.hpp"
 
 namespace lunid::detail {
 
@@ -98,7 +98,7 @@ void Columns::refuse(const Stream& record, Index first, const MatrixXd& work) co
       const bool target = j == work.cols() - 1;
       throw InputError(
           (target ? std::string("the target") : "feature '" + names_[static_cast<std::size_t>(j - 1)] + "'") + " is " +
-              (std::isnan(work(i, j)) ? "not a number" : "infinite") + " at t = " + number(record.time(first + i), 6) +
+              (std::isnan(work(i, j)) ? "not a number" : "infinite") + " at t = " + number(record.time(first + i)) +
               " s (row " + std::to_string(first + i + 1) + " of " + record.name() +
               "): leave such rows out of the window, or the feature out of the list",
           {}, Fault::data);

@@ -1,12 +1,9 @@
 #include "regress/constraint.hpp"
+#include "expr/digits.hpp"
 
 #include <cmath>
 
-#include "regress/number.hpp"
-
 namespace lunid {
-
-using detail::number;
 
 namespace {
 
@@ -17,7 +14,7 @@ std::string left_side(const Constraint& constraint, std::span<const std::string>
       text += weight < 0 ? " - " : " + ";
     else if (weight < 0)
       text += "-";
-    if (std::abs(weight) != 1) text += number(std::abs(weight)) + "*";
+    if (std::abs(weight) != 1) text += exact_number(std::abs(weight)) + "*";
     text += features[static_cast<std::size_t>(feature)];
   }
   return text;
@@ -56,10 +53,10 @@ std::string to_text(const Constraint& c, std::span<const std::string> features) 
   if (t.size() == 2 && t[0].second == 1 && t[1].second == -1 && c.lower == 0 && std::isinf(c.upper))
     return features[static_cast<std::size_t>(t[1].first)] + " <= " + features[static_cast<std::size_t>(t[0].first)];
   const std::string left = left_side(c, features);
-  if (c.equality()) return left + " = " + number(c.lower);
-  if (std::isinf(c.upper)) return left + " >= " + number(c.lower);
-  if (std::isinf(c.lower)) return left + " <= " + number(c.upper);
-  return number(c.lower) + " <= " + left + " <= " + number(c.upper);
+  if (c.equality()) return left + " = " + exact_number(c.lower);
+  if (std::isinf(c.upper)) return left + " >= " + exact_number(c.lower);
+  if (std::isinf(c.lower)) return left + " <= " + exact_number(c.upper);
+  return exact_number(c.lower) + " <= " + left + " <= " + exact_number(c.upper);
 }
 
 std::string to_text(const SourceSpan& where) {
@@ -74,14 +71,14 @@ void validate(const Constraint& c, std::span<const std::string> features) {
       throw InputError("constraint: feature " + std::to_string(feature + 1) + " of " + std::to_string(features.size()),
                        c.where);
     if (!std::isfinite(weight) || weight == 0)
-      throw InputError("constraint: weight: expected a number other than 0, got " + number(weight), c.where);
+      throw InputError("constraint: weight: expected a number other than 0, got " + exact_number(weight), c.where);
   }
   if (std::isnan(c.lower) || std::isnan(c.upper) || c.lower == std::numeric_limits<double>::infinity() ||
       c.upper == -std::numeric_limits<double>::infinity())
     throw InputError("constraint '" + to_text(c, features) + "': expected finite bounds", c.where);
   if (c.lower > c.upper)
-    throw InputError("constraint on '" + left_side(c, features) + "': the lower bound " + number(c.lower) +
-                         " is above the upper bound " + number(c.upper),
+    throw InputError("constraint on '" + left_side(c, features) + "': the lower bound " + exact_number(c.lower) +
+                         " is above the upper bound " + exact_number(c.upper),
                      c.where);
 }
 

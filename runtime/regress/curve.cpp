@@ -4,9 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "expr/digits.hpp"
 #include "regress/curve_pass.hpp"
 #include "regress/dense.hpp"
-#include "regress/number.hpp"
 #include "regress/stopwatch.hpp"
 #include "regress/trust_region.hpp"
 
@@ -14,7 +14,6 @@ namespace lunid {
 
 using detail::CurvePass;
 using detail::full_rank;
-using detail::number;
 using detail::Tangent;
 using detail::trust_step;
 using detail::TrustStep;
@@ -116,7 +115,7 @@ bool Search::finished() {
   } else if (at.rss() == 0) {
     stopped = "the residual is 0";
   } else if (offset <= options_.tolerance) {
-    stopped = "relative offset <= " + number(options_.tolerance);
+    stopped = "relative offset <= " + exact_number(options_.tolerance);
   } else {
     return false;
   }
@@ -235,11 +234,11 @@ void Search::run(VectorXd start, double first_radius) {
 void validate_parameter(const CurveParameter& p, const CurveOptions& options, Expr symbol) {
   const std::string where = "fit_curve: parameter '" + p.name + "'";
   if (!(p.min < p.max))
-    throw InputError(where + ": expected min < max, got " + number(p.min) + " and " + number(p.max));
-  if (!std::isfinite(p.value)) throw InputError(where + ": expected a first guess, got " + number(p.value));
+    throw InputError(where + ": expected min < max, got " + exact_number(p.min) + " and " + exact_number(p.max));
+  if (!std::isfinite(p.value)) throw InputError(where + ": expected a first guess, got " + exact_number(p.value));
   if (!(p.value >= p.min && p.value <= p.max))
-    throw InputError(where + ": expected a first guess in " + number(p.min) + ".." + number(p.max) + ", got " +
-                     number(p.value));
+    throw InputError(where + ": expected a first guess in " + exact_number(p.min) + ".." + exact_number(p.max) +
+                     ", got " + exact_number(p.value));
   if (!symbol.valid() || !depends_on(options.formula, symbol)) throw InputError(where + " is not in the formula");
   if (std::count_if(options.parameters.begin(), options.parameters.end(),
                     [&](const CurveParameter& other) { return other.name == p.name; }) > 1)
@@ -315,7 +314,7 @@ void validate(const CurveOptions& options) {
   if (options.max_iterations < 1)
     throw InputError("fit_curve: max_iterations: expected >= 1, got " + std::to_string(options.max_iterations));
   if (!(options.tolerance > 0) || std::isinf(options.tolerance))
-    throw InputError("fit_curve: tolerance: expected > 0, got " + number(options.tolerance));
+    throw InputError("fit_curve: tolerance: expected > 0, got " + exact_number(options.tolerance));
   for (const Expr part : {options.response, options.weight}) {
     if (!part.valid()) continue;
     const std::vector<Expr> found = symbols(part, SymbolKind::parameter);

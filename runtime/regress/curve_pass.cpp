@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "regress/curve_extended.hpp"
-#include "regress/number.hpp"
 
 namespace lunid::detail {
 
@@ -96,7 +96,7 @@ void CurvePass::sum_response(const CurveOptions& options) {
     run_rows(tape, record, names, {}, 0, out);
     for (Index i = 0; i < out.rows(); ++i) {
       if (!(out(i, 1) >= 0))
-        throw InputError("fit_curve: weight: expected >= 0, got " + number(out(i, 1)) + " in row " +
+        throw InputError("fit_curve: weight: expected >= 0, got " + exact_number(out(i, 1)) + " in row " +
                              std::to_string(i + 1) + " of " + record.name(),
                          {}, Fault::data);
       weights += out(i, 1);

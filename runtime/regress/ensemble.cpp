@@ -3,14 +3,12 @@
 #include <cmath>
 #include <random>
 
-#include "regress/number.hpp"
+#include "expr/digits.hpp"
 #include "regress/reduce.hpp"
 #include "regress/solvers.hpp"
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
-
-using detail::number;
 
 namespace {
 
@@ -77,7 +75,7 @@ void validate(const BaggingOptions& options) {
     throw InputError("ensemble_of: members: expected >= 2, got " + std::to_string(options.members));
   const auto share = [](const char* field, double value) {
     if (!(value > 0 && value <= 1))
-      throw InputError("ensemble_of: " + std::string(field) + ": expected > 0 and <= 1, got " + number(value));
+      throw InputError("ensemble_of: " + std::string(field) + ": expected > 0 and <= 1, got " + exact_number(value));
   };
   share("features", options.features);
   share("inclusion", options.inclusion);

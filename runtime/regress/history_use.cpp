@@ -4,14 +4,13 @@
 #include <complex>
 #include <limits>
 
+#include "expr/digits.hpp"
 #include "regress/history_rows.hpp"
-#include "regress/number.hpp"
 
 namespace lunid {
 
 using detail::HistoryRows;
 using detail::HistorySignals;
-using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -48,8 +47,8 @@ void score(Prediction& p, const VectorXd& measured) {
 
 void check_time(const HistoryModel& model, const Record& record) {
   if (std::abs(record.dt() / model.dt - 1) > 1e-9)
-    throw InputError("history model: fitted at a sampling time of " + number(model.dt) + " s, the record has " +
-                         number(record.dt()) + " s: resample it",
+    throw InputError("history model: fitted at a sampling time of " + exact_number(model.dt) + " s, the record has " +
+                         exact_number(record.dt()) + " s: resample it",
                      {}, Fault::data);
 }
 

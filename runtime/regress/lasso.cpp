@@ -2,15 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "regress/fit.hpp"
-#include "regress/number.hpp"
 #include "regress/quadratic.hpp"
 #include "regress/reduce.hpp"
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
-
-using detail::number;
 
 namespace {
 
@@ -264,12 +262,12 @@ std::string name_of(const LassoOptions& options) { return options.mixture == 1 ?
 void validate(const LassoOptions& options) {
   const std::string name = name_of(options);
   if (!(options.mixture > 0 && options.mixture <= 1))
-    throw InputError(name + ": mixture: expected > 0 and <= 1, got " + number(options.mixture));
+    throw InputError(name + ": mixture: expected > 0 and <= 1, got " + exact_number(options.mixture));
   if (options.lambda && (!(*options.lambda > 0) || std::isinf(*options.lambda)))
-    throw InputError(name + ": lambda: expected > 0, got " + number(*options.lambda));
+    throw InputError(name + ": lambda: expected > 0, got " + exact_number(*options.lambda));
   if (options.path < 2) throw InputError(name + ": path: expected >= 2, got " + std::to_string(options.path));
   if (!(options.path_ratio > 0 && options.path_ratio < 1))
-    throw InputError(name + ": path_ratio: expected > 0 and < 1, got " + number(options.path_ratio));
+    throw InputError(name + ": path_ratio: expected > 0 and < 1, got " + exact_number(options.path_ratio));
 }
 
 Fit lasso(std::span<const Statistic> blocks, const LassoOptions& options, std::span<const Constraint> constraints,

@@ -2,14 +2,13 @@
 #include <cmath>
 #include <utility>
 
+#include "expr/digits.hpp"
 #include "regress/fit.hpp"
-#include "regress/number.hpp"
 #include "regress/reduce.hpp"
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
 
-using detail::number;
 using detail::Problem;
 using detail::Stopwatch;
 using Eigen::Index;
@@ -46,7 +45,7 @@ Fit least_squares(const Statistic& data, std::span<const Constraint> constraints
 
 void validate(const RidgeOptions& options) {
   if (!(options.lambda > 0) || std::isinf(options.lambda))
-    throw InputError("ridge: lambda: expected > 0, got " + number(options.lambda));
+    throw InputError("ridge: lambda: expected > 0, got " + exact_number(options.lambda));
 }
 
 Fit ridge(const Statistic& data, const RidgeOptions& options, std::span<const Constraint> constraints) {
@@ -61,9 +60,9 @@ Fit ridge(const Statistic& data, const RidgeOptions& options, std::span<const Co
 void validate(const StlsqOptions& options) {
   if (!(options.threshold > 0 && options.threshold < 1))
     throw InputError("stlsq: threshold: expected > 0 and < 1 (part of the target's rms), got " +
-                     number(options.threshold));
+                     exact_number(options.threshold));
   if (!(options.ridge >= 0) || std::isinf(options.ridge))
-    throw InputError("stlsq: ridge: expected >= 0, got " + number(options.ridge));
+    throw InputError("stlsq: ridge: expected >= 0, got " + exact_number(options.ridge));
   if (options.max_passes < 1)
     throw InputError("stlsq: max_passes: expected >= 1, got " + std::to_string(options.max_passes));
 }

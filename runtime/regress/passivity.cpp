@@ -1,10 +1,9 @@
 #include "regress/passivity.hpp"
+#include "expr/digits.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "regress/number.hpp"
 
 namespace lunid {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "expr/digits.hpp"
 #include "regress/dense.hpp"
-#include "regress/number.hpp"
 #include "regress/quadratic.hpp"
 
 namespace lunid::detail {

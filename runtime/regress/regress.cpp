@@ -4,18 +4,17 @@
 #include <cmath>
 #include <type_traits>
 
+#include "expr/digits.hpp"
 #include "expr/external.hpp"
 #include "regress/account.hpp"
 #include "regress/columns.hpp"
 #include "regress/dispatch.hpp"
 #include "regress/implicit.hpp"
 #include "regress/lag.hpp"
-#include "regress/number.hpp"
 #include "regress/stopwatch.hpp"
 
 namespace lunid {
 
-using detail::number;
 using Eigen::Index;
 
 TermConstraint at_least(Expr feature, double bound) {
@@ -52,10 +51,10 @@ namespace {
 void validate_implicit(const ImplicitParameter& p, const RegressOptions& options) {
   if (!std::isfinite(p.min) || !std::isfinite(p.max) || !(p.min < p.max))
     throw InputError("regress: implicit parameter '" + p.name + "': expected finite bounds min < max, got " +
-                     number(p.min) + " and " + number(p.max));
+                     exact_number(p.min) + " and " + exact_number(p.max));
   if (!(p.value >= p.min && p.value <= p.max))
-    throw InputError("regress: implicit parameter '" + p.name + "': expected a first guess in " + number(p.min) + ".." +
-                     number(p.max) + ", got " + number(p.value));
+    throw InputError("regress: implicit parameter '" + p.name + "': expected a first guess in " + exact_number(p.min) +
+                     ".." + exact_number(p.max) + ", got " + exact_number(p.value));
   if (options.values.count(p.name))
     throw InputError("regress: parameter '" + p.name + "' has a value and is implicit too: expected one of both");
 }
@@ -186,7 +185,7 @@ void validate(const RegressOptions& options) {
   validate(options.search);
   if (!(options.objective.mean_force >= 0 && options.objective.mean_force < 1))
     throw InputError("regress: objective: mean_force: expected >= 0 and < 1, got " +
-                     number(options.objective.mean_force));
+                     exact_number(options.objective.mean_force));
   if (options.threads < 0) throw InputError("regress: threads: expected >= 0, got " + std::to_string(options.threads));
   for (const ImplicitParameter& p : options.implicit) validate_implicit(p, options);
   if (options.bootstrap != 0 && options.bootstrap < 20)

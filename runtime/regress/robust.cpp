@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
-#include "regress/number.hpp"
 #include "regress/reduce.hpp"
 #include "regress/stopwatch.hpp"
 
@@ -16,10 +16,10 @@ using Eigen::VectorXd;
 
 void validate(const HuberOptions& options) {
   if (!(options.threshold > 0) || std::isinf(options.threshold))
-    throw InputError("huber: threshold: expected > 0, got " + detail::number(options.threshold));
+    throw InputError("huber: threshold: expected > 0, got " + exact_number(options.threshold));
   if (!(options.outlier > options.threshold))
-    throw InputError("huber: outlier: expected > threshold, which is " + detail::number(options.threshold) + ", got " +
-                     detail::number(options.outlier));
+    throw InputError("huber: outlier: expected > threshold, which is " + exact_number(options.threshold) + ", got " +
+                     exact_number(options.outlier));
   if (options.max_passes < 1)
     throw InputError("huber: max_passes: expected >= 1, got " + std::to_string(options.max_passes));
 }

@@ -3,14 +3,13 @@
 #include <cmath>
 #include <limits>
 
-#include "regress/number.hpp"
+#include "expr/digits.hpp"
 #include "regress/solvers.hpp"
 #include "regress/stopwatch.hpp"
 #include "regress/subset.hpp"
 
 namespace lunid {
 
-using detail::number;
 using detail::Stopwatch;
 using detail::Subsets;
 
@@ -103,7 +102,7 @@ int at_most(int max_terms, const Subsets& subsets) { return max_terms > 0 ? max_
 void validate(const FrolsOptions& options) {
   if (!(options.threshold >= 0 && options.threshold < 1))
     throw InputError("frols: threshold: expected >= 0 and < 1 (part of the target's sum of squares), got " +
-                     number(options.threshold));
+                     exact_number(options.threshold));
   check_terms("frols", options.max_terms);
 }
 

@@ -4,21 +4,20 @@
 #include <map>
 #include <random>
 
-#include "regress/number.hpp"
+#include "expr/digits.hpp"
 #include "regress/solvers.hpp"
 #include "regress/stopwatch.hpp"
 #include "regress/subset.hpp"
 
 namespace lunid {
 
-using detail::number;
 using detail::Subsets;
 using Eigen::VectorXd;
 
 void validate(const SpikeSlabOptions& options) {
   const auto part = [](const char* field, double value) {
     if (!(value > 0 && value < 1))
-      throw InputError("spike_slab: " + std::string(field) + ": expected > 0 and < 1, got " + number(value));
+      throw InputError("spike_slab: " + std::string(field) + ": expected > 0 and < 1, got " + exact_number(value));
   };
   part("prior", options.prior);
   part("cut", options.cut);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "regress/number.hpp"
+#include "expr/digits.hpp"
 #include "regress/quadratic.hpp"
 #include "regress/reduce.hpp"
 #include "regress/solvers.hpp"
@@ -10,7 +10,6 @@
 
 namespace lunid {
 
-using detail::number;
 using detail::Problem;
 using Eigen::Index;
 using Eigen::VectorXd;
@@ -33,7 +32,7 @@ Fit non_negative(const Statistic& data, std::span<const Constraint> constraints)
 void validate(const Sr3Options& options) {
   const auto positive = [](const char* field, double value) {
     if (!(value > 0) || std::isinf(value))
-      throw InputError("sr3: " + std::string(field) + ": expected > 0, got " + number(value));
+      throw InputError("sr3: " + std::string(field) + ": expected > 0, got " + exact_number(value));
   };
   positive("threshold", options.threshold);
   positive("relaxation", options.relaxation);

@@ -1,11 +1,10 @@
 #include "regress/unit.hpp"
+#include "expr/digits.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-
-#include "regress/number.hpp"
 
 namespace lunid::detail {
 namespace {
@@ -56,7 +55,7 @@ std::optional<Unit> read_unit(const std::string& text) {
 
 std::string to_text(const Unit& unit) {
   const auto word = [](const std::string& name, double power) {
-    return power == 1 ? name : name + "^" + number(power, 6);
+    return power == 1 ? name : name + "^" + number(power);
   };
   std::string above, below;
   // A force comes first, as in N s/m.

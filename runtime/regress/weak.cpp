@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
-#include "regress/number.hpp"
 
 namespace lunid {
 
@@ -14,11 +14,11 @@ using Eigen::VectorXd;
 
 void validate(const WeakForm& form) {
   if (!(form.half_width >= 0) || std::isinf(form.half_width))
-    throw InputError("weak_form: half_width: expected >= 0, got " + detail::number(form.half_width));
+    throw InputError("weak_form: half_width: expected >= 0, got " + exact_number(form.half_width));
   if (form.order < 3 || form.order > 16)
     throw InputError("weak_form: order: expected 3 to 16, got " + std::to_string(form.order));
   if (!(form.spacing > 0 && form.spacing <= 1))
-    throw InputError("weak_form: spacing: expected > 0 and <= 1, got " + detail::number(form.spacing));
+    throw InputError("weak_form: spacing: expected > 0 and <= 1, got " + exact_number(form.spacing));
 }
 
 namespace detail {

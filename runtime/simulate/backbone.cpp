@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "expr/digits.hpp"
 #include "simulate/continuation.hpp"
 #include "simulate/harmonic_choice.hpp"
 #include "simulate/response_checks.hpp"
@@ -183,7 +184,7 @@ void follow(BackboneCurve& curve, const Mode& mode, const BackboneOptions& optio
   };
   out.complete = false;
   if (!continuation.begin(curve.start(mode, options.from), start, 1)) {
-    out.stopped = "no free motion was found at the amplitude " + std::to_string(options.from) + " m";
+    out.stopped = "no free motion was found at the amplitude " + number(options.from) + " m";
     return;
   }
   out.points.push_back(point_at(curve, continuation.here().x));

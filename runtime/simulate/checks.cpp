@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
@@ -34,12 +35,6 @@ void check_options(const std::string& caller, const SimulateOptions& o) {
 }
 
 }  // namespace
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
 
 std::string to_string(Solver solver) {
   switch (solver) {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "simulate/ensemble_job.hpp"
 #include "simulate/lane_summaries.hpp"

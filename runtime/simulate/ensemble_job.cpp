@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "expr/digits.hpp"
 #include "simulate/bundle.hpp"
 #include "simulate/lane_summaries.hpp"
 #include "simulate/run.hpp"

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "expr/digits.hpp"
 #include "record/extension.hpp"
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "expr/digits.hpp"
 #include "simulate/run.hpp"
 #include "simulate/time_tape.hpp"
 

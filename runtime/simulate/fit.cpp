@@ -1,5 +1,6 @@
 #include <ranges>
 
+#include "expr/digits.hpp"
 #include "record/middle_value.hpp"
 #include "simulate/first_states.hpp"
 #include "simulate/fit_problem.hpp"
@@ -25,6 +26,7 @@ std::vector<FitSegment> cut(const System& system, const Eigen::VectorXd& theta, 
                           measured_state(system, own_values(system, theta), data[r].record, first)});
     }
   }
+  if (!segments.empty()) segments.front().anchored = true;
   return segments;
 }
 
@@ -114,7 +116,7 @@ void validate(const FitOptions& o) {
     refuse("gradient: 'adjoint' takes residuals as they are; take 'forward' with a whitening");
   if (o.segment < 0) refuse("segment: expected >= 0 rows, got " + std::to_string(o.segment));
   if (o.max_iterations < 1) refuse("max_iterations: expected >= 1, got " + std::to_string(o.max_iterations));
-  if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + std::to_string(o.tolerance));
+  if (!(o.tolerance > 0)) refuse("tolerance: expected > 0, got " + number(o.tolerance));
   if (o.whitening.average < 1)
     refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));

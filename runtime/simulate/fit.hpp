@@ -54,7 +54,11 @@ struct FitSegment {
   int record = 0;
   Eigen::Index first = 0, count = 0;
   Eigen::VectorXd x0;
+  bool anchored = false;  ///< its anchored states (InternalState) stay as they are
 };
+
+/// Of the slopes by a segment's first state (the last columns), those by what the segment holds become zero.
+void hold_anchored(const Model& model, const FitSegment& segment, Eigen::Ref<Eigen::MatrixXd> slopes);
 
 struct FitOptions {
   Eigen::Index segment = 0;  ///< rows per free run, >= 0; 0: one run over the whole record (else multiple shooting)

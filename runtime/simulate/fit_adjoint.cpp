@@ -59,7 +59,9 @@ class AdjointCost {
       cost += run.value;
       for (Index i = 0; i < own.size(); ++i)
         gradient[layout.place(segments[s].record, static_cast<int>(i))] += run.gradient[i];
-      gradient.segment(first_state(s), system_.states()) = run.gradient.tail(system_.states());
+      Eigen::MatrixXd by_state = run.gradient.tail(system_.states()).transpose();
+      hold_anchored(system_.model(), segments[s], by_state);
+      gradient.segment(first_state(s), system_.states()) = by_state.transpose();
     }
     return cost;
   }

@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "expr/digits.hpp"
 #include "simulate/fit_problem.hpp"
 
 namespace lunid {
@@ -192,10 +193,10 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   for (Eigen::Index c = 0; c < channels; ++c)
     for (const auto& d : data) result.residual.push_back(Eigen::VectorXd::Constant(d.record.rows(), NAN));
   for (std::size_t s = 0; s < result.segments.size(); ++s) {
-    const auto& [record, first, count, x0] = result.segments[s];
-    for (Eigen::Index c = 0; c < normal.parts[s].residual.size() / count; ++c)
-      result.residual[static_cast<std::size_t>(c) * data.size() + static_cast<std::size_t>(record)].segment(
-          first, count) = normal.parts[s].residual.segment(c * count, count);
+    const FitSegment& segment = result.segments[s];
+    for (Eigen::Index c = 0; c < normal.parts[s].residual.size() / segment.count; ++c)
+      result.residual[static_cast<std::size_t>(c) * data.size() + static_cast<std::size_t>(segment.record)].segment(
+          segment.first, segment.count) = normal.parts[s].residual.segment(c * segment.count, segment.count);
   }
   result.information = schur(normal);
   result.unseen.assign(static_cast<std::size_t>(p), 0);
@@ -376,7 +377,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
         lambda = std::max(lambda * 0.1, 1e-12);
         if (drop < options.tolerance) {
           result.converged = true;
-          result.stopped = "relative drop of the cost below " + std::to_string(options.tolerance);
+          result.stopped = "relative drop of the cost below " + number(options.tolerance);
         }
       } else {
         if (!std::isfinite(full.cost) && result.lost.size() == 0) result.lost = theta;

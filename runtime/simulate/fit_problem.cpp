@@ -24,6 +24,13 @@ double spread_of(std::span<const double> x) {
   return std::sqrt((values - values.mean()).square().mean());
 }
 
+void hold_anchored(const Model& model, const FitSegment& segment, Eigen::Ref<Eigen::MatrixXd> slopes) {
+  if (!segment.anchored) return;
+  const auto states = static_cast<Eigen::Index>(model.states.size());
+  for (Eigen::Index i = 0; i < states; ++i)
+    if (model.states[static_cast<std::size_t>(i)].anchored) slopes.col(slopes.cols() - states + i).setZero();
+}
+
 std::vector<Output> outputs_of(const Model& model, const Record& record, const std::vector<std::string>& channels) {
   std::vector<Output> outputs;
   if (model.imposed_motion) return outputs;

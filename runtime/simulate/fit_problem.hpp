@@ -205,6 +205,7 @@ class Problem {
         }
       }
       if (!jacobian.allFinite()) return fail(normal, "the sensitivities are not finite");
+      hold_anchored(system_.model(), segment, jacobian);
     } else {
       const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
       if (!r.summary.completed) return fail(normal, r.summary.cause);

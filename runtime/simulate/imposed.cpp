@@ -1,6 +1,7 @@
 // Imposed motion: the measured y, v, a drive the internal states, and the force is read off.
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "expr/external.hpp"
 #include "simulate/run.hpp"
 

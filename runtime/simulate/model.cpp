@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "simulate/inertia.hpp"
 
 namespace lunid {
 namespace {
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
 
 /// One expression of a model, what it is called in messages, and the quantities whose channels it may hold.
 struct Part {

@@ -25,11 +25,14 @@ struct Parameter {
 };
 
 /// dz/dt = rate(y, v, z, t); starts from `initial`. A bound is a mode: the state is held while the rate pushes outward.
+/// `anchored`: of a state that only adds up (a path, a work done) no record tells where it began from what the
+/// parameters were there, so that a fit takes it to be at `initial` where the first record begins.
 struct InternalState {
   Expr symbol;
   Expr rate;
   double initial = 0;
   Expr min, max;  ///< empty: no bound
+  bool anchored = false;
 };
 
 /// One row of the equation of motion: mass_i a_i + restoring_i = F_i.
@@ -121,8 +124,6 @@ class System {
   const Tape& rate() const { return dynamics().rate; }
   /// outputs: x' (n), dx'/dx (n*n, row-major), dx'/dtheta (n*p, row-major), then what state bounds need
   const Tape& rate_with_derivatives() const { return dynamics().derivatives; }
-  /// outputs, for each switching surface: the derivative of g by every input of rate(), in their order
-  const Tape& switch_gradients() const { return dynamics().gradients; }
   /// outputs: per coordinate the force m*a + restoring at inputs (t, a..., x..., u..., theta...), with u the base
   /// motion that the model holds; with one coordinate and no base: (t, a, y, v, z..., theta...)
   const Tape& force() const { return force_; }

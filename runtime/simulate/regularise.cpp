@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "expr/walk.hpp"
 #include "simulate/run.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {

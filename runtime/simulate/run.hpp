@@ -5,9 +5,6 @@
 
 namespace lunid {
 
-/// Six significant digits.
-std::string number(double x);
-
 /// Throws InputError for wrong sizes, non-finite values and options out of range, naming `caller`.
 void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitations& excitation,
                const Eigen::VectorXd& x0, const SimulateOptions& options);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "expr/digits.hpp"
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "expr/digits.hpp"
 #include "simulate/modal_ode.hpp"
 #include "simulate/run.hpp"
 #include "simulate/saltation.hpp"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "simulate/inertia.hpp"
 #include "simulate/measures.hpp"
 #include "simulate/model.hpp"
@@ -201,7 +202,7 @@ double System::delay(std::span<const double> theta) const {
   double value = 0;
   delay_.run_point(theta.data(), &value, scratch.data());
   if (!(value >= 0) || !std::isfinite(value))
-    throw InputError("simulate: delay: expected a finite value >= 0, got " + std::to_string(value));
+    throw InputError("simulate: delay: expected a finite value >= 0, got " + number(value));
   return value;
 }
 

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "expr/tape.hpp"
-#include "surface/number.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {
 
-using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -50,8 +49,8 @@ Cells::Cells(const SurfacePoints& points, int cells_y, int cells_v) : count_(Eig
   y_max_ = points.y.maxCoeff();
   v_min_ = points.v.minCoeff();
   v_max_ = points.v.maxCoeff();
-  if (!(y_min_ < y_max_)) throw InputError("surface: y is constant (" + number(y_min_, 6) + ")", {}, Fault::data);
-  if (!(v_min_ < v_max_)) throw InputError("surface: v is constant (" + number(v_min_, 6) + ")", {}, Fault::data);
+  if (!(y_min_ < y_max_)) throw InputError("surface: y is constant (" + number(y_min_) + ")", {}, Fault::data);
+  if (!(v_min_ < v_max_)) throw InputError("surface: v is constant (" + number(v_min_) + ")", {}, Fault::data);
   check_spread(points);
   for (Index k = 0; k < points.size(); ++k) {
     const Place at = place(points.y[k], points.v[k]);

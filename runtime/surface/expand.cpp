@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "expr/digits.hpp"
 #include "surface/chebyshev.hpp"
-#include "surface/number.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {

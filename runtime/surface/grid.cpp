@@ -3,12 +3,11 @@
 #include <array>
 #include <cmath>
 
-#include "surface/number.hpp"
+#include "expr/digits.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {
 
-using detail::number;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -135,7 +134,7 @@ void validate(const GridOptions& options) {
   if (options.least_count < 1)
     throw InputError("surface: least_count: expected >= 1, got " + std::to_string(options.least_count));
   if (!(options.smoothness > 0) || std::isinf(options.smoothness))
-    throw InputError("surface: smoothness: expected > 0, got " + number(options.smoothness, 6));
+    throw InputError("surface: smoothness: expected > 0, got " + number(options.smoothness));
 }
 
 GridSurface::GridSurface(Cells cells, int least_count, Between between, MatrixXd coefficients)

@@ -4,13 +4,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "surface/kinds.hpp"
-#include "surface/number.hpp"
 
 namespace lunid {
 
 using detail::Learnt;
-using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -37,16 +36,16 @@ void check(const TriangulationOptions& o) { expect_integer("triangulation", "cel
 void check(const MlpOptions& o) {
   expect(!o.hidden.empty() && o.hidden.size() <= 4, "mlp", "hidden", "1 to 4 layers", std::to_string(o.hidden.size()));
   for (const int units : o.hidden) expect_integer("mlp", "hidden", units, 1, 500);
-  expect(o.penalty >= 0 && std::isfinite(o.penalty), "mlp", "penalty", ">= 0", number(o.penalty, 6));
+  expect(o.penalty >= 0 && std::isfinite(o.penalty), "mlp", "penalty", ">= 0", number(o.penalty));
   expect(o.evaluations >= 1, "mlp", "evaluations", ">= 1", std::to_string(o.evaluations));
 }
 
 void check(const GaussianProcessOptions& o) { expect_integer("gaussian_process", "centres", o.centres, 20, 3000); }
 
 void check(const SupportVectorOptions& o) {
-  expect(o.cost > 0 && std::isfinite(o.cost), "support_vectors", "cost", "> 0", number(o.cost, 6));
-  expect(o.epsilon >= 0 && std::isfinite(o.epsilon), "support_vectors", "epsilon", ">= 0", number(o.epsilon, 6));
-  if (o.width) expect(*o.width > 0 && std::isfinite(*o.width), "support_vectors", "width", "> 0", number(*o.width, 6));
+  expect(o.cost > 0 && std::isfinite(o.cost), "support_vectors", "cost", "> 0", number(o.cost));
+  expect(o.epsilon >= 0 && std::isfinite(o.epsilon), "support_vectors", "epsilon", ">= 0", number(o.epsilon));
+  if (o.width) expect(*o.width > 0 && std::isfinite(*o.width), "support_vectors", "width", "> 0", number(*o.width));
   expect_integer("support_vectors", "centres", o.centres, 20, 3000);
 }
 

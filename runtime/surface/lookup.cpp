@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 
-#include "surface/number.hpp"
+#include "expr/digits.hpp"
 #include "surface/spline.hpp"
 
 namespace lunid {
 
-using detail::number;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -45,7 +44,7 @@ void check_axis(const std::string& name, std::size_t i, const VectorXd& axis) {
   if (axis.size() < 2) refuse(name, which + "expected 2 values or more, got " + std::to_string(axis.size()));
   for (Index k = 0; k < axis.size(); ++k)
     if (!std::isfinite(axis[k]) || (k > 0 && !(axis[k] > axis[k - 1])))
-      refuse(name, which + "expected finite values that increase, got " + number(axis[k], 6) + " as value " +
+      refuse(name, which + "expected finite values that increase, got " + number(axis[k]) + " as value " +
                        std::to_string(k + 1));
 }
 

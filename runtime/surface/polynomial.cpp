@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "surface/chebyshev.hpp"
-#include "surface/number.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {
 
 using detail::chebyshev_values;
-using detail::number;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

@@ -2,12 +2,11 @@
 #include <cmath>
 #include <vector>
 
-#include "surface/number.hpp"
+#include "expr/digits.hpp"
 #include "surface/surface.hpp"
 
 namespace lunid {
 
-using detail::number;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -20,7 +19,7 @@ SurfaceSection section(const ForceSurface& surface, const SurfacePoints& points,
   const std::string axis = along_y ? "v" : "y";
   if (!(at >= across_min && at <= across_max))
     throw InputError("surface: section: " + axis + ": expected within the data, " + number(across_min, 4) + " to " +
-                     number(across_max, 4) + ", got " + number(at, 6));
+                     number(across_max, 4) + ", got " + number(at));
   if (count < 2) throw InputError("surface: section: count: expected >= 2, got " + std::to_string(count));
   SurfaceSection out{along_y,
                      at,

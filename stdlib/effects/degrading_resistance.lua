@@ -18,9 +18,9 @@ return function(effect)
       { "Nc", min = 0, unit = "N m" } },
     states = {
       z = { rate = "v/q", min = "-1", max = "1" },
-      d = { rate = "z*v", unit = "m" },  -- work done over Ru; less what is stored: the slipped path
+      d = { rate = "z*v", unit = "m", anchored = true },  -- work done over Ru; less what is stored: the slipped path
       r = { rate = "Ru/q*v", min = "-" .. limit, max = limit, unit = "N" },
-      w = { rate = "r*v", unit = "N m" },  -- work done; less what is stored: N
+      w = { rate = "r*v", unit = "N m", anchored = true },  -- work done; less what is stored: N
     },
     guess = function(scale)
       local guesses = {}

@@ -18,7 +18,7 @@ return function(effect)
     states = {
       z = { rate = ("%s/%s*(v - %s*abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v))"):format(slip, stiffness, strength),
         unit = "m" },
-      e = { rate = "z*v/zy^2" },
+      e = { rate = "z*v/zy^2", anchored = true },
     },
     guess = function(scale)
       local guesses = {}

@@ -9,7 +9,7 @@ return function(effect)
       { "tau", min = 0, unit = "s" } },
     states = {
       z = { rate = "k*v", min = "-" .. limit, max = limit, unit = "N" },
-      m = { rate = "-m/tau", initial = 1 },  -- what is still to recover
+      m = { rate = "-m/tau", initial = 1, anchored = true },  -- what is still to recover
     },
     guess = function(scale)
       local guesses = {}

@@ -9,7 +9,7 @@ return function(effect)
     requires = { "Ru >= Rr" },
     states = {
       z = { rate = "v/q", min = "-1", max = "1" },
-      d = { rate = "z*v", unit = "m" },  -- work done over Ru; less what is stored: the slipped path
+      d = { rate = "z*v", unit = "m", anchored = true },  -- work done over Ru; less what is stored: the slipped path
     },
     guess = function(scale)
       local guesses = {}

@@ -114,6 +114,7 @@ function lunid.parameter(fields) end
 ---@field initial? number # value at the start of a run
 ---@field min? number|lunid.expression # lower bound; may follow the motion
 ---@field max? number|lunid.expression # upper bound; may follow the motion
+---@field anchored? boolean # a fit takes it to be `initial` where the first record begins: for a state that only adds up, such as a path
 ---@param fields lunid.state.fields
 ---@return lunid.expression
 function lunid.state(fields) end
@@ -130,7 +131,7 @@ function lunid.state(fields) end
 ---@field delay? any # by which the force acts later than its channel says
 ---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds
----@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit =, absolute = }; absolute: the velocity of a mass of its own, against which a base that moves acts
+---@field states? lunid.table # z = { rate = "...", initial = 0, min =, max =, unit =, anchored =, absolute = }; anchored: as in lunid.state; absolute: the velocity of a mass of its own, against which a base that moves acts
 ---@field requires? table # what holds between parameters, as "Fs >= Fc"
 ---@field guess? function # function(scale, variant) returning a list of { name = value }: first guesses of the shape parameters, within their bounds
 ---@field range? function # function(scale, variant) returning { name = { least, most } }: where a record can show a shape parameter
@@ -1369,7 +1370,7 @@ function lunid.thesis_validation(fields) end
 ---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
----@field minimum_gain? number # least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole
+---@field minimum_gain? number # least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole; five times that where 1.5 times the noise and more stays open
 ---@field max_effects? integer # named one after another
 ---@field blocks? integer # left-out blocks of the training records
 ---@field holdout? number # part held out when no test is given

@@ -64,9 +64,9 @@ spec.case("a unit is no label: values are SI", function()
   unit("kN/m", " (1000 N/m): write the value in N/m")
   unit("%", " (0.01): write the value itself, without a unit")
   unit("kN/m^1.5", ": write the value in SI")
-  unit("potato", ", which is unknown")
+  unit("kNs/m", " (1000 N s/m): write the value in N s/m")
   for _, good in ipairs { "", "-", "1", "V", "rad", "N m", "N s/m", "N/m^3", "1/s^2", "N/(m s)", "N (s/m)^p", "s^degree",
-    "N/m^1.5", "N.s/m", "N·s/m", "V/T", "ohm" } do
+    "N/m^1.5", "N.s/m", "N·s/m", "V/T", "ohm", "Ns/m", "Nm/rad", "counts" } do
     lunid.parameter { "k", 30, unit = good }
   end
 end)

@@ -20,6 +20,14 @@ spec.case("a fit tells values, deviations, correlations and intervals", function
   spec.equal(#profile.value, #profile.drop)
   assert(math.abs(fit:residual():std() - fit.summary.rmse) < 0.01*fit.summary.rmse)
   spec.contains(tostring(fit), "k3 = ")
+  assert(math.abs(fit.summary.gap/(fit.summary.rmse/record:column "y":std()) - 1) < 0.01)
+  assert(not tostring(fit):find("no fit", 1, true))
+end)
+
+spec.case("a fit that a constant does as well as is said to be none", function()
+  local fit = lunid.fit_trajectory { model = model:with { k = 7e7, k3 = 0 }, record = record, max_iterations = 1 }
+  assert(fit.summary.gap > 0.9, tostring(fit))
+  spec.contains(tostring(fit), "this is no fit: a constant leaves as much of the motion")
 end)
 
 spec.case("separate parameters, one model for each record", function()

@@ -1,5 +1,5 @@
 -- A peak resistance and the path that was slipped before the record take each other's place: (Ru - Rr)*exp(-s/sr) with
--- s from s0 on is one force for all Ru*exp(-s0/sr). Ru's deviation says nothing then of whether it is zero. Heun's
+-- s from s0 on is one force for all Ru*exp(-s0/sr). The path is anchored: it counts from the record's first row. Heun's
 -- method at 30 steps a sample.
 local lunid = require "lunid"
 local spec = require "spec"
@@ -35,7 +35,7 @@ local function measure(from, to, level, seed)
   return lunid.record { channels = { { "y", shown, unit = "m" }, { "F", F, unit = "N" } }, dt = dt }
 end
 
-spec.case("a resistance that softens is named, whatever slipped before the record", function()
+spec.case("a resistance that softens is named, with its peak as the record begins", function()
   local k, c = lunid.parameter { "k", unit = "N/m" }, lunid.parameter { "c", unit = "N s/m" }
   local y, v = lunid.displacement, lunid.velocity
   local found = lunid.discover { model = lunid.model { mass = mass, restoring = k*y + c*v },
@@ -44,6 +44,9 @@ spec.case("a resistance that softens is named, whatever slipped before the recor
   spec.equal(found.verdict, "explained")
   spec.equal(found.effects[1].name, "shaft_softening")
   spec.near(found.effects[1].parameters.q.value, quake, 0.05*quake)
+  local Ru = found.effects[1].parameters.Ru
+  spec.near(Ru.value, peak, 4*Ru.std)
+  assert(Ru.std > 0 and Ru.std < 0.05*peak, Ru.std)
   spec.near(found.model.parameters.k.value, stiffness, 0.02*stiffness)
 end)
 

@@ -105,6 +105,82 @@ TEST(DiscoverySaysFirst, ThatAParameterOfTheBaselineSitsAtABound) {
   EXPECT_EQ(d.warnings[0], text);
 }
 
+/// Two springs side by side are one column; of two of which one is known the other is seen.
+TEST(DiscoveryTakes, ATermThatIsFixedBesideOneLikeIt) {
+  const truth::Records records = made("null_linear");
+  Model model = complete(baseline("k*y + kh*y + c*v", 49));
+  EXPECT_EQ(message([&] { find(model, records); }),
+            "discover: the data do not excite parameters 'k' and 'kh' separately: their terms are one column on this "
+            "record; fix one of them, or use a record with another frequency or amplitude");
+  const double wanted = 49 * std::pow(2 * M_PI * 20, 2);  // of both
+  Parameter& known = *model.find("kh");
+  known.value = 0.25 * wanted;
+  known.fixed = true;
+  const Discovery d = find(model, records);
+  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_NEAR(d.final.find("k")->value, 0.75 * wanted, 0.01 * wanted);
+}
+
+TEST(DiscoverySaysFirst, ThatTheTestHoldsRowsOfTheTrainingRecord) {
+  const truth::Records records = made("cubic_hardening");
+  const Record whole = record_of(records.train, "train"), other = record_of(records.test, "test");
+  const Model model = baseline("k*y + c*v", 49);
+  const auto of = [&](const Record& train, const Record& test) {
+    return discover(model, small_catalogue(*model.pool), {train}, {test});
+  };
+  const std::string words = " holds rows of the training record train";
+  const Discovery same = of(whole, whole), overlapping = of(whole.slice(0, 1000), whole.slice(500, 1000)),
+                  apart = of(whole.slice(0, 900), whole.slice(900, 600)), another = of(whole, other);
+  EXPECT_TRUE(testing::warns(same, words));
+  EXPECT_TRUE(testing::warns(overlapping, words));
+  EXPECT_FALSE(testing::warns(apart, words));
+  EXPECT_FALSE(testing::warns(another, words));
+  ASSERT_EQ(same.verdict, "explained");
+  EXPECT_NE(same.sentence.find("on data that the fit knows"), std::string::npos) << same.sentence;
+  EXPECT_NE(another.sentence.find("on data not used in the fit"), std::string::npos) << another.sentence;
+}
+
+/// Eight rows of each record five deviations off: a sensor's contact. What is found is what is found without them.
+TEST(DiscoveryTakes, WildRowsForWhatTheirNeighboursSay) {
+  truth::Records records = made("cubic_hardening");
+  const Model model = baseline("k*y + c*v", 49);
+  const Discovery clean = find(model, records);
+  for (truth::Columns* columns : {&records.train, &records.test}) {
+    std::vector<double>& y = columns->y;
+    const double size = 5 * moments::standard_deviation(y);
+    for (std::size_t i = 0; i < 8; ++i) y[100 + 170 * i] += i % 2 ? size : -size;
+  }
+  const Discovery d = find(model, records);
+  EXPECT_TRUE(testing::warns(d, "train: 8 single rows of y off all neighbours, first at t = ")) << d.warnings.front();
+  EXPECT_TRUE(testing::warns(d, "test: 8 single rows of y"));
+  EXPECT_FALSE(testing::warns(clean, "off all neighbours"));
+  ASSERT_EQ(d.verdict, "explained") << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  for (const char* name : {"k", "c", "cubic_stiffness_k3"}) {
+    const Parameter &own = *d.final.find(name), &wanted = *clean.final.find(name);
+    EXPECT_NEAR(own.value, wanted.value, 2 * wanted.std) << name;
+  }
+  EXPECT_LT(d.final_test.value, 1.1 * clean.final_test.value);
+}
+
+/// A mass in t for one in kg.
+TEST(DiscoverySays, ThatAMassOfAThousandIsRatherAUnit) {
+  const Model model = baseline("k*y + c*v", 0.049);
+  const std::vector<Effect> catalogue{
+      testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")})};
+  const truth::Records records = made("null_linear");
+  const auto found = [&](double mass) {
+    Model own = model;
+    own.mass = own.pool->constant(mass);
+    return discover(own, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
+  };
+  const Discovery slip = found(0.049), half = found(24.5);
+  ASSERT_EQ(slip.effects.size(), 1u);
+  ASSERT_EQ(half.effects.size(), 1u);
+  EXPECT_TRUE(testing::warns(slip, "is a unit (mm for m, kN for N, ms for s, g for kg) not said?"));
+  EXPECT_FALSE(testing::warns(half, "is a unit"));
+}
+
 TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
   const Model model = baseline("k*y + c*v + Fc*sign(v)", 49);
   const Discovery absent = find(model, made("null_linear"));

@@ -342,7 +342,7 @@ Record made(const std::vector<double>& y, const std::vector<double>& f) {
 
 TEST(DiscoveryRefuses, AConstantDisplacement) {
   EXPECT_EQ(refusal(baseline("k*y", 1), made(std::vector<double>(300, 0.5), std::vector<double>(300, 1.0))),
-            "made.csv: discover: the displacement is constant (0.500000 m in every row); nothing can be learned from a "
+            "made.csv: discover: the displacement is constant (0.5 m in every row); nothing can be learned from a "
             "record without motion");
 }
 
@@ -367,7 +367,7 @@ TEST(DiscoveryRefuses, AParameterThatTheDataDoNotExcite) {
 TEST(DiscoveryRefuses, OptionsOutOfRange) {
   DiscoverOptions options;
   options.alpha = 0.7;
-  EXPECT_EQ(refusal(baseline("k*y", 1), Record(), options), "discover: alpha: expected 0 < alpha < 0.5, got 0.700000");
+  EXPECT_EQ(refusal(baseline("k*y", 1), Record(), options), "discover: alpha: expected 0 < alpha < 0.5, got 0.7");
 }
 
 TEST(DiscoveryRefuses, ToGoOnWhenCancelled) {

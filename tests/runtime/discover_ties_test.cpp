@@ -166,9 +166,10 @@ struct Tested {
   /// The steps cubic stiffness (k3 as given), and a quadratic one of this size beside.
   SearchResult steps(double k3, double k2) {
     SearchResult found;
-    found.steps.push_back(compile(study, complete(model), {{&catalogue[0], 0}}));
-    found.steps.push_back(compile(study, complete(model), {{&catalogue[0], 0}, {&catalogue[1], 0}}));
-    for (Candidate& c : found.steps) {
+    const Choice cubic{&catalogue[0], 0}, quadratic{&catalogue[1], 0};
+    found.steps.push_back({cubic, compile(study, complete(model), {cubic})});
+    found.steps.push_back({quadratic, compile(study, complete(model), {cubic, quadratic})});
+    for (auto& [added, c] : found.steps) {
       c.fit.theta = Eigen::VectorXd::Zero(c.parameters());
       const auto& table = c.system->model().parameters;
       for (std::size_t j = 0; j < table.size(); ++j) {
@@ -185,7 +186,7 @@ struct Tested {
   std::size_t that_help(const SearchResult& found) {
     Round round;
     round.found = found;
-    return steps_that_help(study, round, runs(study, found.steps.back(), study.test));
+    return steps_that_help(study, round, runs(study, found.steps.back().model, study.test));
   }
 };
 
@@ -193,7 +194,8 @@ struct Tested {
 TEST(Left, IsGoneWhereItDoesNotLowerTheGapOnTheTestRecord) {
   Tested t;
   const auto gone = [&](double k3_without, double k3_with) {
-    const Candidate without = t.steps(k3_without, 0).steps.front(), with = t.steps(k3_with, 0).steps.front();
+    const Candidate without = t.steps(k3_without, 0).steps.front().model,
+                    with = t.steps(k3_with, 0).steps.front().model;
     Round round;
     round.found.chosen = without;
     round.left.closure.system = with.system;
@@ -209,7 +211,7 @@ TEST(Left, IsGoneWhereItDoesNotLowerTheGapOnTheTestRecord) {
 /// Forces of the wrong shape do not hold on the test record, which shows for itself that one is missing there.
 TEST(Left, IsNotGoneWhereTheTestRecordShowsItsOwn) {
   Tested t;
-  const Candidate with = t.steps(0, 0.3).steps.back();
+  const Candidate with = t.steps(0, 0.3).steps.back().model;
   Round round;
   round.found.chosen = compile(t.study, complete(t.model), {});
   round.found.chosen.fit.theta = with.fit.theta.head(2);
@@ -225,7 +227,7 @@ TEST(Decide, TakesNoNameAtTheEndOfWhatItsEntryCanShow) {
   Tested t;
   const auto fitted = [&](const Choices& choices, double k3) {
     Candidate c = compile(t.study, complete(t.model), choices);
-    Eigen::VectorXd start = t.steps(k3, 0).steps.front().fit.theta.head(c.parameters());
+    Eigen::VectorXd start = t.steps(k3, 0).steps.front().model.fit.theta.head(c.parameters());
     c.fit = fit_trajectory(*c.system, start, t.study.train);
     judge(t.study, c, {});
     run_left_out(t.study, c);
@@ -235,7 +237,7 @@ TEST(Decide, TakesNoNameAtTheEndOfWhatItsEntryCanShow) {
     Round round;
     round.found.baseline = fitted({}, 0);
     round.found.chosen = fitted({{&t.catalogue[0], 0}}, 0.5);
-    round.found.steps = {round.found.chosen};
+    round.found.steps = {{round.found.chosen.choices.front(), round.found.chosen}};
     const double k3 = round.found.chosen.fit.theta[2];
     if (at_the_end) round.found.chosen.shown.push_back({2, {0, k3}});
     decide(t.study, round);

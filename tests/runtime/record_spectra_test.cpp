@@ -169,6 +169,30 @@ TEST(NoiseReport, OfWhiteNoiseUnderATone) {
   EXPECT_LE(r.outliers, 0);
 }
 
+TEST(WildRows, AreSingleRowsOffTheirNeighbours) {
+  const VectorXd clean = sampled(4096, [](double i) { return std::sin(2 * M_PI * i / 50); }) + white(4096, 6, 0.01);
+  VectorXd x = clean;
+  for (Index i = 50; i < 4096; i += 200) x[i] += i % 400 == 50 ? 2 : -2;
+  const std::vector<WildRow> wild = wild_rows(span_of(x));
+  ASSERT_EQ(wild.size(), 21u);
+  for (const auto& [row, value] : wild) {
+    EXPECT_EQ(row % 200, 50);
+    EXPECT_NEAR(value, clean[row], 0.06);
+  }
+}
+
+/// What a motion may do: its velocity jumps at a stop, it jumps itself (of a velocity, an acceleration), it is noise.
+TEST(WildRows, AreNoKinksJumpsOrNoise) {
+  const auto none = [](const VectorXd& x) { return wild_rows(span_of(x)).empty(); };
+  for (const double noise : {0.0, 1e-4, 1e-3, 1e-2}) {
+    EXPECT_TRUE(
+        none(sampled(4096, [](double i) { return std::abs(std::sin(M_PI * i / 61.7)); }) + white(4096, 2, noise)));
+    EXPECT_TRUE(none(sampled(4096, [](double i) { return std::sin(i / 9) < 0 ? -1.0 : 1.0; }) + white(4096, 3, noise)));
+    EXPECT_TRUE(none(sampled(4096, [](double i) { return std::max(std::sin(i / 9), -0.7); }) + white(4096, 4, noise)));
+  }
+  EXPECT_TRUE(none(white(4096, 1, 1)));
+}
+
 TEST(NoiseReport, OutliersAreCountedAndDoNotCount) {
   VectorXd x = sampled(4096, [](double i) { return std::sin(2 * M_PI * i / 50); }) + white(4096, 6, 0.01);
   for (Index i = 50; i < 4096; i += 200) x[i] += i % 400 == 50 ? 2 : -2;

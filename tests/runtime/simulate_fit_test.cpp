@@ -13,6 +13,7 @@ namespace {
 using testing::fault_of;
 using testing::model_of;
 using testing::model_of_many;
+using testing::theta_of;
 
 constexpr double dt = 0.002;
 constexpr int rows = 1500;
@@ -129,6 +130,41 @@ TEST(FitTrajectory, GoesOnWithShorterStepsWhereLongOnesExplode) {
 
 // A relay that would swing some hundred times between two samples: a free run of it takes its million switches, which a
 // fit does not wait for.
+/// A spring that softens with the path (here the sum of v^2) that it has gone: k where the first record begins and the
+/// path before it take each other's place.
+TEST(FitTrajectory, TakesAnAnchoredStateToBeginWhereTheFirstRecordDoes) {
+  const auto softening = [](double gone) {
+    return truth<3>({0.001, 0, gone}, [](double t, const std::array<double, 3>& x) {
+      return std::array<double, 3>{x[1], push(t) - 900 * std::exp(-x[2] / 20) * x[0] - 4 * x[1], x[1] * x[1]};
+    });
+  };
+  Model model = model_of("1", "k*exp(-w/s)*y + c*v", {{"w", "v^2"}});
+  for (const bool anchored : {true, false})
+    for (const Gradient gradient : {Gradient::forward, Gradient::adjoint}) {
+      model.states[0].anchored = anchored;
+      const System system(model);
+      std::vector<FitData> data;
+      for (const double gone : {0.0, 3.0})
+        data.push_back(data_of(system, record_of(softening(gone), {"y"}, {1e-4}, 5)));
+      const std::vector<double> start = theta_of(system, {{"k", 850}, {"s", 18}, {"c", 4.4}});
+      FitOptions options;
+      options.gradient = gradient;
+      options.max_iterations = 200;
+      const FitResult fit = fit_trajectory(system, Eigen::Map<const Eigen::VectorXd>(start.data(), 3), data, options);
+      const auto k = static_cast<Eigen::Index>(system.model().find("k") - system.model().parameters.data());
+      ASSERT_EQ(fit.segments.size(), 2u);
+      if (anchored) {
+        EXPECT_EQ(fit.segments[0].x0[2], 0);
+        EXPECT_NEAR(fit.segments[1].x0[2], 3, 0.1);
+        EXPECT_LT(fit.deviation(k), 1);
+        EXPECT_NEAR(fit.theta[k], 900, 5 * fit.deviation(k));
+      } else {
+        EXPECT_NE(fit.segments[0].x0[2], 0);
+        EXPECT_FALSE(fit.deviation(k) < 1);
+      }
+    }
+}
+
 TEST(FitTrajectory, GivesUpOnARunThatChattersBetweenItsSamples) {
   const System system(model_of("1", "k*y + R*sign(y)"));
   const Record record = record_of(duffing(2e4, 10, 0), {"y"}, {2e-5}, 1);
