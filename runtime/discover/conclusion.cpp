@@ -268,7 +268,7 @@ class Conclusion {
     compare_all(found, study_.test, runs_.before_test, runs_.after_test, "test");
     out_.map = residual_map(study_, found.baseline, found.chosen, place);
     if (place) out_.map_place = motion_of(*place);
-    for (const Step& step : found.steps)
+    for (const NamedStep& step : found.steps)
       if (const Effect& effect = *step.added.effect; effect.place)
         out_.forces.push_back(force_of_effect(study_, found.chosen, effect, 0));
     out_.output = study_.output();

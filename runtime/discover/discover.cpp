@@ -535,7 +535,7 @@ class Spine {
   void take_back(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
     if (leave_the_common(tested, round, fault, stand)) return;
     SearchResult& found = round.found;
-    const std::vector<Step> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
+    const std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
     const std::string what_stands =
         stand > 0 ? "only " + steps.back().model.name() + " stands"
                   : "the name is withdrawn. The training records may not show what the test record does: train on one "

@@ -13,7 +13,7 @@
 namespace lunid {
 
 /// A model between the baseline and the chosen set, and the effect that it has beyond the one before.
-struct Step {
+struct NamedStep {
   Choice added;
   Candidate model;
 };
@@ -30,7 +30,7 @@ struct SearchResult {
   Whitening whitening;
   Candidate baseline;                ///< judged, with left-out runs
   Candidate chosen;                  ///< the baseline itself when nothing is named
-  std::vector<Step> steps;           ///< one effect more each; the last is the chosen set
+  std::vector<NamedStep> steps;      ///< one effect more each; the last is the chosen set
   std::vector<Beaten> rivals;        ///< best first
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged

@@ -405,7 +405,7 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
 
 std::size_t steps_that_help(const Study& study, const Round& round, const std::vector<FreeRun>& after) {
   constexpr double neither = 0.005;  // better nor worse
-  const std::vector<Step>& steps = round.found.steps;
+  const std::vector<NamedStep>& steps = round.found.steps;
   std::size_t count = steps.size();
   for (Gap with = round.gap(after); count > 1; --count) {
     const Gap without = round.gap(runs(study, steps[count - 2].model, study.test, false));

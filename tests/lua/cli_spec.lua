@@ -150,7 +150,7 @@ spec.case("a constant displacement", function()
     cells[3] = "0.25"
     return cells
   end)
-  refused("still.csv", usual, "still.csv: discover: the displacement is constant (0.250000 m in every row); "
+  refused("still.csv", usual, "still.csv: discover: the displacement is constant (0.25 m in every row); "
     .. "nothing can be learned from a record without motion" .. kept, 3)
 end)
 
