@@ -208,6 +208,31 @@ Record without_wild_rows(const Record& record, std::vector<std::string>& warning
   return out;
 }
 
+void compare_sensors(const Study& study, const Record& record, std::vector<std::string>& warnings) {
+  constexpr double alike = 0.03, least_correlation = 0.9;
+  const std::string quantities = "yva";
+  const auto first = quantities.find(study.measured[0]);
+  for (int i = 0; i < study.degrees(); ++i)
+    for (std::size_t other = first + 1; other < quantities.size(); ++other) {
+      const std::string lower = study.channel(quantities[first], i), upper = study.channel(quantities[other], i);
+      if (!record.has(lower) || !record.has(upper) || record.channel(upper).derived) continue;
+      const int order = static_cast<int>(other - first);
+      const SavitzkyGolay kernel = choose_savitzky_golay(record[lower], record.channel(lower).noise, order);
+      const Eigen::Index edge = kernel.half_width, rows = record.rows() - 2 * edge;
+      if (rows < 30) continue;
+      const Eigen::VectorXd slope = savitzky_golay(record[lower], record.dt(), order, kernel).segment(edge, rows),
+                            shown = savitzky_golay(record[upper], record.dt(), 0, kernel).segment(edge, rows);
+      const double both = slope.dot(shown), own = slope.squaredNorm(), others = shown.squaredNorm();
+      if (!(std::abs(both) > least_correlation * std::sqrt(own * others))) continue;
+      // The noise of either makes one of the two regressions too flat: the ratio is between them.
+      const auto [low, high] = std::minmax({both / own, others / both});
+      if (high > 1 - alike && low < 1 + alike) continue;
+      warnings.push_back(record.name() + ": " + upper + " is " + number(low, 3) + " to " + number(high, 3) +
+                         " times the " + (order == 2 ? "second " : "") + "derivative of " + lower +
+                         ": the gain of one of the sensors is off, or a unit. The fits are of " + lower + " alone");
+    }
+}
+
 bool have_rows_in_common(const Record& a, const Record& b) {
   constexpr Eigen::Index enough = 20;  // that measured values are alike by chance
   const double first = std::max(a.start(), b.start()), shift_a = (first - a.start()) / a.dt(),

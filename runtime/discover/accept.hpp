@@ -25,6 +25,10 @@ void check_record(const Study& study, const Record& record);
 /// blow.
 Record without_wild_rows(const Record& record, std::vector<std::string>& warnings);
 
+/// Of a coordinate of which more than the fitted quantity was measured (y and v, y and a, v and a): where these do not
+/// go together the gain of a sensor is off, with a warning; the fits see one of them.
+void compare_sensors(const Study& study, const Record& record, std::vector<std::string>& warnings);
+
 /// A record holds rows of another one, at the same times.
 bool have_rows_in_common(const Record& a, const Record& b);
 

@@ -335,6 +335,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   }
   if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {
+    if (!study.imposed) compare_sensors(study, record, study.warnings);
     const Record moved = with_shaft(with_motion(study, record));
     for (int i = 0; i < study.degrees(); ++i)
       study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));

@@ -6,8 +6,8 @@ return function(effect)
     contribution = { "k*sin(p*y)", "k*cos(p*y)" },
     parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" } },
     guess = function(scale)
-      local guesses = {}
-      for i, turns in ipairs { 0.7, 1.5, 3, 6, 12 } do guesses[i] = { p = turns / reach(scale) } end
+      local guesses = { { p = 0.7 / reach(scale) } }
+      for i = 1, 32 do guesses[#guesses + 1] = { p = 1.5*i / reach(scale) } end  -- beyond 3 a wave is lost between two
       return guesses
     end,
     range = function(scale)  -- a small part of a wave: cubic_stiffness

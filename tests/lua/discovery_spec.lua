@@ -75,6 +75,15 @@ spec.case("a hidden mode of little damping beside a cubic spring", function()
 end)
 
 -- More parameters than are needed follow the same motion: Bouc and Wen's hysteresis without loss.
+-- Seven waves over the motion: guesses that double from one to the next stand a whole wave beside it.
+spec.case("cogging of many waves over the motion", function()
+  local of = { name = "cogging", rest = function(x, u) return x + 0.2*u + 0.3*math.sin(9*x) end,
+    catalogue = { "sinusoidal_stiffness", "cubic_stiffness", "clearance", "saturating_stiffness" } }
+  local found = found_in(of, 0.01, { tones(0.4, 3), 2500, 0.15, 3 }, { tones(0.3, 5), 2000, 0.15, 4 })
+  spec.equal(spec.names_of(found), "sinusoidal_stiffness")
+  spec.near(found.effects[1].parameters.p.value, 9, 0.02)
+end)
+
 spec.case("a curved spring beside drag is no hysteresis", function()
   local of = {
     name = "curved", rest = function(x, u) return x + 0.1*u + 0.5*x/(1 + math.abs(x)/0.8) + 0.1*math.abs(u)*u end,

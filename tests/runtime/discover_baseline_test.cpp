@@ -140,6 +140,33 @@ TEST(DiscoverySaysFirst, ThatTheTestHoldsRowsOfTheTrainingRecord) {
   EXPECT_NE(another.sentence.find("on data not used in the fit"), std::string::npos) << another.sentence;
 }
 
+/// A displacement that shows an eighth too much, beside a velocity that is right: the fits are of the displacement.
+TEST(DiscoverySays, ThatTwoSensorsOfAMotionDoNotGoTogether) {
+  truth::Physics physics;
+  physics.zeta = 0.05;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 3), 0.3, {}, 1500, testing::spacing, 16);
+  const auto record = [&](double gain, double noise, std::uint64_t seed) {
+    Philox random(seed, 0);
+    std::vector<double> y, v;
+    for (std::size_t i = 0; i < motion.x.size(); ++i) {
+      y.push_back(gain * motion.x[i] + noise * moments::standard_deviation(motion.x) * random.normal());
+      v.push_back(motion.v[i] + noise * moments::standard_deviation(motion.v) * random.normal());
+    }
+    return Record("both", 0, testing::spacing,
+                  {channel("F", "N", motion.force), channel("y", "m", y), channel("v", "m/s", v)});
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  const auto found = [&](double gain, double noise) {
+    return discover(model, small_catalogue(*model.pool), {record(gain, noise, 1)}, {record(gain, noise, 2)});
+  };
+  for (const double noise : {0.01, 0.1}) {
+    EXPECT_TRUE(
+        testing::warns(found(1.125, noise), " times the derivative of y: the gain of one of the sensors is off"));
+    EXPECT_FALSE(testing::warns(found(1, noise), "the gain of one of the sensors"));
+  }
+}
+
 /// Eight rows of each record five deviations off: a sensor's contact. What is found is what is found without them.
 TEST(DiscoveryTakes, WildRowsForWhatTheirNeighboursSay) {
   truth::Records records = made("cubic_hardening");
