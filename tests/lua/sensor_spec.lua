@@ -20,21 +20,15 @@ end
 
 --- Displacement of x'' + 0.08 x' + friction sign(x') + x + k3 x^3 = u at the fine rate, without dimensions.
 local function motion(seed, k3, friction)
-  local h, x, s, out = spacing / finer, 0, 0, {}
-  local function a(tau, x, s)
+  local h, state, out = spacing / finer, { 0, 0 }, {}
+  local function slopes(tau, at)
+    local x, s = at[1], at[2]
     local turned = friction * (1 - 2 / (math.exp(math.max(-60, math.min(60, 800 * s))) + 1))
-    return force_at(tau, seed) - 0.08 * s - turned - x - k3 * x ^ 3
+    return { s, force_at(tau, seed) - 0.08 * s - turned - x - k3 * x ^ 3 }
   end
   for i = 0, rows * finer - 1 do
-    local tau = i * h
-    out[i + 1] = x
-    local a1, s2 = a(tau, x, s), s + h / 2 * a(tau, x, s)
-    local a2, s3 = a(tau + h / 2, x + h / 2 * s, s2), nil
-    s3 = s + h / 2 * a2
-    local a3 = a(tau + h / 2, x + h / 2 * s2, s3)
-    local s4 = s + h * a3
-    local a4 = a(tau + h, x + h * s3, s4)
-    x, s = x + h / 6 * (s + 2 * s2 + 2 * s3 + s4), s + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    out[i + 1] = state[1]
+    state = spec.runge_kutta(slopes, i * h, state, h)
   end
   return out
 end

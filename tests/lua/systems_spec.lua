@@ -8,18 +8,10 @@ local function refused(text, body) spec.equal(spec.message_of(body), text) end
 
 --- The classical Runge-Kutta method for y'' = acceleration(y, v, t), steps of h; y and v at the end.
 local function by_hand(acceleration, y, v, duration, h)
-  for i = 0, math.floor(duration / h + 0.5) - 1 do
-    local t = i * h
-    local a1 = acceleration(y, v, t)
-    local v2 = v + h/2*a1
-    local a2 = acceleration(y + h/2*v, v2, t + h/2)
-    local v3 = v + h/2*a2
-    local a3 = acceleration(y + h/2*v2, v3, t + h/2)
-    local v4 = v + h*a3
-    local a4 = acceleration(y + h*v3, v4, t + h)
-    y, v = y + h/6*(v + 2*v2 + 2*v3 + v4), v + h/6*(a1 + 2*a2 + 2*a3 + a4)
-  end
-  return y, v
+  local state = { y, v }
+  local function slopes(t, s) return { s[2], acceleration(s[1], s[2], t) } end
+  for i = 0, math.floor(duration / h + 0.5) - 1 do state = spec.runge_kutta(slopes, i*h, state, h) end
+  return state[1], state[2]
 end
 
 --- A run from { 0.02, 0 } under 2000 cos(2 pi 20 t) for half a second, by the named system and by hand.
@@ -238,7 +230,7 @@ spec.case("help and lists", function()
   spec.equal(code, 0)
   spec.equal(said:match "^[^\n]*", "lunid.systems.duffing { mass =, k =, k3 =, c = }")
   spec.equal(spec.lunid "help systems.duffing", said)
-  spec.contains(spec.lunid "help systems", "  van_der_pol         Damping that changes its sign at |y| = 1:")
+  spec.contains(spec.lunid "help systems", "  van_der_pol          Damping that changes its sign at |y| = 1:")
   spec.contains(spec.lunid "list excitations", "multisine            A sum of cosines of equal amplitude")
   spec.equal(spec.lunid "help systems dufing", "no help on 'systems.dufing', did you mean 'systems.duffing'?\n")
 end)

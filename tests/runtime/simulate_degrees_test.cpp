@@ -115,7 +115,7 @@ TEST(Delay, ShiftsTheForceAndHasItsSensitivity) {
   EXPECT_EQ(fault_of([&] {
               simulate(late, std::vector<double>{-0.1}, force, state({0, 0}));
             }),
-            "simulate: delay: expected a finite value >= 0, got -0.100000");
+            "simulate: delay: expected a finite value >= 0, got -0.1");
 }
 
 struct PairCase {
