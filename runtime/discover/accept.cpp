@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "discover/views.hpp"
 #include "expr/digits.hpp"
 #include "record/motion.hpp"
 #include "record/spectra.hpp"
@@ -181,27 +182,26 @@ bool is_free(const Study& study, const Record& record) {
 
 Record without_wild_rows(const Record& record, std::vector<std::string>& warnings) {
   Record out = record;
-  std::vector<Channel> measured;
   bool any = false;
-  for (Channel channel : record.channels()) {
-    if (channel.derived) continue;
-    const auto values = record[channel.name];
-    channel.values = Eigen::Map<const Eigen::VectorXd>(values.data(), record.rows());
-    const bool moves = (channel.name[0] == 'y' || channel.name[0] == 'v') && !channel.name.ends_with("_reference");
-    const std::vector<WildRow> wild = moves ? wild_rows(values) : std::vector<WildRow>{};
-    any = any || !wild.empty();
+  for (const Channel& known : record.channels()) {
+    const std::string& name = known.name;
+    if (known.derived || (name[0] != 'y' && name[0] != 'v') || name.ends_with("_reference")) continue;
+    const std::vector<WildRow> wild = wild_rows(record[name]);
+    if (wild.empty()) continue;
+    any = true;
+    Channel channel = of_window(record, name);
     for (const auto& [row, value] : wild) channel.values[row] = value;
-    if (!wild.empty()) {
-      channel.noise = noise_level({channel.values.data(), values.size()});
-      out = out.with(channel);
-      warnings.push_back(record.name() + ": " + std::to_string(wild.size()) +
-                         (wild.size() == 1 ? " row of " : " single rows of ") + channel.name +
-                         " off all neighbours, first at t = " + number(record.time(wild.front().row)) +
-                         " s: taken for wild points and for what the neighbours say");
-    }
-    measured.push_back(std::move(channel));
+    channel.noise = noise_level(view(channel.values));
+    out = out.with(channel);
+    warnings.push_back(record.name() + ": " + std::to_string(wild.size()) +
+                       (wild.size() == 1 ? " row of " : " single rows of ") + name +
+                       " off all neighbours, first at t = " + number(record.time(wild.front().row)) +
+                       " s: taken for wild points and for what the neighbours say");
   }
   if (!any) return record;
+  std::vector<Channel> measured;
+  for (const Channel& channel : out.channels())
+    if (!channel.derived) measured.push_back(of_window(out, channel.name));
   const Record again = derive_motion(Record(record.name(), record.start(), record.dt(), std::move(measured)));
   for (const Channel& channel : record.channels())
     if (channel.derived && again.has(channel.name)) out = out.with(again.channel(channel.name));

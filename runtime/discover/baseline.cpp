@@ -1,7 +1,8 @@
 #include "discover/baseline.hpp"
-#include "expr/digits.hpp"
 
 #include <cmath>
+
+#include "expr/digits.hpp"
 
 namespace lunid {
 

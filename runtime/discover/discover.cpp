@@ -450,13 +450,18 @@ class Spine {
     std::vector<FreeRun> before, after;
   };
 
+  static TestRuns runs_on_test(Study study, const SearchResult& found) {
+    TestRuns out{std::move(study), {}, {}};
+    out.before = runs(out.study, found.baseline, out.study.test, false);
+    out.after = runs(out.study, found.chosen, out.study.test);
+    return out;
+  }
+
   /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
   std::optional<TestRuns> short_test_runs(const Round& round) {
     if (study_.imposed || study_.run_length > 0) return {};
     if (const Gap gap = round.gap(runs_.after_test); !(gap.floor > lost && gap.value < runaway)) return {};
-    TestRuns out{in_short_runs(study_, short_run), {}, {}};
-    out.after = runs(out.study, round.found.chosen, out.study.test);
-    out.before = runs(out.study, round.found.baseline, out.study.test, false);
+    TestRuns out = runs_on_test(in_short_runs(study_, short_run), round.found);
     out_.warnings.push_back(
         "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +
         seconds(out.study.run_length) + " there");
@@ -510,9 +515,9 @@ class Spine {
     read_force({common.between.kind, study_.between.alike});
     baseline_ = common.found.baseline;
     fit_all_rows(common);
-    const Study study = tested.run_length > study_.run_length ? in_short_runs(study_, short_run) : study_;
-    const std::vector<FreeRun> before = runs(study, common.found.baseline, study.test, false),
-                               after = runs(study, common.found.chosen, study.test);
+    const bool in_runs = tested.run_length > study_.run_length;
+    TestRuns judged = runs_on_test(in_runs ? in_short_runs(study_, short_run) : study_, common.found);
+    const auto& [study, before, after] = judged;
     const double p_value = test_p_value(study, before, after);
     const bool follows = common.gap(common.train).value < 3 * followed;
     if (!common.names() || !follows || !refuted(study, common, p_value, before, after).empty() ||
@@ -525,8 +530,9 @@ class Spine {
     common.found.rivals.insert(common.found.rivals.begin(),
                                Beaten{std::move(round.found.chosen), Beaten::By::test, not_confirmed});
     round = std::move(common);
-    runs_.before_test = runs(study_, round.found.baseline, study_.test, false);
-    runs_.after_test = runs(study_, round.found.chosen, study_.test);
+    if (in_runs) judged = runs_on_test(study_, round.found);
+    runs_.before_test = std::move(judged.before);
+    runs_.after_test = std::move(judged.after);
     out_.test_p_value = p_value;
     return true;
   }
@@ -549,11 +555,14 @@ class Spine {
       if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
     }
     runs_.after_test = runs(study_, found.chosen, study_.test);
-    if (stand > 0)
-      out_.test_p_value = test_p_value(tested, runs(tested, found.baseline, tested.test, false),
-                                       runs(tested, found.chosen, tested.test));
-    else
+    if (stand == 0) {
       runs_.before_test = runs_.after_test;
+    } else if (tested.run_length > study_.run_length) {
+      const TestRuns judged = runs_on_test(tested, found);
+      out_.test_p_value = test_p_value(tested, judged.before, judged.after);
+    } else {
+      out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);
+    }
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
     if (stand > 0) find_ties_of_the_rest(found);

@@ -117,12 +117,6 @@ Record of_channels(const Record& record, std::vector<Channel> channels) {
   return out;
 }
 
-Channel of_window(const Record& record, const std::string& name) {
-  Channel out = record.channel(name);
-  out.values = as_vector(record[name]);
-  return out;
-}
-
 /// What was measured of the rig, less what was of its base.
 std::vector<Channel> relative_motion(const Model& model, const Record& record) {
   std::vector<Channel> out;

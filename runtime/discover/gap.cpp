@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "discover/views.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -259,8 +260,7 @@ bool lower_noise(Study& study, const Candidate& candidate) {
       if (!(noise < known)) continue;
       lowered = true;
       for (Record* record : {&study.full[r], &study.train[r].record}) {
-        Channel channel = record->channel(run.output);
-        channel.values = Eigen::Map<const Eigen::VectorXd>((*record)[run.output].data(), record->rows());
+        Channel channel = of_window(*record, run.output);
         channel.noise *= noise / known;
         *record = record->with(channel);
       }

@@ -1,7 +1,8 @@
 #include "regress/constraint.hpp"
-#include "expr/digits.hpp"
 
 #include <cmath>
+
+#include "expr/digits.hpp"
 
 namespace lunid {
 

@@ -1,9 +1,10 @@
 #include "regress/passivity.hpp"
-#include "expr/digits.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "expr/digits.hpp"
 
 namespace lunid {
 

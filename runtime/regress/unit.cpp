@@ -1,10 +1,11 @@
 #include "regress/unit.hpp"
-#include "expr/digits.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+
+#include "expr/digits.hpp"
 
 namespace lunid::detail {
 namespace {

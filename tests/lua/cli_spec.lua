@@ -18,6 +18,13 @@ local function record(name, rows, change, header)
   spec.write(name, table.concat(lines, "\n") .. "\n")
 end
 
+--- Runs lunid; what it says must hold `expected`, and the exit code must be `code`.
+local function says(arguments, expected, code)
+  local said, got = spec.lunid(arguments)
+  spec.contains(said, expected)
+  spec.equal(got, code)
+end
+
 local usual = '--mass 1 --restoring "k*y + c*v" --out out'
 
 --- Runs discover on a file; the whole output must be `expected`, and the exit code `code`.
@@ -115,17 +122,13 @@ spec.case("no time column: --rate says how far the rows are apart", function()
   record("bare.csv", 100, function(_, cells) return { cells[2], cells[3] } end, "F,y")
   refused("bare.csv", usual, "bare.csv:1: no time column: expected a column named 't' or 'time', the file has 'F', 'y'; give "
     .. "the rows per second: rate = HZ (--rate HZ)" .. kept, 3)
-  local said, code = spec.lunid 'discover bare.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --rate 100 --out bare'
-  spec.contains(said, "bare.csv: train, 70 rows, 0.69 s at 100 Hz")
+  says('discover bare.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --rate 100 --out bare',
+    "bare.csv: train, 70 rows, 0.69 s at 100 Hz", 0)
+  local _, code = spec.lunid "simulate bare/model.lua --excitation bare.csv --rate 100 --from 0,0 --out bare-run"
   spec.equal(code, 0)
-  said, code = spec.lunid "simulate bare/model.lua --excitation bare.csv --rate 100 --from 0,0 --out bare-run"
-  spec.equal(code, 0)
-  said, code = spec.lunid "simulate bare/model.lua --excitation bare.csv --rate fs --out bare-run"
-  spec.contains(said, "bare.csv: rate and interval: expected a number for a CSV file, got the name 'fs'")
-  spec.equal(code, 3)
-  said, code = spec.lunid("discover bare.csv --rate 0 " .. usual)
-  spec.contains(said, "--rate: expected > 0, got '0'\n")
-  spec.equal(code, 2)
+  says("simulate bare/model.lua --excitation bare.csv --rate fs --out bare-run",
+    "bare.csv: rate and interval: expected a number for a CSV file, got the name 'fs'", 3)
+  says("discover bare.csv --rate 0 " .. usual, "--rate: expected > 0, got '0'\n", 2)
 end)
 
 spec.case("a logger's file is read as it is, and what was skipped is said", function()
@@ -187,15 +190,10 @@ spec.case("wrong usage", function()
   said, code = spec.lunid("discover good.csv --window 8 " .. usual)
   spec.equal(said, "--window: expected A:B in seconds, got '8'" .. kept)
   spec.equal(code, 2)
-  said, code = spec.lunid("discover good.csv --alpha 2 " .. usual)
-  spec.contains(said, "--alpha: expected > 0 and < 0.5, got 2\n")
-  spec.equal(code, 2)
-  said, code = spec.lunid("discover good.csv --minimum-gain 1 " .. usual)
-  spec.contains(said, "--minimum-gain: expected >= 0 and < 1, got 1\n")
-  spec.equal(code, 2)
-  said, code = spec.lunid("discover good.csv --catalogue cubic_stiffness,clearence " .. usual)
-  spec.contains(said, "--catalogue: unknown effect 'clearence', did you mean 'clearance'?\n")
-  spec.equal(code, 2)
+  says("discover good.csv --alpha 2 " .. usual, "--alpha: expected > 0 and < 0.5, got 2\n", 2)
+  says("discover good.csv --minimum-gain 1 " .. usual, "--minimum-gain: expected >= 0 and < 1, got 1\n", 2)
+  says("discover good.csv --catalogue cubic_stiffness,clearence " .. usual,
+    "--catalogue: unknown effect 'clearence', did you mean 'clearance'?\n", 2)
 end)
 
 spec.case("wrong options: what was expected, what came", function()
