@@ -367,7 +367,7 @@ int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
   if (key == "verdict")
-    push_text(L, found.verdict);
+    push_text(L, to_string(found.verdict));
   else if (key == "sentence")
     push_text(L, found.sentence);
   else if (key == "model")

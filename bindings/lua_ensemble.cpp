@@ -191,7 +191,8 @@ class Assembly {
         throw InputError("ensemble: excitation: all members need the same number of rows: the first has " +
                          std::to_string(rows) + ", another " + std::to_string(record.rows()));
       const auto force = record["F"];
-      forces.push_back(excitation_of(record, interpolation_));
+      forces.push_back(excitation_of(
+          record, interpolation_ ? interpolation_ : read_between(system.model(), record, system.inputs())));
       force_text += std::to_string(record.start()) + " " + std::to_string(record.dt()) + " " +
                     to_string(forces.back().interpolation()) +
                     std::string(reinterpret_cast<const char*>(force.data()), force.size_bytes());

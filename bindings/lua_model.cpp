@@ -92,7 +92,7 @@ std::vector<ChannelMap> read_maps(lua_State* L, const char* field, DeclarationsP
 }
 
 /// model{mass = {m1...}, restoring = {f1...}, forces = {1...}, measures = {y = f...}, acts = {F = f...}, states =
-/// {z...}, imposed_motion=}
+/// {z...}, imposed_motion=, interpolation=}
 int make_model(lua_State* L) {
   check_table(L, 1);
   DeclarationsPtr declared;
@@ -122,6 +122,7 @@ int make_model(lua_State* L) {
   model.acts = read_maps(L, "acts", declared);
   for (const auto& measured : model.measures) listed.push_back(measured.map);
   model.imposed_motion = boolean_field(L, 1, "imposed_motion", false);
+  model.interpolation = interpolation_field(L, 1);
   if (model.imposed_motion && model.degrees() > 1)
     throw InputError("model: motion can be imposed on one coordinate, got " + std::to_string(model.degrees()));
   with_field(L, 1, "states", [&] {
@@ -237,7 +238,8 @@ void push_rows(lua_State* L, const Model& model, Expr Coordinate::*part) {
   }
 }
 
-/// Fields mass, restoring, degrees, inputs, forces, measures, acts, states, parameters, imposed_motion; or a method.
+/// Fields mass, restoring, degrees, inputs, forces, measures, acts, states, parameters, imposed_motion, interpolation;
+/// or a method.
 int get(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string key = check_string(L, 2);
@@ -268,6 +270,11 @@ int get(lua_State* L) {
       lua_pushinteger(L, coordinate + 1);
       lua_rawseti(L, -2, ++i);
     }
+  } else if (key == "interpolation") {
+    if (model.interpolation)
+      push_text(L, to_string(*model.interpolation));
+    else
+      lua_pushnil(L);
   } else if (key == "imposed_motion")
     lua_pushboolean(L, model.imposed_motion);
   else if (key == "parameters")
@@ -280,8 +287,8 @@ int get(lua_State* L) {
     if (lua_isnil(L, -1)) {
       throw InputError(
           "a model has no '" + key +
-          "' (fields: mass restoring degrees inputs forces delay measures acts states parameters imposed_motion; "
-          "methods: "
+          "' (fields: mass restoring degrees inputs forces delay measures acts states parameters imposed_motion "
+          "interpolation; methods: "
           "equation force with save export)");
     }
   }

@@ -202,7 +202,7 @@ local definition = {
     { "dt", types.expression, unit = "s",
       help = "sample time, where the force is an expression; may hold what is varied" },
     { "interpolation", types.choice { "hold", "linear", "cubic", "band_limited" },
-      help = "what a record's force does between samples; else what the record says" },
+      help = "what a record's force does between samples; else what the record says, or the model" },
     { "substeps", types.integer { min = 1, max = 1000 }, help = "per sample; else chosen by halving on a few members" },
     { "outputs", types.list(types.string, 1),
       help = "max, min, mean, std, rms, amplitude or last of a signal: \"rms_y\"; else rms and max of the displacements" },

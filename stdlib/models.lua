@@ -91,6 +91,9 @@ models.model = schema.define({
     { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, affine in F" },
     { "states", types.list(types.expression), default = {},
       help = "internal states that the restoring force does not name" },
+    { "interpolation", types.choice { "hold", "linear", "cubic", "band_limited" },
+      help = "what recorded forces do between their rows, where neither the call nor the record says it; else straight "
+        .. "lines. Models that discover returns have what was found" },
     { "motion", types.choice { "free", "imposed" }, default = "free",
       help = "'imposed': the measured motion drives the model; the mass may then be 0" },
   },
@@ -272,7 +275,8 @@ function models.text(model)
   lines[#lines + 1] = ("return lunid.model {\n  mass = %s,\n  restoring = %s,%s%s%s\n}"):format(
     row_text(model.mass), row_text(model.restoring), (model.imposed_motion and "" or forces_text(model))
       .. (model.delay and ("\n  delay = %s,"):format(model.delay:text "lua") or "")
-      .. maps_text("measures", model.measures) .. maps_text("acts", model.acts),
+      .. maps_text("measures", model.measures) .. maps_text("acts", model.acts)
+      .. (model.interpolation and ("\n  interpolation = %q,"):format(model.interpolation) or ""),
     #names > 0 and ("\n  states = { %s },"):format(table.concat(names, ", ")) or "",
     model.imposed_motion and '\n  motion = "imposed",' or "")
   return table.concat(lines, "\n") .. "\n"

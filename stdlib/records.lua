@@ -155,7 +155,7 @@ schema.method({
   name = "record:save",
   also = "run",
   help = "Writes the time and the channels in SI with their units, below the out directory: as HDF5 (.h5, .hdf5), for "
-    .. "MATLAB (.mat) or else as CSV. Whole or not at all. Also run:save.",
+    .. "MATLAB (.mat) or else as CSV. Derived channels are called v_derived in the file, and are derived ones again where it is read. Whole or not at all. Also run:save.",
   positional = { "path" },
   fields = {
     { "path", types.string, required = true, help = "below the out directory" },

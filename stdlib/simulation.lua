@@ -63,7 +63,7 @@ local simulate = schema.define({
       .. "part of that" },
     { "solver", types.choice(solvers), default = "auto", help = "how to integrate" },
     { "interpolation", types.choice(interpolations),
-      help = "what the force does between samples; else what the record says: its formula, or straight lines" },
+      help = "what the force does between samples; else what the record says (its formula), or the model, or straight lines" },
     { "rtol", types.number { above = 0, below = 1 }, default = 1e-8, help = "relative tolerance of SUNDIALS" },
     { "atol", types.number { above = 0 }, help = "absolute tolerance of SUNDIALS, for all states; else rtol times the scale "
       .. "of each" },
@@ -118,7 +118,7 @@ local fit_trajectory = schema.define({
     { "segment", types.number { above = 0 }, unit = "s",
       help = "length of free runs with first states of their own (multiple shooting); else the whole record" },
     { "interpolation", types.choice(interpolations),
-      help = "what the force does between samples; else what the record says: its formula, or straight lines" },
+      help = "what the force does between samples; else what the record says (its formula), or the model, or straight lines" },
     { "solver", types.choice { "auto", "fixed", "bdf", "adams" }, default = "auto",
       help = "what integrates the runs and their sensitivities; auto: fixed, or bdf where the model is stiff at the start" },
     { "gradient", types.choice { "auto", "forward", "adjoint" }, default = "auto",

@@ -172,6 +172,28 @@ Record with_all_forces(const Study& study, const Record& record, std::vector<std
   return out;
 }
 
+/// At the same times.
+bool have_rows_in_common(const Record& a, const Record& b) {
+  constexpr Eigen::Index enough = 20;  // that measured values are alike by chance
+  const double first = std::max(a.start(), b.start()), shift_a = (first - a.start()) / a.dt(),
+               shift_b = (first - b.start()) / b.dt();
+  const auto from_a = static_cast<Eigen::Index>(std::lround(shift_a)),
+             from_b = static_cast<Eigen::Index>(std::lround(shift_b));
+  const Eigen::Index rows = std::min(a.rows() - from_a, b.rows() - from_b);
+  const bool aligned =
+      std::abs(shift_a - static_cast<double>(from_a)) < 0.01 && std::abs(shift_b - static_cast<double>(from_b)) < 0.01;
+  if (std::abs(a.dt() - b.dt()) > 1e-9 * a.dt() || !aligned || rows < enough) return false;
+  bool moves = false;
+  for (const Channel& channel : a.channels()) {
+    if (!b.has(channel.name)) return false;
+    const auto own = a[channel.name].subspan(static_cast<std::size_t>(from_a), static_cast<std::size_t>(rows));
+    const auto other = b[channel.name].subspan(static_cast<std::size_t>(from_b), static_cast<std::size_t>(rows));
+    if (!std::ranges::equal(own, other)) return false;
+    moves = moves || std::ranges::any_of(own, [&](double x) { return x != own.front(); });
+  }
+  return moves;
+}
+
 }  // namespace
 
 bool is_free(const Study& study, const Record& record) {
@@ -233,25 +255,18 @@ void compare_sensors(const Study& study, const Record& record, std::vector<std::
     }
 }
 
-bool have_rows_in_common(const Record& a, const Record& b) {
-  constexpr Eigen::Index enough = 20;  // that measured values are alike by chance
-  const double first = std::max(a.start(), b.start()), shift_a = (first - a.start()) / a.dt(),
-               shift_b = (first - b.start()) / b.dt();
-  const auto from_a = static_cast<Eigen::Index>(std::lround(shift_a)),
-             from_b = static_cast<Eigen::Index>(std::lround(shift_b));
-  const Eigen::Index rows = std::min(a.rows() - from_a, b.rows() - from_b);
-  const bool aligned =
-      std::abs(shift_a - static_cast<double>(from_a)) < 0.01 && std::abs(shift_b - static_cast<double>(from_b)) < 0.01;
-  if (std::abs(a.dt() - b.dt()) > 1e-9 * a.dt() || !aligned || rows < enough) return false;
-  bool moves = false;
-  for (const Channel& channel : a.channels()) {
-    if (!b.has(channel.name)) return false;
-    const auto own = a[channel.name].subspan(static_cast<std::size_t>(from_a), static_cast<std::size_t>(rows));
-    const auto other = b[channel.name].subspan(static_cast<std::size_t>(from_b), static_cast<std::size_t>(rows));
-    if (!std::ranges::equal(own, other)) return false;
-    moves = moves || std::ranges::any_of(own, [&](double x) { return x != own.front(); });
-  }
-  return moves;
+bool warn_of_known_rows(const std::vector<Record>& train, const std::vector<Record>& test,
+                        std::vector<std::string>& warnings) {
+  bool any = false;
+  for (const Record& record : test)
+    for (const Record& known : train)
+      if (have_rows_in_common(known, record)) {
+        any = true;
+        warnings.push_back("the test record " + record.name() + " holds rows of the training record " + known.name() +
+                           ": it confirms nothing. Give another record, or windows that do not overlap; without a test "
+                           "the last part of each record is held out");
+      }
+  return any;
 }
 
 bool are_free(const Study& study, const std::vector<Record>& records) {

@@ -29,8 +29,9 @@ Record without_wild_rows(const Record& record, std::vector<std::string>& warning
 /// go together the gain of a sensor is off, with a warning; the fits see one of them.
 void compare_sensors(const Study& study, const Record& record, std::vector<std::string>& warnings);
 
-/// A record holds rows of another one, at the same times.
-bool have_rows_in_common(const Record& a, const Record& b);
+/// Whether a test record holds rows of a training record, at the same times; each that does is a warning.
+bool warn_of_known_rows(const std::vector<Record>& train, const std::vector<Record>& test,
+                        std::vector<std::string>& warnings);
 
 /// What free runs are held against, and what integrals lose: fills Study::measured and Study::slow, with a warning.
 void choose_output(Study& study, const std::vector<Record>& train);

@@ -369,6 +369,12 @@ Model fitted(const Candidate& c) {
   return model;
 }
 
+Model fitted(const Study& study, const Candidate& candidate) {
+  Model out = fitted(candidate);
+  if (!study.imposed) out.interpolation = study.between.kind;
+  return out;
+}
+
 void fit(const Study& study, Candidate& candidate, const FitOptions& options) {
   candidate.fit = fit_progressively(*candidate.system, candidate.starts.front(), study.train, options);
 }

@@ -82,6 +82,8 @@ Eigen::VectorXd values_of(const Candidate& c, std::initializer_list<const Candid
 
 /// The model with the values of its fit and their standard deviations.
 Model fitted(const Candidate& candidate);
+/// The same, with what the study found the force to do between its samples.
+Model fitted(const Study& study, const Candidate& candidate);
 
 /// Fits on the trajectory from the best start, short free runs first.
 void fit(const Study& study, Candidate& candidate, const FitOptions& options);

@@ -37,14 +37,16 @@ std::string not_physics(const Choices& named) {
 
 std::string in_brackets(const std::string& words) { return words.empty() ? "" : " (" + words + ")"; }
 
-/// What lowers the left-out gap beyond chance, though by less than is asked of a name, and by how much.
-std::string below_the_least_gain(const Study& study, const SearchResult& found) {
+/// What lowers the left-out gap beyond chance, by how much, and why it is not named all the same.
+std::string below_what_is_asked(const Study& study, const SearchResult& found) {
   if (!found.faint) return "";
-  char text[160];
-  std::snprintf(text, sizeof text, " lowers it beyond chance, but by %.2g %%: less than the least gain of %.2g %%",
-                100 * (1 - found.faint->left_out_gap / found.baseline.left_out_gap),
-                100 * required_gain(study, found.faint->left_out_gap));
-  return found.faint->name() + text;
+  const double before = found.baseline.left_out_gap, after = found.faint->left_out_gap, gain = 1 - after / before,
+               asked = required_gain(study, after), closed = closed_share(before, after, study.noise_gap());
+  const std::string why = gain < asked    ? ": less than the least gain of " + number(100 * asked, 2) + " %"
+                          : closed <= 0.5 ? ", " + number(100 * closed, 2) +
+                                                " % of what is above the noise: half of that is asked of a name"
+                                          : "; the sets that follow best hold other effects, which do not stand";
+  return found.faint->name() + " lowers it beyond chance, but by " + number(100 * gain, 2) + " %" + why;
 }
 
 /// What forces without a name do on the test records.
@@ -64,7 +66,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   out.units = options.units;
   out.same_experiment.cancelled = nullptr;  // it outlives the run
   const bool driven = study.imposed || options.limits.force > 0;
-  if (out.verdict != "ambiguous" || !driven || study.forces.size() > 1) return;
+  if (out.verdict != Verdict::ambiguous || !driven || study.forces.size() > 1) return;
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
   for (const Rival& rival : out.rivals) {
@@ -96,7 +98,24 @@ void warn_of_bounds(const Candidate& baseline, const Candidate& c, Discovery& ou
                              number(c.fit.theta[static_cast<Eigen::Index>(i)], 4));
 }
 
-/// A gain, or a mass beside that of the baseline, which is a power of a thousand or -1 is rather a unit or a sign.
+/// The unit that was left out where this is what it makes of a number, with powers of a thousand or without; "" where
+/// it is none. No real gain is so far from one.
+std::string unit_of_ratio(double ratio) {
+  constexpr double near = 0.03, nearer = 0.01;
+  const auto apart = [&](double of) {  // from the next power of a thousand, and which that is
+    const double powers = std::log10(std::abs(ratio) / of) / 3, whole = std::round(powers);
+    return std::pair{std::abs(std::pow(1000.0, powers - whole) - 1), whole};
+  };
+  if (const auto [off, whole] = apart(1); off < near && whole != 0) return "mm for m, kN for N, ms for s, g for kg";
+  constexpr std::pair<double, const char*> units[] = {
+      {9.80665, "g for m/s^2"}, {180 / M_PI, "degrees for rad"}, {25.4, "inches for m"}, {4.448222, "lbf for N"}};
+  for (const auto& [factor, words] : units)
+    for (const double of : {factor, 1 / factor})
+      if (apart(of).first < nearer) return words;
+  return "";
+}
+
+/// A gain, or a mass beside that of the baseline, that is rather a unit or a sign.
 std::string unit_or_sign(const NamedEffect& e, const Model& baseline) {
   constexpr double near = 0.03;
   double ratio = 0;
@@ -108,9 +127,8 @@ std::string unit_or_sign(const NamedEffect& e, const Model& baseline) {
   if (ratio == 0) return "";
   const std::string is = e.name + " makes it " + number(ratio, 4) + " times what is given: ";
   if (std::abs(ratio + 1) < near) return is + "is the sign of the force, or of the motion, reversed?";
-  const double powers = std::log10(std::abs(ratio)) / 3, whole = std::round(powers);
-  if (whole == 0 || std::abs(std::pow(1000.0, powers - whole) - 1) > near) return "";
-  return is + "is a unit (mm for m, kN for N, ms for s, g for kg) not said?";
+  const std::string unit = unit_of_ratio(ratio);
+  return unit.empty() ? "" : is + "is a unit (" + unit + ") not said?";
 }
 
 /// The fast path's last run again by SUNDIALS: tests the integration only (same tape, same force between samples).
@@ -158,7 +176,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   const SearchResult& found = round.found;
   const Left& left = round.left;
   char text[160];
-  if (out.verdict == "explained" || out.verdict == "ambiguous") {
+  if (out.verdict == Verdict::explained || out.verdict == Verdict::ambiguous) {
     std::string names = words_of(out.effects) + not_physics(found.chosen.choices);
     const bool in_runs = out.short_test.seconds > 0;
     const Gap& last = in_runs ? out.short_test.final : out.final_test;
@@ -181,14 +199,14 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
       said += text;
     return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
   }
-  if (out.verdict == "nothing-missing" && !found.reading.empty()) {
+  if (out.verdict == Verdict::nothing_missing && !found.reading.empty()) {
     std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone) ", out.final_test.value,
                   out.final_test.floor);
     return text + std::string("is gone where the force is read ") + found.reading +
            ": what a force may do between its samples, such as a controller's part that is held, or channels that are "
            "read a part of a sample apart; no effect is named";
   }
-  if (out.verdict == "nothing-missing") {
+  if (out.verdict == Verdict::nothing_missing) {
     std::snprintf(text, sizeof text, "; what is left (gap %.2g on test, %.2g from noise alone) is %s",
                   out.final_test.value, out.final_test.floor,
                   round.loose_test ? "no more than three deviations of the parameters make of that record"
@@ -200,7 +218,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     else if (!found.as_read.empty())
       said +=
           "beyond what the force may do between its samples, which " + found.as_read.front() + " does no better than";
-    else if (const std::string small = below_the_least_gain(study, found); !small.empty())
+    else if (const std::string small = below_what_is_asked(study, found); !small.empty())
       said += "enough; " + small;
     else
       said += "beyond chance";
@@ -208,6 +226,12 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   }
   if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
   const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn;
+  if (!left.seen && !leaves_motion_open(study, out.final_train) && leaves_motion_open(study, out.final_test))
+    return "the model follows the training records (gap " + number(out.final_train.value, 2) + ", " +
+           number(out.final_train.floor, 2) + " from noise alone) and not the test records (" +
+           number(out.final_test.value, 2) + ", " + number(out.final_test.floor, 2) +
+           "): these show what the former do not, a larger motion or another band. Train on records like both" +
+           nearest;
   if (!left.seen)
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;
@@ -242,13 +266,13 @@ class Conclusion {
     out_.gap_left_out_before = found.baseline.left_out_gap;
     out_.gap_left_out_after = found.chosen.left_out_gap;
     out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
-    out_.baseline = fitted(found.baseline);
-    out_.final = fitted(found.chosen);
+    out_.baseline = fitted(study_, found.baseline);
+    out_.final = fitted(study_, found.chosen);
     const std::optional<Place> place = main_place();
     out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
     for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
-                             corrected(improvement_p_value(found.baseline, c)), remark, fitted(c)});
+                             corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
     warn_of_bounds(found.baseline, found.chosen, out_);
     for (const NamedEffect& e : out_.effects)
       if (const std::string words = unit_or_sign(e, out_.baseline); !words.empty()) out_.warnings.push_back(words);
@@ -257,7 +281,7 @@ class Conclusion {
       progress_("name again on resampled blocks", 0.96);
       out_.naming = bootstrap_naming(study_, found);
     }
-    if (out_.verdict == "ambiguous") progress_("design the experiment that would decide", 0.97);
+    if (out_.verdict == Verdict::ambiguous) progress_("design the experiment that would decide", 0.97);
     design_next(study_, found, out_);
     out_.loop = look_for_loop(study_, found, runs_.after_train);
     if (out_.loop) warn_of_loop(*out_.loop);
@@ -279,7 +303,7 @@ class Conclusion {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
-    if (out_.verdict == "unknown-effect" && found.chosen.ran()) {
+    if (out_.verdict == Verdict::unknown_effect && found.chosen.ran()) {
       progress_("fit forces without a name", 0.98);
       out_.unknown = unknown_force(study_, round_, place, out_.map, out_.final_test);
     }

@@ -14,6 +14,10 @@
 
 namespace lunid {
 
+enum class Verdict { explained, nothing_missing, ambiguous, unknown_effect };
+/// As everybody sees it: "nothing-missing", ...
+const char* to_string(Verdict verdict);
+
 struct DiscoverOptions {
   double alpha = 0.01;         ///< false-alarm level of the whole search, 0 < alpha < 0.5
   double minimum_gain = 0.05;  ///< least relative drop of the left-out gap for which an effect is named, 0..1
@@ -155,7 +159,7 @@ struct ClosedLoop {
 std::string sentence_of(const ClosedLoop& loop);
 
 struct Discovery {
-  std::string verdict;    ///< explained | nothing-missing | ambiguous | unknown-effect
+  Verdict verdict = Verdict::nothing_missing;
   std::string sentence;   ///< the verdict in one sentence
   std::string where;      ///< where baseline and data disagree
   Model baseline, final;  ///< refitted, with standard deviations

@@ -277,6 +277,8 @@ Model Frame::as_given(const Model& found) const {
   Model out = found;
   Pool& pool = *out.pool;
   out.driven = driven_;
+  if (out.interpolation == Interpolation::hold)
+    out.interpolation.reset();  // of -m*ab; a base moves on between its rows
   if (kind_ == Kind::relative) {
     for (int i = 0; i < out.degrees(); ++i) {
       Expr& force = restoring_of(out, i);

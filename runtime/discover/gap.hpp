@@ -22,6 +22,10 @@ struct FreeRun {
   double stopped_at = 0;
   std::string cause;
 };
+inline constexpr double lost_gap = 0.3;  ///< beyond which a run follows nothing
+inline constexpr double runaway_gap =
+    10;  ///< of a run that grows beyond all motion: no noise leads a stable model there
+
 /// One run, of which each output is shown. `floor`: what noise alone would leave is asked too, at the cost of several
 /// runs.
 std::vector<FreeRun> free_run(const Study& study, const System& system, const Eigen::VectorXd& theta,

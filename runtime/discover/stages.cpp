@@ -43,14 +43,14 @@ struct Stage {
     const Model model = complete(frame.model());
     if (frame.moves()) warnings.push_back(frame.note());
     const std::vector<Record> seen = frame.seen(records);
-    study = prepare(model, seen, seen, options);
+    study = prepare(model, seen, seen, options);  // nothing is held out
     progress(options, "refit the baseline", 0.1);
     baseline = fit_baseline(study, model, warnings);
     warnings.insert(warnings.end(), study.warnings.begin(), study.warnings.end());
     if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();  // those of the force alone
   }
 
-  Model as_given(const Candidate& c) const { return frame.as_given(fitted(c)); }
+  Model as_given(const Candidate& c) const { return frame.as_given(fitted(study, c)); }
 
   double gap(const Candidate& c) const {
     return c.ran() ? rms_error(c.fit) / study.measured_std() : std::numeric_limits<double>::quiet_NaN();

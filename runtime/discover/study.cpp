@@ -58,8 +58,9 @@ Interpolation guess_interpolation(std::span<const double> f) {
   return line <= hold ? Interpolation::linear : Interpolation::hold;
 }
 
-/// Of the largest of the forces.
+/// What the baseline says, else of the largest of the forces.
 Interpolation guess_interpolation(const Study& study, const Record& record) {
+  if (study.model.interpolation) return *study.model.interpolation;
   const auto smaller = [&](const std::string& a, const std::string& b) {
     return standard_deviation(record[a]) < standard_deviation(record[b]);
   };
@@ -324,14 +325,6 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   for (const auto& record : test) {
     check_record(study, record);
     study.test.push_back(record);
-    for (const auto& known : train)
-      if (have_rows_in_common(known, record)) {
-        study.test_is_known = true;
-        study.warnings.push_back("the test record " + record.name() + " holds rows of the training record " +
-                                 known.name() +
-                                 ": it confirms nothing. Give another record, or windows that do not "
-                                 "overlap; without a test the last part of each record is held out");
-      }
   }
   if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {

@@ -80,7 +80,7 @@ Study shortened(const Study& whole);
 /// The study on consecutive parts of its records, each so many periods of its upper frequency long and with a first
 /// state of its own: for a motion that forgets where it came from (chaos, several attractors), which a run over the
 /// whole record loses, whatever the model. Of long records evenly spread parts.
-Study in_short_runs(const Study& whole, double periods);
+Study in_short_runs(const Study& whole, double periods = 2);
 
 /// The channels of a record beside F and y that can drive a model: the motion of a base or of a shaft.
 std::vector<std::string> side_channels(const Record& record);

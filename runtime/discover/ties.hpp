@@ -33,7 +33,7 @@ struct Ties {
   std::vector<Choices> rivals;
   std::vector<std::string> aliases;  ///< whose free runs are those of the chosen set: the same in other words
   /// Of what is named beside these.
-  std::string verdict() const { return rivals.empty() ? "explained" : "ambiguous"; }
+  Verdict verdict() const { return rivals.empty() ? Verdict::explained : Verdict::ambiguous; }
 };
 
 /// What of these judged sets the records cannot tell from the chosen one.

@@ -189,7 +189,7 @@ json to_json(const ExperimentDesign& design) {
 }
 
 json to_json(const Discovery& d) {
-  json out = {{"schema", 1}, {"verdict", d.verdict}, {"sentence", d.sentence}, {"where", d.where}};
+  json out = {{"schema", 1}, {"verdict", to_string(d.verdict)}, {"sentence", d.sentence}, {"where", d.where}};
   out["records"] = json::array();
   for (const auto& r : d.records)
     out["records"].push_back({{"record", r.record},

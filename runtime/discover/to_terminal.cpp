@@ -12,7 +12,7 @@ namespace lunid {
 namespace {
 
 /// "20.9(3)", "8.806(37)e5": the value to the last digit that its standard deviation leaves standing, and that
-/// deviation in units of it: one digit, two where it begins with 1.
+/// deviation in units of it: one digit, two where it begins with 1, or where no digit of the value would be seen.
 std::string value_with_std(const Parameter& p) {
   char text[96];
   if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) {
@@ -21,13 +21,15 @@ std::string value_with_std(const Parameter& p) {
   }
   const int exponent = static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), p.std))));
   int last = static_cast<int>(std::floor(std::log10(p.std)));
-  if (p.std < 2 * std::pow(10.0, last)) --last;
-  const auto digits = std::lround(p.std / std::pow(10.0, last));
+  if (p.std < 2 * std::pow(10.0, last) || std::abs(p.value) < 0.5 * std::pow(10.0, last)) --last;
+  const double unit = std::pow(10.0, last);
+  const auto digits = std::lround(p.std / unit);
+  const double value = std::round(p.value / unit) * unit + 0.0;  // + 0.0: no "-0"
   if (exponent < -3 || exponent > 5 || last > 0)
-    std::snprintf(text, sizeof text, "%.*f(%ld)e%d", std::max(0, exponent - last), p.value / std::pow(10.0, exponent),
+    std::snprintf(text, sizeof text, "%.*f(%ld)e%d", std::max(0, exponent - last), value / std::pow(10.0, exponent),
                   digits, exponent);
   else
-    std::snprintf(text, sizeof text, "%.*f(%ld)", -last, p.value, digits);
+    std::snprintf(text, sizeof text, "%.*f(%ld)", -last, value, digits);
   return text;
 }
 
@@ -146,13 +148,14 @@ std::string to_terminal(const Discovery& d) {
   for (const auto& r : d.removable) line("absent?", r.term + ": " + r.reason + "; it may be removed from the baseline");
   line("equation", short_equation(d.final));
   if (!d.effects.empty()) line("", list(d.final.parameters));
-  line("gap", "free run, left-out blocks of train " + number(d.gap_left_out_before, 3) + " -> " +
-                  number(d.gap_left_out_after, 3) + "   test " + gap(d.baseline_test) + " -> " + gap(d.final_test));
+  line("gap", std::string(d.output == "F" ? "of the force" : "free run") + ", left-out blocks of train " +
+                  number(d.gap_left_out_before, 3) + " -> " + number(d.gap_left_out_after, 3) + "   test " +
+                  gap(d.baseline_test) + " -> " + gap(d.final_test));
   if (d.short_test.seconds > 0)
     line("", "test, in runs of " + number(d.short_test.seconds, 3) + " s " + gap(d.short_test.baseline) + " -> " +
                  gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor, 3) + ")");
   if (d.loop) line("loop", words_of(*d.loop));
-  line("verdict", d.verdict + ": " + d.sentence);
+  line("verdict", std::string(to_string(d.verdict)) + ": " + d.sentence);
   return out.str();
 }
 

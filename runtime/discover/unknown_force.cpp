@@ -63,7 +63,8 @@ UnknownForce unknown_force(const Study& study, const Round& round, const std::op
   if (const std::optional<Candidate> forces = fitted_forces(own, round); forces && forces->ran()) {
     const Gap with = pool_gap(runs(own, *forces, own.test), 0);
     if (with.value < test.value) {
-      out.closure = {fitted(*forces), pool_gap(runs(own, *forces, own.full), 0), with, words_of_interpolation(own)};
+      out.closure = {fitted(own, *forces), pool_gap(runs(own, *forces, own.full), 0), with,
+                     words_of_interpolation(own)};
       map = residual_map(own, baseline, *forces, place);
       map.before -= map.after;
     }

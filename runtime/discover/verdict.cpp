@@ -39,6 +39,16 @@ double left_out_gap(const Study& study, const Closure& closure) {
 
 }  // namespace
 
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::explained: return "explained";
+    case Verdict::nothing_missing: return "nothing-missing";
+    case Verdict::ambiguous: return "ambiguous";
+    case Verdict::unknown_effect: return "unknown-effect";
+  }
+  return "";
+}
+
 Left look_for_structure(const Study& study, const Candidate& c, const std::vector<FreeRun>& train,
                         const Whitening& whitening) {
   // Fitted forces follow a disturbance a good way, over rows that they were not fitted to as well where the motion is
@@ -161,14 +171,14 @@ void decide(const Study& study, Round& round) {
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
   if (series) {
-    round.verdict = "unknown-effect";
+    round.verdict = Verdict::unknown_effect;
   } else if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
-    round.verdict = open && found.reading.empty() ? "unknown-effect" : "nothing-missing";
+    round.verdict = open && found.reading.empty() ? Verdict::unknown_effect : Verdict::nothing_missing;
   } else if (const std::string fault = why_no_explanation(study, round, closed); !fault.empty()) {
     withdraw(round, Beaten::By::training, "nearest, but " + fault);
     round.train = runs(study, found.chosen, study.full);
-    round.verdict = "unknown-effect";
+    round.verdict = Verdict::unknown_effect;
   } else {
     round.verdict = found.ties.verdict();
   }
@@ -216,6 +226,12 @@ bool gone_on_test(const Study& study, const Round& round, const std::vector<Free
   const std::vector<FreeRun> with = runs(study, *closure.system, closure.fit, study.test, false);
   return std::isfinite(pool_gap(with, 0).value) && !lowers_the_gap(study, before, with) &&
          !test_shows_structure(study, round.found.chosen, round.found.whitening);
+}
+
+void remark_ties(SearchResult& found) {
+  for (Beaten& rival : found.rivals)
+    if (holds_name(found.ties.rivals, rival.model.name()))
+      rival = {std::move(rival.model), Beaten::By::tie, tie_remark(found.chosen)};
 }
 
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {

@@ -25,7 +25,8 @@ struct Round {
   SearchResult found;
   Left left;
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
-  std::string verdict, withdrawn;
+  Verdict verdict = Verdict::nothing_missing;
+  std::string withdrawn;
   bool loose_test = false;           ///< nothing is named, and what is left on the test records hangs on the parameters
   BetweenSamples between;            ///< under which it was made
   std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
@@ -83,6 +84,9 @@ void withdraw(Round& round, Beaten::By by, const std::string& remark);
 
 /// Names a single effect, which is among the rivals no more.
 void name_alone(SearchResult& found, Candidate chosen);
+
+/// Rivals that are ties say so.
+void remark_ties(SearchResult& found);
 
 /// That the named model is better than the baseline on the test records, by their runs over these.
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);

@@ -150,6 +150,22 @@ void check_repeats(const std::vector<HeaderCell>& header, const SourceSpan& wher
                          where, Fault::data);
 }
 
+/// "v_derived" is the channel v, where nothing else is.
+void plan_derived(std::vector<ColumnPlan>& plans, const SourceSpan& where, std::vector<std::string>& warnings) {
+  for (ColumnPlan& plan : plans) {
+    std::string name = plan.header.name;
+    if (plan.required || !name.ends_with(derived_ending)) continue;
+    name.resize(name.size() - derived_ending.size());
+    const bool taken = std::ranges::any_of(plans, [&](const ColumnPlan& other) {
+      return other.channel == name || (!other.required && other.header.name == name);
+    });
+    if (name.empty() || taken) continue;
+    plan.channel = name;
+    plan.derived = true;
+    set_unit(plan, plan.header.unit, false, where, warnings);
+  }
+}
+
 /// Columns without a meaning become extra channels under their own names.
 void plan_extra(ColumnPlan& plan, const std::vector<ColumnPlan>& plans, const SourceSpan& where,
                 std::vector<std::string>& warnings) {
@@ -168,6 +184,10 @@ std::string without_time(const std::vector<ColumnPlan>& plans) {
 }
 
 }  // namespace
+
+std::string name_in_files(const Channel& channel) {
+  return channel.derived ? channel.name + std::string(derived_ending) : channel.name;
+}
 
 std::string_view trim(std::string_view text) {
   const auto space = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; };
@@ -237,8 +257,9 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     throw InputError("no time column: expected a column named 't' or 'time', the file has " + list_headers(header) +
                          without_time(plans),
                      where, Fault::data);
+  plan_derived(plans, where, warnings);
   for (ColumnPlan& plan : plans)
-    if (!plan.required) plan_extra(plan, plans, where, warnings);
+    if (!plan.required && !plan.derived) plan_extra(plan, plans, where, warnings);
   if (no_time) plans[*no_time].channel.clear(), plans[*no_time].required = false;
   return plans;
 }

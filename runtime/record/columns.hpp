@@ -28,6 +28,7 @@ struct ColumnPlan {
   HeaderCell header;
   double factor = 1;      ///< to SI
   std::string unit;       ///< SI unit
+  bool derived = false;   ///< from another channel, by its header's name (derived_ending)
   bool required = false;  ///< a cell that is no number is an error; else the column is dropped with a warning
 };
 
@@ -38,6 +39,10 @@ struct ColumnPlan {
 std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
                                      const SourceSpan& where, std::vector<std::string>& warnings,
                                      bool needs_time = true);
+
+/// What a derived channel's column is called in files, after its name, so that it is not read back as a measured one.
+inline constexpr std::string_view derived_ending = "_derived";
+std::string name_in_files(const Channel& channel);
 
 /// Text without white space at its ends.
 std::string_view trim(std::string_view text);

@@ -49,6 +49,7 @@ Channel channel_of(const ColumnPlan& plan, const VectorXd& values, const VectorX
   Channel channel;
   channel.name = plan.channel;
   channel.unit = plan.unit;
+  channel.derived = plan.derived;
   channel.source = plan.header.text;
   channel.source_unit = plan.header.unit;
   const auto span = [](const VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
@@ -109,7 +110,7 @@ std::vector<StoredColumn> stored_columns(const Record& record, VectorXd& t) {
   const auto rows = static_cast<std::size_t>(record.rows());
   std::vector<StoredColumn> columns{{"t", "s", t.data(), rows, record.start(), record.dt()}};
   for (const Channel& channel : record.channels())
-    columns.push_back({channel.name, channel.unit, record[channel.name].data(), rows, {}, {}});
+    columns.push_back({name_in_files(channel), channel.unit, record[channel.name].data(), rows, {}, {}});
   return columns;
 }
 

@@ -29,8 +29,16 @@ class ContainerRows : public RowSource {
     if (plan_.channels.empty()) fail("expected a vector of numbers beside the time");
     for (const std::size_t i : plan_.channels) {
       const ColumnPlan& plan = plan_.plans[i];
-      layout.channels.push_back(
-          {plan.channel, plan.unit, plan.header.text, plan.header.unit, {}, 0, false, Interpolation::linear, {}, {}});
+      layout.channels.push_back({plan.channel,
+                                 plan.unit,
+                                 plan.header.text,
+                                 plan.header.unit,
+                                 {},
+                                 0,
+                                 plan.derived,
+                                 Interpolation::linear,
+                                 {},
+                                 {}});
     }
   }
 

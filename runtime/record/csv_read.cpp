@@ -31,6 +31,7 @@ Channel make_channel(const ColumnPlan& plan, std::span<const double> values, std
   Channel channel;
   channel.name = plan.channel;
   channel.unit = plan.unit;
+  channel.derived = plan.derived;
   channel.source = plan.header.text;
   channel.source_unit = plan.header.unit;
   channel.values =

@@ -1,6 +1,7 @@
 #include <charconv>
 
 #include "record/atomic_file.hpp"
+#include "record/columns.hpp"
 #include "record/record.hpp"
 
 namespace lunid {
@@ -25,7 +26,7 @@ void write_csv(const Record& record, const std::string& path) {
   std::string text = "t [s]";
   std::vector<std::span<const double>> columns;
   for (const Channel& channel : record.channels()) {
-    text += ',' + header_cell(channel.name, channel.unit);
+    text += ',' + header_cell(name_in_files(channel), channel.unit);
     columns.push_back(record[channel.name]);
   }
   text += '\n';

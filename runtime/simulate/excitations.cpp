@@ -84,7 +84,17 @@ Excitations Excitations::part(Index first, Index count) const {
   return cut;
 }
 
+std::optional<Interpolation> read_between(const Model& model, const Record& record,
+                                          const std::vector<std::string>& inputs) {
+  const bool says_it = std::ranges::any_of(inputs, [&](const std::string& input) {
+    return record.has(input) &&
+           (record.channel(input).formula.valid() || record.channel(input).between != Interpolation::linear);
+  });
+  return says_it ? std::nullopt : model.interpolation;
+}
+
 Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation) {
+  if (!interpolation) interpolation = read_between(system.model(), record, system.inputs());
   Excitations found;
   std::string missing;
   for (const std::string& input : system.inputs()) {

@@ -3,12 +3,14 @@
 // and its first-order form.
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "expr/expr.hpp"
 #include "expr/tape.hpp"
+#include "record/record.hpp"
 #include "simulate/dynamics.hpp"
 
 namespace lunid {
@@ -66,6 +68,8 @@ struct Model {
   std::vector<ChannelMap> acts;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;
+  /// What recorded forces do between their rows, where neither the call nor the record says it; none: straight lines.
+  std::optional<Interpolation> interpolation;
 
   int degrees() const { return 1 + static_cast<int>(further.size()); }
   Coordinate coordinate(int i) const { return i == 0 ? Coordinate{mass, restoring} : further[i - 1]; }

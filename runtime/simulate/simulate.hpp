@@ -135,6 +135,9 @@ Excitation rate_of(const Excitation& signal);
 
 /// The channels of a record that drive the system, each as excitation_of gives it. Throws InputError naming the channel
 /// that it lacks: the forces may be absent where others drive, but not all inputs.
+/// What a model says of the channels that drive it, where the record says nothing of them (Model::interpolation).
+std::optional<Interpolation> read_between(const Model& model, const Record& record,
+                                          const std::vector<std::string>& inputs);
 Excitations excitations_of(const System& system, const Record& record, std::optional<Interpolation> interpolation = {});
 
 /// automatic and fixed are ours; the rest is SUNDIALS': CVODE's BDF and Adams, ARKODE's explicit Runge-Kutta pairs 3(2)

@@ -66,7 +66,7 @@ function lunid.stream(fields) end
 ---@return lunid.window
 function lunid.window(fields) end
 
----Writes the time and the channels in SI with their units, below the out directory: as HDF5 (.h5, .hdf5), for MATLAB (.mat) or else as CSV. Whole or not at all. Also run:save.
+---Writes the time and the channels in SI with their units, below the out directory: as HDF5 (.h5, .hdf5), for MATLAB (.mat) or else as CSV. Derived channels are called v_derived in the file, and are derived ones again where it is read. Whole or not at all. Also run:save.
 ---@class lunid.record.save.fields
 ---@field path string # below the out directory
 ---@field version? "5"|"7.3" # of a MAT file: 5 is read by all programs and holds 2 GB a channel, 7.3 can be a stream
@@ -278,7 +278,7 @@ function lunid.huber(fields) end
 ---@field duration? number # length of the run; of a record, else all
 ---@field dt? number # sample time of the result; of a record its own, else a whole part of that
 ---@field solver? "auto"|"fixed"|"bdf"|"adams"|"rk23"|"rk45"|"rk78"|"esdirk" # how to integrate
----@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says (its formula), or the model, or straight lines
 ---@field rtol? number # relative tolerance of SUNDIALS
 ---@field atol? number # absolute tolerance of SUNDIALS, for all states; else rtol times the scale of each
 ---@field substeps? integer # of the fixed path, per sample; else chosen
@@ -299,7 +299,7 @@ function lunid.simulate(fields) end
 ---@field separate? table # names of parameters that each record has for itself
 ---@field loss? "squared"|"huber" # 'huber': residuals beyond 1.345 standard deviations count linearly, so that outliers do not pull
 ---@field segment? number # length of free runs with first states of their own (multiple shooting); else the whole record
----@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says: its formula, or straight lines
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what the force does between samples; else what the record says (its formula), or the model, or straight lines
 ---@field solver? "auto"|"fixed"|"bdf"|"adams" # what integrates the runs and their sensitivities; auto: fixed, or bdf where the model is stiff at the start
 ---@field gradient? "auto"|"forward"|"adjoint" # forward: sensitivities and Levenberg-Marquardt; adjoint: one backward sweep for all parameters and NLopt's L-BFGS; auto: adjoint from 40 parameters on, or beyond 64 states
 ---@field max_iterations? integer # of Levenberg-Marquardt; L-BFGS may take 25 evaluations for each
@@ -509,6 +509,7 @@ function record:summary(fields) end
 ---@field measures? lunid.table # what displacements, velocities and accelerations show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
 ---@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, affine in F
 ---@field states? table # internal states that the restoring force does not name
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what recorded forces do between their rows, where neither the call nor the record says it; else straight lines. Models that discover returns have what was found
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0
 ---@param fields lunid.model.fields
 ---@return lunid.model
@@ -1315,7 +1316,7 @@ function lunid.normal(mean, std) end
 ---@field from? table # first state { y, v, ... } of all members; else rest
 ---@field duration? number|lunid.expression # length of a run, where the force is an expression; may hold what is varied
 ---@field dt? number|lunid.expression # sample time, where the force is an expression; may hold what is varied
----@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what a record's force does between samples; else what the record says
+---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what a record's force does between samples; else what the record says, or the model
 ---@field substeps? integer # per sample; else chosen by halving on a few members
 ---@field outputs? table # max, min, mean, std, rms, amplitude or last of a signal: "rms_y"; else rms and max of the displacements
 ---@field settled? number # part of each run before the outputs begin

@@ -101,8 +101,8 @@ end)
 
 spec.case("parallel elastic_slip elements are masing_soil and iwan", function()
   local sum, share = 0, {}
-  for i = 0, 10 do share[i] = i < 10 and math.cos(i * math.pi / 20) ^ 2 or 0 end
-  for i = 1, 10 do
+  for i = 0, 20 do share[i] = i < 20 and math.cos(i * math.pi / 40) ^ 2 or 0 end
+  for i = 1, 20 do
     local k = 300 * (share[i - 1] ^ 2 - share[i] ^ 2)
     sum = sum + effects.elastic_slip { k = k, Fs = k * 0.015 * (2 / (share[i - 1] + share[i]) - 1), prefix = "e" .. i }
   end

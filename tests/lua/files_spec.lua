@@ -43,6 +43,27 @@ spec.case("a record is saved for MATLAB and read back to the same bits", functio
   spec.equal(spec.message_of(function() record:save() end), "save: missing field 'path': a string")
 end)
 
+spec.case("derived channels are derived ones again where they are read", function()
+  local given = lunid.record { dt = record.dt, channels = { { "F", record:column "F" }, { "y", record:column "y" } } }
+  spec.equal(given.channels.v.derived, true)
+  for _, ending in ipairs { "csv", "h5", "mat" } do
+    local file = spec.folder .. "/derived." .. ending
+    given:save(file)
+    local back = lunid.read(file)
+    for _, name in ipairs { "F", "y", "v", "a" } do
+      spec.equal(back.channels[name].derived, given.channels[name].derived)
+      for i = 1, record.rows, 40 do spec.equal(back:column(name)[i], given:column(name)[i]) end
+    end
+  end
+  spec.equal(io.lines(spec.folder .. "/derived.csv")(), "t [s],F [N],y [m],v_derived [m/s],a_derived [m/s^2]")
+  -- A column that is measured stands for itself, and one that is asked for is what it was asked for.
+  spec.write("both.csv", "t,F,y,v,v_derived\n" .. ("%g,1,2,3,4\n"):rep(8):format(0, 1, 2, 3, 4, 5, 6, 7))
+  local both = lunid.read(spec.folder .. "/both.csv")
+  spec.equal(both.channels.v.derived, false)
+  spec.equal(both:column("v_derived")[1], 4)
+  spec.equal(lunid.read(spec.folder .. "/derived.csv", { velocity = "v_derived" }).channels.v.derived, false)
+end)
+
 spec.case("a sweep is saved as HDF5 and read back as a table", function()
   local sweep = lunid.ensemble { model = model, vary = { v = { 0, 0.1, 0.2 } }, excitation = record }
   sweep:save(spec.folder .. "/sweep.h5")

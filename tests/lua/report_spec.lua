@@ -49,6 +49,17 @@ end
 local named = discover(k*y + c*v, { "cubic_stiffness" }, "named")
 local nothing = discover(k*y + c*v + k3*y^3, { "coulomb_friction" }, "nothing")
 
+spec.case("the model that is saved reads forces as it was fitted", function()
+  local model, data = lunid.load(spec.folder .. "/named/model.lua"), named.data
+  spec.equal(model.interpolation, data.method.force_between_samples)
+  local sweep = lunid.read "../data/spring_sweep.csv"
+  local function gap(how)
+    local run = lunid.simulate { model = model, excitation = sweep, interpolation = how }
+    return lunid.statistics.nrmse(sweep:column "y", run:column "y")
+  end
+  assert(gap() < 1.1*data.final.gap_test and gap() < 0.85*gap "linear", gap())
+end)
+
 spec.case("the page holds the verdict and the gaps of discovery.json", function()
   local page, data = read "named/report.html", named.data
   spec.equal(data.verdict, "explained")

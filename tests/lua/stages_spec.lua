@@ -11,6 +11,7 @@ local baseline = lunid.model { mass = 49, restoring = lunid.parameter { "k", min
 spec.case("locate: a cubic spring grows with |y|, odd; friction is not seen", function()
   local where = lunid.locate { model = baseline, record = train }
   spec.equal(where.above_noise, true)
+  assert(not tostring(where):match "test record", tostring(where))  -- a stage has none
   assert(where.loop_share < 0.05)
   spec.contains(where.sentence, "|y|")
   spec.contains(where.sentence, "odd")

@@ -117,7 +117,7 @@ TEST(DiscoveryTakes, ATermThatIsFixedBesideOneLikeIt) {
   known.value = 0.25 * wanted;
   known.fixed = true;
   const Discovery d = find(model, records);
-  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << d.sentence;
   EXPECT_NEAR(d.final.find("k")->value, 0.75 * wanted, 0.01 * wanted);
 }
 
@@ -135,7 +135,7 @@ TEST(DiscoverySaysFirst, ThatTheTestHoldsRowsOfTheTrainingRecord) {
   EXPECT_TRUE(testing::warns(overlapping, words));
   EXPECT_FALSE(testing::warns(apart, words));
   EXPECT_FALSE(testing::warns(another, words));
-  ASSERT_EQ(same.verdict, "explained");
+  ASSERT_EQ(same.verdict, Verdict::explained);
   EXPECT_NE(same.sentence.find("on data that the fit knows"), std::string::npos) << same.sentence;
   EXPECT_NE(another.sentence.find("on data not used in the fit"), std::string::npos) << another.sentence;
 }
@@ -181,7 +181,7 @@ TEST(DiscoveryTakes, WildRowsForWhatTheirNeighboursSay) {
   EXPECT_TRUE(testing::warns(d, "train: 8 single rows of y off all neighbours, first at t = ")) << d.warnings.front();
   EXPECT_TRUE(testing::warns(d, "test: 8 single rows of y"));
   EXPECT_FALSE(testing::warns(clean, "off all neighbours"));
-  ASSERT_EQ(d.verdict, "explained") << d.sentence;
+  ASSERT_EQ(d.verdict, Verdict::explained) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
   for (const char* name : {"k", "c", "cubic_stiffness_k3"}) {
     const Parameter &own = *d.final.find(name), &wanted = *clean.final.find(name);
@@ -190,8 +190,8 @@ TEST(DiscoveryTakes, WildRowsForWhatTheirNeighboursSay) {
   EXPECT_LT(d.final_test.value, 1.1 * clean.final_test.value);
 }
 
-/// A mass in t for one in kg.
-TEST(DiscoverySays, ThatAMassOfAThousandIsRatherAUnit) {
+/// A mass in t for one in kg, a weight in N for a mass.
+TEST(DiscoverySays, ThatAMassOfAThousandOrOfGravityIsRatherAUnit) {
   const Model model = baseline("k*y + c*v", 0.049);
   const std::vector<Effect> catalogue{
       testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")})};
@@ -201,11 +201,12 @@ TEST(DiscoverySays, ThatAMassOfAThousandIsRatherAUnit) {
     own.mass = own.pool->constant(mass);
     return discover(own, catalogue, {record_of(records.train, "train")}, {record_of(records.test, "test")});
   };
-  const Discovery slip = found(0.049), half = found(24.5);
+  const Discovery slip = found(0.049), half = found(24.5), weight = found(49 * 9.80665);
   ASSERT_EQ(slip.effects.size(), 1u);
   ASSERT_EQ(half.effects.size(), 1u);
   EXPECT_TRUE(testing::warns(slip, "is a unit (mm for m, kN for N, ms for s, g for kg) not said?"));
   EXPECT_FALSE(testing::warns(half, "is a unit"));
+  EXPECT_TRUE(testing::warns(weight, "is a unit (g for m/s^2) not said?"));
 }
 
 TEST(DiscoveryOffers, AFrictionThatIsNotThereForRemovalAndKeepsIt) {
@@ -249,7 +250,7 @@ TEST(Baseline, IsFittedAgainFromWhatWasFoundBesideIt) {
   add("rho", 0.7, -INFINITY);
   const Discovery d = discover(model, testing::small_catalogue(pool), {testing::record_of(records.train, "train")},
                                {testing::record_of(records.test, "test")});
-  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << d.sentence;
   EXPECT_LT(d.baseline_train.value, 1.5 * d.baseline_train.floor);
 }
 

@@ -54,14 +54,14 @@ TEST(BetweenSamples, APartThatIsHeldIsNoMass) {
   for (const double damping : {0.0, 0.15}) {
     const Discovery d = find(1, 0.3, damping);
     EXPECT_TRUE(d.effects.empty()) << d.sentence;
-    EXPECT_EQ(d.verdict, "nothing-missing");
+    EXPECT_EQ(d.verdict, Verdict::nothing_missing);
   }
 }
 
 /// kappa dt^2/12 of a spring that is held acts as a mass.
 TEST(BetweenSamples, WhatALoopLeavesIsSaidToBeThat) {
   const Discovery d = find(1, 0.2, 0);
-  EXPECT_EQ(d.verdict, "nothing-missing");
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing);
   EXPECT_NE(d.sentence.find("is gone where the force is read"), std::string::npos) << d.sentence;
   char mass[40];
   std::snprintf(mass, sizeof mass, "a mass that is %.2g %% more", 100 * 0.2 * spacing * spacing / 12);

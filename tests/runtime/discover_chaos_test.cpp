@@ -60,7 +60,7 @@ TEST(DiscoveryOfChaos, NamesNothingBesideACubicSpringThatIsKnown) {
   catalogue.erase(catalogue.begin());
   const Discovery d = discover(model, catalogue, {between_wells(0.4, 3, 3000)}, {between_wells(0.4, 4, 1500)});
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
-  EXPECT_EQ(d.verdict, "nothing-missing");
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing);
   EXPECT_LT(d.final_train.value, 0.1);
 }
 

@@ -64,7 +64,7 @@ Discovery find(const std::string& spoilt, const Spoil& spoil, double noise_db = 
 }
 
 void expect_fault(const Discovery& d, const std::string& label, const std::string& parameter, double truth) {
-  EXPECT_EQ(d.verdict, "explained") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << to_terminal(d);
   ASSERT_EQ(d.effects.size(), 1u) << to_terminal(d);
   EXPECT_EQ(d.effects[0].label, label) << to_terminal(d);
   const Parameter& found = d.effects[0].parameters.front();
@@ -107,7 +107,7 @@ TEST(DegreesFaults, StandBesidePhysicsAtItsPlace) {
 TEST(DegreesFaults, NoneWhereNothingIsWrong) {
   const Discovery d = find(
       "y1", [](double y, double) { return y; }, 30);
-  EXPECT_EQ(d.verdict, "nothing-missing") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << to_terminal(d);
 }
 
 /// A channel of the baseline that is known to show another value is taken as it is.
@@ -123,7 +123,7 @@ TEST(DegreesFaults, TheBaselineMayKnowThem) {
   model.measures = {{"y1", 2 * model.pool->channel("y1")}};
   const Discovery d = discover(model, catalogue_of(*model.pool), {record_of(records.train, chain.driven, "train")},
                                {record_of(records.test, chain.driven, "test")});
-  EXPECT_EQ(d.verdict, "nothing-missing") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << to_terminal(d);
   EXPECT_LT(d.final_test.value, 1.15 * d.final_test.floor) << to_terminal(d);
 }
 

@@ -63,7 +63,7 @@ void expect_named(const Discovery& d, const std::string& name, const std::string
   ASSERT_EQ(d.effects.size(), 1u) << to_terminal(d);
   EXPECT_EQ(d.effects[0].name, name) << to_terminal(d);
   EXPECT_EQ(d.effects[0].place, place) << to_terminal(d);
-  EXPECT_EQ(d.verdict, "explained") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << to_terminal(d);
   const Parameter& p = d.effects[0].parameters.front();
   // Four standard deviations: one false alarm in 16 000 draws.
   EXPECT_NEAR(p.value, truth, 4 * p.std) << p.name;
@@ -121,12 +121,12 @@ TEST(Degrees, NamesTwoEffectsAtTwoPlaces) {
 
 TEST(Degrees, NamesNothingWhereNothingIsMissing) {
   const Discovery d = find(three_masses(), "milli", 30);
-  EXPECT_EQ(d.verdict, "nothing-missing") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << to_terminal(d);
   EXPECT_TRUE(d.effects.empty());
   truth::Chain chain = two_masses();
   chain.links[1].k3 = 0.15;
   const Discovery known = find(chain, "metre", 40, {"k3*(y1 - y2)^3", "k3*(y2 - y1)^3"});
-  EXPECT_EQ(known.verdict, "nothing-missing") << to_terminal(known);
+  EXPECT_EQ(known.verdict, Verdict::nothing_missing) << to_terminal(known);
   EXPECT_NEAR(known.final_test.value, known.final_test.floor, 0.15 * known.final_test.floor);
 }
 
@@ -216,7 +216,7 @@ TEST(Degrees, NameNoOtherPlace) {
 // What the catalogue does not hold is said to be there, with its place.
 TEST(Degrees, SayWhereAnUnknownForceActs) {
   const Discovery d = find(truth::chain_case("two_outside").chain, "milli", 40);
-  EXPECT_EQ(d.verdict, "unknown-effect") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << to_terminal(d);
   EXPECT_NE(d.sentence.find("in y1 - y2"), std::string::npos) << d.sentence;
 }
 
@@ -281,7 +281,7 @@ TEST(Degrees, TakeOneForceForThatOfTheDrivenCoordinate) {
   const Model model = baseline_of(two_masses(), truth::scale_named("milli"));
   const Discovery d =
       discover(model, small_catalogue(*model.pool), {part({{"F1", "F"}, {"y1", "y1"}, {"y2", "y2"}})}, {});
-  EXPECT_EQ(d.verdict, "nothing-missing") << to_terminal(d);
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << to_terminal(d);
 }
 
 }  // namespace

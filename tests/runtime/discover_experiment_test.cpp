@@ -164,7 +164,7 @@ TEST(Experiment, LetsDiscoveryNameWhatTheFirstRecordCouldNot) {
     const Model model = baseline("k*y + c*v", scale.mass);
     const Discovery before =
         discover(model, rivals(*model.pool), {record_of(first, "first")}, {record_of(second, "second")});
-    ASSERT_EQ(before.verdict, "ambiguous") << truth.name << ": " << before.sentence;
+    ASSERT_EQ(before.verdict, Verdict::ambiguous) << truth.name << ": " << before.sentence;
     ASSERT_FALSE(before.experiment.empty());
     const ExperimentCandidate& best = before.experiment.best();
     EXPECT_TRUE(best.decides()) << truth.name << ": " << before.sentence;
@@ -175,7 +175,7 @@ TEST(Experiment, LetsDiscoveryNameWhatTheFirstRecordCouldNot) {
     const Discovery after =
         discover(again, rivals(*again.pool), {measure(truth.physics, scale, best.excitation, noise, options.seed)},
                  {record_of(second, "second")});
-    EXPECT_EQ(after.verdict, "explained") << truth.name << ": " << after.sentence;
+    EXPECT_EQ(after.verdict, Verdict::explained) << truth.name << ": " << after.sentence;
     ASSERT_EQ(after.effects.size(), 1u) << after.sentence;
     EXPECT_EQ(after.effects[0].name, truth.name);
     EXPECT_GE(after.naming.of(truth.name), 90);

@@ -78,7 +78,7 @@ TEST(DiscoveryOfALongRecord, NamesWhatShowsSeldomAndIsSilentWithoutIt) {
   const auto find = [&](double k3) {
     return discover(model, small_catalogue(*model.pool), {seldom_strong(k3, 3)}, {seldom_strong(k3, 4)});
   };
-  EXPECT_EQ(find(0).verdict, "nothing-missing");
+  EXPECT_EQ(find(0).verdict, Verdict::nothing_missing);
   const Discovery d = find(0.1);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");

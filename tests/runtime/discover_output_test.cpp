@@ -40,7 +40,7 @@ void expect_named(const Discovery& d, const std::string& name, double value) {
 
 TEST(DiscoveryOfAVelocity, NamesACubicSpringAndIsSilentWithoutIt) {
   truth::Physics physics;
-  EXPECT_EQ(find(physics, "v").verdict, "nothing-missing");
+  EXPECT_EQ(find(physics, "v").verdict, Verdict::nothing_missing);
   physics.k3 = 0.6;
   const Discovery d = find(physics, "v");
   expect_named(d, "cubic_stiffness", 0.6);
@@ -51,7 +51,7 @@ TEST(DiscoveryOfAVelocity, NamesACubicSpringAndIsSilentWithoutIt) {
 
 TEST(DiscoveryOfAnAcceleration, NamesACubicSpringAndIsSilentWithoutIt) {
   truth::Physics physics;
-  EXPECT_EQ(find(physics, "a").verdict, "nothing-missing");
+  EXPECT_EQ(find(physics, "a").verdict, Verdict::nothing_missing);
   physics.k3 = 0.6;
   const Discovery d = find(physics, "a");
   expect_named(d, "cubic_stiffness", 0.6);

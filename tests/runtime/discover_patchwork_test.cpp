@@ -36,7 +36,7 @@ TEST(Patchwork, OfAnExponentialSpringIsTakenBackByALargerMotion) {
   const Discovery d = find(physics, 1.3);
   EXPECT_TRUE(is_taken_back(d)) << d.sentence;
   EXPECT_TRUE(d.effects.empty());
-  EXPECT_EQ(d.verdict, "unknown-effect");
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect);
 }
 
 /// Beside an entry that is near y*abs(v).
@@ -46,7 +46,7 @@ void expect_unknown(const truth::Scale& scale, const truth::Records& records) {
   catalogue.push_back(testing::entry(*model.pool, "odd_quadratic_stiffness", "odd_quadratic_stiffness_k2*abs(y)*y",
                                      {testing::row("odd_quadratic_stiffness_k2")}));
   const Discovery d = testing::discover_case(model, catalogue, records);
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_TRUE(d.effects.empty());
 }
 
@@ -78,7 +78,7 @@ TEST(Patchwork, OfTwoNamesFarAboveTheNoiseIsNoExplanation) {
   truth::RecordOptions options;
   options.seed = 61000;
   const Discovery d = testing::discover_case(model, catalogue, truth::make_records(loop, scale, options));
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_TRUE(d.effects.empty());
 }
 
@@ -103,7 +103,7 @@ TEST(Patchwork, OfOneNameThatFollowsTheTrainingRecordAloneIsTakenBack) {
   options.excited = truth::Excited::decay;
   const Discovery d = testing::discover_case(model, catalogue,
                                              truth::make_records(truth::case_named("shaft_softening"), scale, options));
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_TRUE(d.effects.empty());
   EXPECT_TRUE(testing::warns(d, "down to their noise, but not the test record"));
 }
@@ -140,7 +140,7 @@ TEST(Patchwork, OfOneNameFarAboveTheNoiseIsTakenBack) {
   const Model model = baseline("k*y + c*v", scale.mass);
   const Discovery d = testing::discover_case(model, small_catalogue(*model.pool), records);
   EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn")) << d.sentence;
-  EXPECT_EQ(d.verdict, "unknown-effect");
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect);
 }
 
 /// Under a chirp y*abs(v) is nearly abs(y)*y, which closes 99 % of the squared gap. Along that model's run generic

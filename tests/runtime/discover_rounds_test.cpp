@@ -47,7 +47,7 @@ TEST(DiscoveryRounds, ARareEffectTakesThePlaceOfACommonOneThatLeavesAForceBehind
   const Discovery d = find(made("quintic_stiffness", 40), quintic);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "quintic_stiffness");
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
   EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
 }
 
@@ -61,7 +61,7 @@ TEST(DiscoveryRounds, ACommonEffectThatExplainsItselfStays) {
 TEST(DiscoveryRounds, NothingIsNamedWhereNothingIsMissing) {
   const Discovery d = find(made("null_linear", 20), quintic);
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
-  EXPECT_EQ(d.verdict, "nothing-missing");
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing);
 }
 
 /// The gauge's zero was off during training alone: the constant force that shows there is not confirmed, the spring is.
@@ -71,7 +71,7 @@ TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
   const Discovery d = find(records, quintic);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
   EXPECT_LT(d.test_p_value, 0.05);
   EXPECT_LT(d.final_test.value, 0.2 * d.baseline_test.value);
   EXPECT_TRUE(testing::warns(d, "only cubic_stiffness stands"));
@@ -99,7 +99,7 @@ TEST(DiscoveryRounds, ATestThatShowsMoreBearsOutWhatTheTrainingRecordsShowByLess
   const Discovery d = find_drag_under_tones(true);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "quadratic_drag");
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
   EXPECT_GT(d.gap_left_out_after, 0.97 * d.gap_left_out_before);
   EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
   EXPECT_TRUE(testing::warns(d, "but by less than the least gain"));
@@ -108,7 +108,7 @@ TEST(DiscoveryRounds, ATestThatShowsMoreBearsOutWhatTheTrainingRecordsShowByLess
 TEST(DiscoveryRounds, ATestThatShowsNoMoreDoesNot) {
   const Discovery d = find_drag_under_tones(false);
   EXPECT_TRUE(d.effects.empty());
-  EXPECT_EQ(d.verdict, "nothing-missing");
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing);
   EXPECT_NE(d.sentence.find("quadratic_drag lowers it beyond chance, but by"), std::string::npos) << d.sentence;
 }
 
@@ -165,7 +165,7 @@ TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
     const std::vector<std::string> other{first ? "power_law_damping" : "coulomb_friction"};
     const bool doubted = d.naming.of(other[0]) >= 25;
     EXPECT_EQ(doubted, seed == 4) << d.naming.of(other[0]);
-    EXPECT_EQ(d.verdict, doubted ? "ambiguous" : "explained");
+    EXPECT_EQ(d.verdict, doubted ? Verdict::ambiguous : Verdict::explained);
     EXPECT_EQ(d.effects[0].indistinguishable, doubted ? other : std::vector<std::string>{});
   }
 }
@@ -200,7 +200,7 @@ TEST(DiscoveryRounds, AStopThatMovesByNothingIsAStop) {
   const Discovery d = testing::discover_case(model, {stop, crane}, records, {});
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "one_sided_stop");
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
 }
 
 /// Damping by |v|^1.6 (mass 1, k = 1), with noise in the force that its share of the motion leaves above the sensor's:
@@ -322,7 +322,7 @@ TEST(DiscoveryRounds, ADecayFarAboveItsNoiseLacksSomething) {
   const Discovery d = discover(model, small_catalogue(*model.pool), {decay_with(brake, 0.035, 0.005, 1.3, 600, 1)},
                                {decay_with(brake, 0.035, 0.005, 1, 600, 2)});
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_LT(d.baseline_train.value, 0.15);
 }
 

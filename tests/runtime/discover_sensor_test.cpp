@@ -119,7 +119,7 @@ TEST(Sensor, AnOffsetIsNoPhysics) {
   catalogue.push_back(base);
   const Discovery d =
       discover(model, catalogue, {record_with(records.train, "train")}, {record_with(records.test, "test")});
-  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  ASSERT_EQ(d.effects.size(), 1u) << to_string(d.verdict) << ": " << d.sentence;
   EXPECT_EQ(d.effects[0].name, "displacement_offset");
   EXPECT_EQ(d.effects[0].family, "sensor");
   const Parameter& b = d.effects[0].parameters.front();
@@ -153,7 +153,7 @@ TEST(Sensor, IsAskedBeforePhysicsIsNamed) {
   };
   const Discovery d =
       discover(model, catalogue, {record_with(records.train, "train")}, {record_with(records.test, "test")}, first);
-  EXPECT_EQ(d.verdict, "ambiguous") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::ambiguous) << d.sentence;
   ASSERT_EQ(d.effects.size(), 1u);
   EXPECT_EQ(d.effects[0].name, "displacement_offset");
   EXPECT_EQ(d.effects[0].indistinguishable, std::vector<std::string>{"constant_force"});
@@ -188,7 +188,7 @@ TEST(Sensor, AnAccelerometersFaultIsThatOfItsChannel) {
   catalogue.push_back(
       sensor(*model.pool, "displacement_offset", "y + displacement_offset_b", {testing::row("displacement_offset_b")}));
   const Discovery d = discover(model, catalogue, {limited_accelerometer(level, 1)}, {limited_accelerometer(level, 2)});
-  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  ASSERT_EQ(d.effects.size(), 1u) << to_string(d.verdict) << ": " << d.sentence;
   EXPECT_EQ(d.effects[0].name, "clipping");
   EXPECT_EQ(d.effects[0].formula, "a measured = min(a, level)");
   const Parameter& found = d.effects[0].parameters.front();

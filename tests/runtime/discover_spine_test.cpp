@@ -40,9 +40,9 @@ Found find(const std::string& name, const std::string& scale_name, double noise_
 
 void expect_named(const Found& found, const std::string& name) {
   const Discovery& d = found.discovery;
-  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  ASSERT_EQ(d.effects.size(), 1u) << to_string(d.verdict) << ": " << d.sentence;
   EXPECT_EQ(d.effects[0].name, name);
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
   const Parameter& p = d.effects[0].parameters.front();
   // Four standard deviations: one false alarm in 16 000 draws.
   EXPECT_NEAR(p.value, found.truth, 4 * p.std) << p.name;
@@ -84,7 +84,7 @@ TEST(Discovery, NamesViscousDamping) { expect_named(find("viscous_damping", "mil
 TEST(Discovery, NamesNothingWhereNothingIsMissing) {
   for (const char* name : {"null_linear", "null_duffing", "null_friction"}) {
     const Discovery d = find(name, "milli", 30).discovery;
-    EXPECT_EQ(d.verdict, "nothing-missing") << name << ": " << d.sentence;
+    EXPECT_EQ(d.verdict, Verdict::nothing_missing) << name << ": " << d.sentence;
     EXPECT_TRUE(d.effects.empty());
     EXPECT_NEAR(d.baseline_test.value, d.baseline_test.floor, 0.15 * d.baseline_test.floor) << name;
   }
@@ -108,7 +108,7 @@ Discovery slightly_hard(double minimum_gain) {
 
 TEST(Discovery, SaysWhatIsLessThanTheLeastGainAndNamesItWhereLessIsAsked) {
   const Discovery d = slightly_hard(0.05);
-  EXPECT_EQ(d.verdict, "nothing-missing") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << d.sentence;
   EXPECT_NE(d.sentence.find("cubic_stiffness lowers it beyond chance, but by "), std::string::npos) << d.sentence;
   EXPECT_NE(d.sentence.find("less than the least gain of 5 %"), std::string::npos) << d.sentence;
   const Discovery asked = slightly_hard(0.005);
@@ -157,7 +157,7 @@ TEST(Discovery, ReadsTheForceBetweenItsSamplesPerRecord) {
     const auto catalogue = small_catalogue(*model.pool);
     const Discovery d = discover(model, catalogue, {oscillator(k3, stairs, 1)}, {oscillator(k3, smooth, 2)});
     EXPECT_EQ(d.interpolation, "hold");
-    EXPECT_EQ(d.effects.size(), k3 > 0 ? 1u : 0u) << d.verdict << ": " << d.sentence;
+    EXPECT_EQ(d.effects.size(), k3 > 0 ? 1u : 0u) << to_string(d.verdict) << ": " << d.sentence;
     for (const auto& effect : d.effects) EXPECT_EQ(effect.name, "cubic_stiffness");
     EXPECT_LT(d.final_test.value, d.final_test.floor + 3 * d.final_test.floor_std + 0.3 * d.final_test.floor);
   }
@@ -180,7 +180,7 @@ TEST(Discovery, ReadsForcesOfOneMachineAlike) {
   const auto catalogue = small_catalogue(*model.pool);
   const auto is_right = [](const Discovery& d) {
     EXPECT_EQ(d.interpolation, "hold");
-    ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+    ASSERT_EQ(d.effects.size(), 1u) << to_string(d.verdict) << ": " << d.sentence;
     EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
     EXPECT_LT(d.final_train.value, 1.3 * d.final_train.floor);
     EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
@@ -212,7 +212,7 @@ TEST(Discovery, ReadsAForceThatStandsStillBetweenItsJumpsAsHeld) {
   const Model model = baseline("k*y + c*v", 1);
   const Discovery d =
       discover(model, small_catalogue(*model.pool), {oscillator(0.05, smooth, 1)}, {oscillator(0.05, held, 2)});
-  ASSERT_EQ(d.effects.size(), 1u) << d.verdict << ": " << d.sentence;
+  ASSERT_EQ(d.effects.size(), 1u) << to_string(d.verdict) << ": " << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
   EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
 }
@@ -234,7 +234,7 @@ TEST(Discovery, AShapeParameterStaysWhereTheRecordCanShowIt) {
   stop.range = [](const RecordScales& s, int) { return Ranges{{"one_sided_stop_g", {s.y_min, s.y_max}}}; };
   const Discovery d = discover(model, {stop}, {record_of(records.train, "train")}, {record_of(records.test, "test")});
   EXPECT_TRUE(d.effects.empty()) << d.sentence;
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_GT(d.gap_left_out_before, 0.1);  // measured where no set is left to be judged, too
   EXPECT_EQ(d.gap_left_out_after, d.gap_left_out_before);
 }
@@ -253,7 +253,7 @@ TEST(Discovery, TheSameForceInOtherWordsIsSaid) {
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
   EXPECT_EQ(d.effects[0].indistinguishable, std::vector<std::string>{"odd_spring"});
-  EXPECT_EQ(d.verdict, "explained");
+  EXPECT_EQ(d.verdict, Verdict::explained);
 }
 
 TEST(Discovery, JsonKeepsItsContract) {
@@ -392,7 +392,7 @@ TEST(Discovery, TakesBackANameThatLeavesARepeatableForceOnTheTest) {
   const Discovery d =
       discover(model, testing::small_catalogue(*model.pool), {testing::record_of(records.train, "train")},
                {testing::record_of(records.test, "test")});
-  EXPECT_EQ(d.verdict, "unknown-effect") << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
   EXPECT_TRUE(d.effects.empty());
   EXPECT_TRUE(testing::warns(d, "left a force that is repeatable: the name is withdrawn"));
   EXPECT_TRUE(testing::warns(d, "train on one like it as well"));

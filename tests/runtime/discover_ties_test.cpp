@@ -241,7 +241,7 @@ TEST(Decide, TakesNoNameAtTheEndOfWhatItsEntryCanShow) {
     const double k3 = round.found.chosen.fit.theta[2];
     if (at_the_end) round.found.chosen.shown.push_back({2, {0, k3}});
     decide(t.study, round);
-    EXPECT_EQ(round.verdict, at_the_end ? "unknown-effect" : "explained");
+    EXPECT_EQ(round.verdict, at_the_end ? Verdict::unknown_effect : Verdict::explained);
     EXPECT_EQ(round.names(), !at_the_end);
   }
 }

@@ -1,0 +1,103 @@
+#include "discover/ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discover/baseline.hpp"
+#include "discover/between_samples.hpp"
+#include "discover/proposal_fits.hpp"
+#include "record/parallel.hpp"
+
+namespace lunid {
+
+namespace {
+
+/// Part of the squared error that is not the sensor's noise.
+double open(const Study& study, const Candidate& model) {
+  return 1 - std::pow(study.sensor_noise() / rms_error(model.fit), 2);
+}
+
+/// The force is left as this model would have it read. Whether that is worth a new search: by what the error drops, and
+/// below `error`.
+bool reading_shows_beside(Ground& ground, const Candidate& model, double error) {
+  constexpr double least_gain = 0.02, part_of_what_is_open = 0.1;  // of the squared error
+  const double gain =
+      rechoose_interpolation(ground.study, model, [&ground](BetweenSamples between) -> const Study& {
+        ground.read_force(between);
+        return ground.study;
+      });
+  return gain > std::max(least_gain, part_of_what_is_open * open(ground.study, model)) &&
+         (1 - gain) * squared_error(model.fit) < error;
+}
+
+/// All that were judged, baseline and chosen set first; the last step is the chosen set.
+std::vector<Candidate*> models_of(SearchResult& found) {
+  std::vector<Candidate*> all{&found.baseline, &found.chosen};
+  for (std::size_t i = 0; i + 1 < found.steps.size(); ++i) all.push_back(&found.steps[i].model);
+  for (Beaten& rival : found.rivals) all.push_back(&rival.model);
+  if (found.faint) all.push_back(&*found.faint);
+  return all;
+}
+
+void drop_those_that_do_not_run(SearchResult& found) {
+  std::erase_if(found.rivals, [](const Beaten& rival) { return !rival.model.ran(); });
+  if (found.faint && !found.faint->ran()) found.faint.reset();
+}
+
+}  // namespace
+
+void Ground::read_force(BetweenSamples between) {
+  lunid::read_force(whole, between);
+  study = shortened(whole);
+}
+
+void Ground::take_noise() {
+  study = shortened(whole);
+  if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
+}
+
+bool reads_otherwise(Ground& ground, const SearchResult& found) {
+  constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
+  constexpr std::size_t asked_sets = 3;
+  constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
+  const double error = squared_error(found.chosen.fit);
+  if (reading_shows_beside(ground, found.chosen, error)) return true;
+  if (!(open(ground.study, found.chosen) > left_open)) return false;
+  const BetweenSamples chosen = ground.study.between;
+  const std::vector<Candidate>& sets = found.grown.sets;
+  for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
+    if (reading_shows_beside(ground, sets[i], follows_better * error)) return true;
+    ground.read_force(chosen);
+  }
+  return false;
+}
+
+void judge_again(const Study& study, SearchResult& found) {
+  const std::vector<Candidate*> all = models_of(found);
+  parallel_for(static_cast<int>(all.size()), study.options->threads, [&](int i) {
+    Candidate& c = *all[static_cast<std::size_t>(i)];
+    c.left_out.resize(0);
+    judge(study, c, found.whitening, i < 2 ? 30 : 2);
+  });
+  for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study, *c);
+  if (found.faint) run_left_out(study, *found.faint);
+  if (!found.steps.empty()) found.steps.back().model = found.chosen;
+}
+
+void fit_all_rows(Ground& ground, Round& round) {
+  if (!ground.study.in_pieces) return;
+  const Study& study = ground.study = ground.whole;
+  SearchResult& found = round.found;
+  const std::vector<Candidate*> all = models_of(found);
+  parallel_for(static_cast<int>(all.size()), study.options->threads, [&](int i) {
+    Candidate& c = *all[static_cast<std::size_t>(i)];
+    if (c.ran()) c.fit = fit_near(study, c, c.fit.theta, 12, c.fit.substeps);
+  });
+  drop_those_that_do_not_run(found);
+  found.whitening = residual_colour(study, found.chosen.ran() ? found.chosen : found.baseline);
+  judge_again(study, found);
+  ground.baseline = found.baseline;
+  decide(study, round);
+}
+
+}  // namespace lunid

@@ -1,0 +1,30 @@
+#pragma once
+// What a search stands on, how that changes with what was found, and what was found judged anew.
+#include "discover/search.hpp"
+#include "discover/study.hpp"
+#include "discover/verdict.hpp"
+
+namespace lunid {
+
+struct Ground {
+  Study whole, study;  ///< of all rows, and of those that are looked at now: pieces of long records in the search
+  Candidate baseline;  ///< fitted to the latter
+
+  void read_force(BetweenSamples between);
+  /// Several outputs weigh by their noise: the fit of the baseline is another one.
+  void take_noise();
+};
+
+/// Whether the force is to be read otherwise between its samples, by so much that a new search is worth it; it is then
+/// left so. Asked of what was chosen and, where that leaves anything, of the sets that follow best: a model that lacks
+/// something may hide half a sample in its damper, where what it lacks would show it.
+bool reads_otherwise(Ground& ground, const SearchResult& found);
+
+/// What was found, judged on the study as it is now. The names stay; rivals are judged where they are, nearly.
+void judge_again(const Study& study, SearchResult& found);
+
+/// What was found on pieces of long records is fitted to all their rows, and decided again. The names stay. Nothing is
+/// done where all rows were looked at.
+void fit_all_rows(Ground& ground, Round& round);
+
+}  // namespace lunid

@@ -1,0 +1,266 @@
+#include "discover/on_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "discover/between_samples.hpp"
+#include "discover/gap.hpp"
+#include "expr/digits.hpp"
+
+namespace lunid {
+
+namespace {
+
+struct TestRuns {
+  Study study;
+  std::vector<FreeRun> before, after;
+};
+
+TestRuns runs_on_test(Study study, const SearchResult& found) {
+  TestRuns out{std::move(study), {}, {}};
+  out.before = runs(out.study, found.baseline, out.study.test, false);
+  out.after = runs(out.study, found.chosen, out.study.test);
+  return out;
+}
+
+std::string left_open_by_training(const Candidate& named, const std::string& fault, const Gap& of_all) {
+  return "the named " + named.name() + " " + fault +
+         " with the parameters of the training records, which leave them " +
+         "open: one fit to all records follows these down to their noise (" + number(of_all.value, 2) +
+         " there, " + number(of_all.floor, 2) + " from noise alone). Train on both";
+}
+
+class OnTest {
+ public:
+  OnTest(Ground& ground, Discovery& out) : ground_(ground), study_(ground.study), out_(out) {}
+
+  ModelRuns judge(Round& round) {
+    read_test_force(round.found.chosen);
+    bear_out(round);
+    const std::optional<TestRuns> shorter = judge_names(round);
+    fill_gaps(round, shorter);
+    if (out_.baseline_train.value > runaway_gap)
+      out_.warnings.insert(out_.warnings.begin(),
+                           "the baseline's free run grows beyond the motion: with these parameters it is unstable (a "
+                           "channel that comes late, a controller's part that is held between samples, or forces that "
+                           "feed the motion make damping negative)");
+    return std::move(runs_);
+  }
+
+ private:
+  /// A test force that looks otherwise than the training records' may come from the same machine all the same (a
+  /// controller holds noise and tones alike): it is read as theirs where the model as it was chosen follows it far
+  /// better so. Not where they differ among themselves, and say which look is read how.
+  void read_test_force(const Candidate& chosen) {
+    if (study_.between.alike || !chosen.ran() || !one_look(study_) || look_alike(study_, study_.test)) return;
+    constexpr double far_better = 0.8;
+    Study alike = study_;
+    alike.between.alike = true;
+    const auto error = [&](const Study& study) {
+      double squares = 0;
+      for (const FreeRun& run : runs(study, chosen, study.test, false)) squares += run.squares;
+      return std::isfinite(squares) ? squares : INFINITY;
+    };
+    if (!(error(alike) < far_better * error(study_))) return;
+    ground_.whole.between.alike = study_.between.alike = true;
+    out_.warnings.push_back(
+        "between its samples the force of the test records is read as that of the training records (" +
+        std::string(to_string(study_.between.kind)) + "), though it looks otherwise");
+  }
+
+  /// Names the one effect that the training records show by less than the least gain, where the test bears it out.
+  void bear_out(Round& round) {
+    std::optional<Round> named = borne_out(study_, round);
+    if (!named) return;
+    round = std::move(*named);
+    remark_ties(round.found);
+    const double gain = 1 - round.found.chosen.left_out_gap / round.found.baseline.left_out_gap;
+    out_.warnings.push_back("the training records show " + round.found.chosen.name() +
+                            " beyond chance, but by less than the least gain (" + number(100 * gain, 2) +
+                            " %): the test records bear it out. Train on one like these as well");
+  }
+
+  /// Holds the names against the test records; returns their short runs, where these were held against.
+  std::optional<TestRuns> judge_names(Round& round) {
+    SearchResult& found = round.found;
+    runs_.after_test = runs(study_, found.chosen, study_.test);
+    runs_.before_test = round.names() ? runs(study_, found.baseline, study_.test, false) : runs_.after_test;
+    if (!round.names()) {
+      round.verdict = verdict_without_names(round);
+      return {};
+    }
+    std::optional<TestRuns> shorter = short_test_runs(round);
+    const Study& study = shorter ? shorter->study : study_;
+    const std::vector<FreeRun>&before = shorter ? shorter->before : runs_.before_test,
+          &after = shorter ? shorter->after : runs_.after_test;
+    out_.test_p_value = test_p_value(study, before, after);
+    const std::string fault = refuted(study, round, out_.test_p_value, before, after);
+    const std::optional<Gap> of_all =
+        fault.empty() ? std::nullopt : gap_of_one_fit_to_all(study, round, out_.test_p_value, before, after);
+    if (of_all) {
+      out_.warnings.push_back(left_open_by_training(found.chosen, fault, *of_all));
+    } else if (!fault.empty()) {
+      if (!leave_the_tied(study, round, fault, before))
+        take_back(study, round, fault, steps_that_stand(study, round, before));
+    } else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size()) {
+      take_back(study, round, "did no better on the test record than " + found.steps[stand - 1].model.name(), stand);
+    }
+    return shorter;
+  }
+
+  void fill_gaps(const Round& round, const std::optional<TestRuns>& shorter) {
+    runs_.after_train = round.train;
+    runs_.before_train = round.names() ? runs(study_, round.found.baseline, study_.full, false) : runs_.after_train;
+    runs_.share = input_noise_share(runs_.after_train);
+    out_.baseline_train = pool_gap(runs_.before_train, runs_.share);
+    out_.baseline_test = pool_gap(runs_.before_test, runs_.share);
+    out_.final_train = pool_gap(runs_.after_train, runs_.share);
+    out_.final_test = pool_gap(runs_.after_test, runs_.share);
+    if (shorter && round.names())
+      out_.short_test = {shorter->study.run_length, pool_gap(shorter->before, runs_.share),
+                         pool_gap(runs(shorter->study, round.found.chosen, shorter->study.test), runs_.share)};
+    const std::vector<std::string> outputs = study_.outputs();
+    for (std::size_t i = 0; i < outputs.size() && outputs.size() > 1; ++i) {
+      const auto gap = [&](const std::vector<FreeRun>& all) {
+        return pool_gap(of_output(all, outputs[i]), runs_.share);
+      };
+      out_.outputs.push_back(
+          {outputs[i], gap(runs_.before_train), gap(runs_.before_test), gap(runs_.after_train), gap(runs_.after_test)});
+    }
+  }
+
+  /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
+  std::optional<TestRuns> short_test_runs(const Round& round) {
+    if (study_.imposed || study_.run_length > 0) return {};
+    if (const Gap gap = round.gap(runs_.after_test); !(gap.floor > lost_gap && gap.value < runaway_gap)) return {};
+    TestRuns out = runs_on_test(in_short_runs(study_), round.found);
+    out_.warnings.push_back(
+        "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +
+        number(out.study.run_length, 3) + " s there");
+    return out;
+  }
+
+  /// One name is taken back: of those that the training records cannot tell from it, what the test records leave.
+  /// `tested`: the study as the test records are judged (short_test_runs).
+  bool leave_the_tied(const Study& tested, Round& round, const std::string& fault, const std::vector<FreeRun>& before) {
+    SearchResult& found = round.found;
+    if (found.chosen.choices.size() != 1) return false;
+    std::vector<TiedRival> standing = tied_that_stand(study_, tested, round, before);
+    if (standing.empty()) return false;
+    TiedRival& first = standing.front();
+    out_.warnings.push_back("the training records could not tell " + found.chosen.name() + " from " +
+                            first.model.name() + ": the former " + fault);
+    withdraw(round, Beaten::By::test, not_confirmed);
+    for (Beaten& rival : found.rivals)
+      if (rival.by == Beaten::By::tie) rival = {std::move(rival.model), Beaten::By::test, not_confirmed};
+    name_alone(found, std::move(first.model));
+    for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
+    remark_ties(found);
+    round.left = std::move(first.left);
+    round.train = std::move(first.train);
+    runs_.after_test = runs(study_, found.chosen, study_.test);
+    out_.test_p_value = first.test_p_value;
+    round.verdict = found.ties.verdict();
+    return true;
+  }
+
+  /// Names are taken back that had taken the place of common ones on the training records: where the test records bear
+  /// those out whole, and they leave less there than what would stand, they are the answer after all; not where they
+  /// leave far more of the training records than what is taken back.
+  /// `tested`: the study as the test records are judged (short_test_runs).
+  bool leave_the_common(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
+    if (!round.displaced) return false;
+    const double followed = round.gap(round.train).value;
+    const double open =
+        stand == 0 ? INFINITY : round.gap(runs(tested, round.found.steps[stand - 1].model, tested.test)).value;
+    Ground as_found = ground_;
+    Round common = std::move(*round.displaced);
+    round.displaced.reset();
+    ground_.read_force({common.between.kind, study_.between.alike});
+    ground_.baseline = common.found.baseline;
+    fit_all_rows(ground_, common);
+    const bool in_runs = tested.run_length > study_.run_length;
+    TestRuns judged = runs_on_test(in_runs ? in_short_runs(study_) : study_, common.found);
+    const auto& [study, before, after] = judged;
+    const double p_value = test_p_value(study, before, after);
+    const bool follows = common.gap(common.train).value < 3 * followed;
+    if (!common.names() || !follows || !refuted(study, common, p_value, before, after).empty() ||
+        steps_that_help(study, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
+      ground_ = std::move(as_found);
+      return false;
+    }
+    out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
+                            ", whose place they had taken on the training records, stands");
+    common.found.rivals.insert(common.found.rivals.begin(),
+                               Beaten{std::move(round.found.chosen), Beaten::By::test, not_confirmed});
+    round = std::move(common);
+    if (in_runs) judged = runs_on_test(study_, round.found);
+    runs_.before_test = std::move(judged.before);
+    runs_.after_test = std::move(judged.after);
+    out_.test_p_value = p_value;
+    return true;
+  }
+
+  /// All names but those of the first steps that stand.
+  void take_back(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
+    if (leave_the_common(tested, round, fault, stand)) return;
+    SearchResult& found = round.found;
+    const std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
+    const std::string what_stands =
+        stand > 0 ? "only " + steps.back().model.name() + " stands"
+                  : "the name is withdrawn. The training records may not show what the test record does: train on one "
+                    "like it as well";
+    out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
+    const bool patched = round.left.seen;
+    withdraw(round, Beaten::By::test, not_confirmed);
+    if (stand > 0) {
+      found.steps = steps;
+      found.chosen = steps.back().model;
+      if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
+    }
+    runs_.after_test = runs(study_, found.chosen, study_.test);
+    if (stand == 0) {
+      runs_.before_test = runs_.after_test;
+    } else if (tested.run_length > study_.run_length) {
+      const TestRuns judged = runs_on_test(tested, found);
+      out_.test_p_value = test_p_value(tested, judged.before, judged.after);
+    } else {
+      out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);
+    }
+    round.train = runs(study_, found.chosen, study_.full);
+    round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
+    if (stand > 0) find_ties_of_the_rest(found);
+    round.verdict = stand > 0 ? found.ties.verdict() : verdict_without_names(round, patched);
+  }
+
+  /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the
+  /// test records took back) which these records do not deny.
+  Verdict verdict_without_names(Round& round, bool patched = false) const {
+    if (!round.found.reading.empty()) return Verdict::nothing_missing;
+    const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
+    round.loose_test = hangs_on_parameters(study_, round.found.baseline, train, test);
+    const bool open = leaves_motion_open(study_, train) || (leaves_motion_open(study_, test) && !round.loose_test);
+    const bool missing = open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
+    return missing ? Verdict::unknown_effect : Verdict::nothing_missing;
+  }
+
+  /// What is left of a larger set has rivals of its own.
+  void find_ties_of_the_rest(SearchResult& found) const {
+    std::vector<const Candidate*> rivals;
+    for (const Beaten& rival : found.rivals) rivals.push_back(&rival.model);
+    found.ties = find_ties(study_, found.baseline, found.chosen, rivals);
+    remark_ties(found);
+  }
+
+  Ground& ground_;
+  Study& study_;  ///< of the ground
+  Discovery& out_;
+  ModelRuns runs_;
+};
+
+}  // namespace
+
+ModelRuns judge_on_test(Ground& ground, Round& round, Discovery& out) { return OnTest(ground, out).judge(round); }
+
+}  // namespace lunid
