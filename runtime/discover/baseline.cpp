@@ -65,6 +65,20 @@ void from_damped_start(const Study& study, Candidate& baseline) {
   if (std::isfinite(again.cost)) baseline.fit = std::move(again);
 }
 
+/// Shape parameters without a first guess, from which no fit can begin.
+void refuse_without_guess(const Candidate& baseline) {
+  std::string names;
+  const auto& table = baseline.system->model().parameters;
+  for (std::size_t j = 0; j < table.size(); ++j)
+    if (!baseline.linear[j] && std::isnan(table[j].value)) names += (names.empty() ? "" : ", ") + table[j].name;
+  if (names.empty()) return;
+  throw InputError(
+      "discover: the baseline's force has no finite slopes where the search for its parameters begins: give "
+      "first guesses of " +
+          names + ", of the size that they have in your units",
+      {}, Fault::data);
+}
+
 /// Parameters that this record does not excite, and columns that are one on it, are said before anything is fitted.
 void check_excitation(const Study& study, const Model& model, const Candidate& baseline,
                       std::vector<std::string>& warnings) {
@@ -76,6 +90,7 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
   for (Eigen::Index j = 0; j < p; ++j)
     if (std::isfinite(table[static_cast<std::size_t>(j)].value)) guess[j] = table[static_cast<std::size_t>(j)].value;
   const Eigen::MatrixXd given = gram_of_force(study, baseline, guess);
+  if (!gram.allFinite() && !given.allFinite()) refuse_without_guess(baseline);
   double force = 0;
   for (const auto& data : study.force) force += acting_forces(model, data.record).squaredNorm();
   bool mass_free = false;

@@ -32,7 +32,10 @@ class Contest {
       for (const Candidate* best : open_of_several()) {
         if (is_among(generalised, best->choices)) continue;
         generalised.push_back(best->choices);
-        for (const Choice& old : best->choices) fit_general_forms(*best, old, more);
+        for (const Choice& old : best->choices) {
+          fit_general_forms(*best, old, more);
+          fit_others(*best, old, more);
+        }
       }
       for (const Candidate* best : best_of_several()) {
         if (is_among(contested, best->choices)) continue;
@@ -142,36 +145,61 @@ class Contest {
     fit_in_its_place(whole, old, whole.fit.cost, is_general, more);
   }
 
+  /// Those of no more parameters that explain most of the force in its place: what came first beside a parent that
+  /// lacked the rest (a sine for a cubic spring whose sensor is off its zero) may be second to others beside it.
+  void fit_others(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
+    constexpr std::size_t most = 2;
+    Candidate rest = without(whole, old);
+    rest.fit.theta = values_of(rest, {&whole});
+    rest.fit.cost = INFINITY;  // of no run
+    const std::size_t own = old.parameters().size();
+    const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own && shape.choice != old; };
+    const std::vector<Offer> offers =
+        offers_beside(rest, offers_.space_of(rest, rest.fit.theta), more, whole.fit.cost, is_as_simple);
+    std::vector<std::size_t> list(offers.size());
+    std::iota(list.begin(), list.end(), std::size_t{0});
+    std::ranges::stable_sort(list, {}, [&](std::size_t i) { return offers[i].standing.cost; });
+    list.resize(std::min(list.size(), most));
+    fit_in_place(offers, list, more);
+  }
+
   void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
     const auto is_special = [&](const Shape& shape) { return shape.choice.is_special_case(old); };
     const double badly = nearly * whole.fit.cost;
     fit_in_its_place(whole, old, badly, is_special, more);
     const Choices rest = without(whole, old).choices;
     for (const Shape& shape : offers_.shapes())
-      if (is_special(shape) && may_join(rest, *shape.choice.effect)) fit_as_named(shape, rest, whole, old, badly);
+      if (is_special(shape) && find_in(out_.sets, with(rest, shape.choice)))
+        fit_as_named(shape.choice, rest, whole, old, badly, more);
+    for (const auto& fault : offers_.faults())
+      if (fault.choice.is_special_case(old)) fit_as_named(fault.choice, rest, whole, old, badly, more);
   }
 
-  /// Where an entry that was fitted badly has the names of its more general form (Fc of friction, k of a spring): from
-  /// that one's values.
-  void fit_as_named(const Shape& shape, const Choices& rest, const Candidate& whole, const Choice& general,
-                    double badly) {
-    const Choices set = with(rest, shape.choice);
+  /// Where an entry that was fitted badly, or not at all, has the names of its more general form (Fc of friction, k of
+  /// a spring, b of an offset): from that one's values.
+  void fit_as_named(const Choice& special, const Choices& rest, const Candidate& whole, const Choice& general,
+                    double badly, std::vector<Candidate>& more) {
+    const Choices set = with(rest, special);
     Candidate* known = find_in(out_.sets, set);
-    if (!known || !(known->fit.cost > badly)) return;
+    if (!may_join(rest, *special.effect) || find_in(more, set) || (known && !(known->fit.cost > badly))) return;
     Candidate c = compile(study_, model_, set);
-    Eigen::VectorXd start = values_of(c, {known, &whole});
+    Eigen::VectorXd start = known ? values_of(c, {known, &whole}) : values_of(c, {&whole});
     const auto& all = c.system->model().parameters;
     const auto& values = whole.system->model().parameters;
-    for (const Parameter& own : shape.choice.parameters())
+    for (const Parameter& own : special.parameters())
       for (const Parameter& other : general.parameters()) {
-        if (own_name(*shape.choice.effect, own.name) != own_name(*general.effect, other.name)) continue;
+        if (own_name(*special.effect, own.name) != own_name(*general.effect, other.name)) continue;
         const auto to = std::ranges::find(all, own.name, &Parameter::name) - all.begin();
         const auto from = std::ranges::find(values, other.name, &Parameter::name) - values.begin();
         start[to] = whole.fit.theta[from];
       }
     c.starts = {start};
     c.fit = fit_near(study_, c, start, 20, whole.fit.substeps);
-    if (c.ran() && !c.degenerate() && c.fit.cost < known->fit.cost) *known = std::move(c);
+    if (!c.ran() || c.degenerate()) return;
+    if (!known)
+      more.push_back(std::move(c));
+    else if (c.fit.cost < known->fit.cost)
+      *known = std::move(c);
   }
 
   /// Where the entry that is left out was the spring, the baseline's own has to take over.

@@ -91,13 +91,14 @@ class Spine {
   /// such a motion. Where nothing was named, also that no set which was fitted comes near, or that the best one is
   /// lost.
   bool nothing_follows(const Round& round) const {
-    if (study_.imposed || round.left.gap.value < lost_gap) return false;
-    const bool lost_so = lost_to_noise(study_, round.left.gap);
-    if (round.names()) return lost_so && rms_error(round.found.chosen.fit) > 2 * study_.sensor_noise();
+    const Gap& gap = round.left.gap;
+    if (study_.imposed || std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return false;
+    if (round.names())
+      return noise_leads_astray(study_, gap) && rms_error(round.found.chosen.fit) > 2 * study_.sensor_noise();
     const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
     const std::vector<Candidate>& sets = round.found.grown.sets;
-    return lost_so || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
+    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model
@@ -121,11 +122,15 @@ class Spine {
     ground_ = std::move(before);
   }
 
-  /// Most of the gap is what noise makes of it, far more than the sensor's own.
-  static bool lost_to_noise(const Study& study, const Gap& gap) {
+  /// Noise alone takes the run a tenth of the motion and more away, far more than the sensor shows.
+  static bool noise_leads_astray(const Study& study, const Gap& gap) {
     constexpr double part = 0.1, times = 3;
-    return gap.floor > std::max(part, times * study.noise_gap()) && gap.value < 2 * gap.floor &&
-           gap.value < runaway_gap;
+    return gap.floor > std::max(part, times * study.noise_gap()) && gap.value < runaway_gap;
+  }
+
+  /// And that is most of the gap.
+  static bool lost_to_noise(const Study& study, const Gap& gap) {
+    return noise_leads_astray(study, gap) && gap.value < 2 * gap.floor;
   }
 
   /// Of a model's runs over whole records. A fit that knows the first states of all rows may follow such a motion.

@@ -21,11 +21,10 @@ double open(const Study& study, const Candidate& model) {
 /// below `error`.
 bool reading_shows_beside(Ground& ground, const Candidate& model, double error) {
   constexpr double least_gain = 0.02, part_of_what_is_open = 0.1;  // of the squared error
-  const double gain =
-      rechoose_interpolation(ground.study, model, [&ground](BetweenSamples between) -> const Study& {
-        ground.read_force(between);
-        return ground.study;
-      });
+  const double gain = rechoose_interpolation(ground.study, model, [&ground](BetweenSamples between) -> const Study& {
+    ground.read_force(between);
+    return ground.study;
+  });
   return gain > std::max(least_gain, part_of_what_is_open * open(ground.study, model)) &&
          (1 - gain) * squared_error(model.fit) < error;
 }

@@ -25,10 +25,9 @@ TestRuns runs_on_test(Study study, const SearchResult& found) {
 }
 
 std::string left_open_by_training(const Candidate& named, const std::string& fault, const Gap& of_all) {
-  return "the named " + named.name() + " " + fault +
-         " with the parameters of the training records, which leave them " +
-         "open: one fit to all records follows these down to their noise (" + number(of_all.value, 2) +
-         " there, " + number(of_all.floor, 2) + " from noise alone). Train on both";
+  return "the named " + named.name() + " " + fault + " with the parameters of the training records, which leave them " +
+         "open: one fit to all records follows these down to their noise (" + number(of_all.value, 2) + " there, " +
+         number(of_all.floor, 2) + " from noise alone). Train on both";
 }
 
 class OnTest {

@@ -10,5 +10,4 @@ namespace lunid {
 /// they add no other. Sets the verdict of `round`, and fills the gaps, p-value and warnings of `out`.
 ModelRuns judge_on_test(Ground& ground, Round& round, Discovery& out);
 
-
 }  // namespace lunid

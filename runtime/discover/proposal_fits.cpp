@@ -90,7 +90,8 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
 
 void ProposalFits::end(Candidate& c) const {
   if (c.ran()) go_on(c, 24);
-  const double promised = decays_ ? 0 : std::sqrt(c.force_cost / static_cast<double>(force_rows_));
+  const bool told = !decays_ && std::isfinite(c.force_cost);  // a fault of a channel has no force that would promise
+  const double promised = told ? std::sqrt(c.force_cost / static_cast<double>(force_rows_)) : 0;
   if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
   try_short_runs(c, c.starts.front());
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "discover/accept.hpp"
+#include "discover/judge.hpp"
 #include "discover/places.hpp"
 #include "discover/twins.hpp"
 #include "record/spectrum.hpp"
@@ -198,13 +199,22 @@ void start_beside(const Study& study, Candidate& candidate, const Candidate& par
   const auto& table = candidate.system->model().parameters;
   const Eigen::VectorXd& known = parent.fit.theta;
   std::vector<std::pair<double, Eigen::VectorXd>> starts;
+  const auto hear = [&](Eigen::VectorXd theta) {
+    const double squares = squares_of_runs(study, candidate, theta, parent.fit);
+    if (std::isfinite(squares)) starts.emplace_back(squares, std::move(theta));
+  };
   for (const Guess& guess : guesses.empty() ? std::vector<Guess>{{}} : guesses) {
     Eigen::VectorXd theta(static_cast<Eigen::Index>(table.size()));
     theta.head(known.size()) = known;
     for (Eigen::Index i = known.size(); i < theta.size(); ++i)
       theta[i] = guessed(table[static_cast<std::size_t>(i)], guess);
-    const double squares = squares_of_runs(study, candidate, theta, parent.fit);
-    if (std::isfinite(squares)) starts.emplace_back(squares, std::move(theta));
+    hear(std::move(theta));
+  }
+  if (candidate.seen_by_force && rms_error(parent.fit) > 1.05 * study.sensor_noise()) {
+    // What the parent makes of its parameters without the fault may be far from what they are beside it.
+    Candidate by_force = candidate;
+    find_starts(study, by_force, known, {guesses});
+    for (Eigen::VectorXd& start : by_force.starts) hear(std::move(start));
   }
   std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   candidate.starts.clear();

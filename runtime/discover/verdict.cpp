@@ -276,6 +276,25 @@ bool surely_lowers(const Study& study, double p_value, const std::vector<FreeRun
 
 }  // namespace
 
+namespace {
+
+/// A damper of the baseline itself that feeds the motion beside the names, beyond chance, and did not alone.
+bool feeds_the_motion(const Candidate& baseline, const Candidate& named) {
+  constexpr double deviations = 3;
+  if (!baseline.ran() || !named.ran()) return false;
+  const Model& model = baseline.system->model();
+  for (Eigen::Index j = 0; j < baseline.parameters(); ++j) {
+    const double value = named.fit.theta[j], deviation = named.fit.deviation(j);
+    if (!(value < -deviations * deviation) || !(baseline.fit.theta[j] > 0)) continue;
+    const Expr of = model.pool->parameter(model.parameters[static_cast<std::size_t>(j)].name);
+    for (int i = 0; i < model.degrees(); ++i)
+      if (derivative(model.coordinate(i).restoring, of) == model.pool->channel(model.channel('v', i))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::string refuted(const Study& study, const Round& round, double p_value, const std::vector<FreeRun>& before,
                     const std::vector<FreeRun>& after) {
   const Left& left = round.left;
@@ -304,12 +323,15 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool followed = left.gap.value < 1.3 * left.gap.floor;
   if (patchwork && followed)
     return "fitted the training records down to their noise by several forces, but not the test record";
+  if (last.value > 1.5 * last.floor && feeds_the_motion(round.found.baseline, round.found.chosen))
+    return "left a gap on the test record, and made the baseline's own damping negative";
   if (names == 1 && followed && last.value > 3 * last.floor &&
       far_from_the_floor(beyond_parameters(study, round.found.chosen, last), little_open))
     return "fitted the training records down to their noise, but not the test record";
   if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";
+  if (patchwork && unexplained > 2.5 * last.floor) return "left both records above their noise, by several forces";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
   if (closed >= most_closed(round.found.chosen.choices))

@@ -186,6 +186,7 @@ std::string verdict_on(int names, double train, double test, double floor, bool 
   study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
   Round round;
   for (int i = 0; i < names; ++i) round.found.chosen.choices.push_back({&catalogue[static_cast<std::size_t>(i)], 0});
+  round.found.baseline.fit.cost = INFINITY;  // of no run
   round.left.gap.value = train;
   round.left.gap.floor = floor;
   round.left.seen = round.left.material = round.left.whole = leaves_a_force;
@@ -215,6 +216,48 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
   EXPECT_NE(verdict_on(2, 0.036, 0.12, 0.02, true), another);
   EXPECT_NE(verdict_on(3, 0.036, 0.12, 0.02, false), another);
   EXPECT_EQ(verdict_on(3, 0.03, 0.045, 0.02, true), another);  // however much they close
+}
+
+/// y^2*v^3 was cubic damping beside van der Pol damping.
+TEST(Verdict, TakesSeveralNamesBackThatLeaveBothRecordsAboveTheirNoise) {
+  const std::string both = "left both records above their noise, by several forces";
+  EXPECT_EQ(verdict_on(2, 0.045, 0.08, 0.02), both);
+  EXPECT_EQ(verdict_on(2, 0.045, 0.045, 0.02), "");  // nearer to it
+  EXPECT_EQ(verdict_on(1, 0.045, 0.08, 0.02), "");
+  EXPECT_EQ(verdict_on(2, 0.0045, 0.008, 0.002), "");  // nearly all is closed
+}
+
+/// A dashpot that acts beyond a gap was a power of the rate, beside a damper that fed the motion.
+TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
+  const auto feeds = [](double c, double std, double test, const std::string& restoring) {
+    DiscoverOptions options;
+    Study study;
+    study.options = &options;
+    const Model model = testing::baseline(restoring, 1);
+    const std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
+    study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
+    Round round;
+    round.found.baseline = compile(study, complete(model), {});
+    round.found.chosen = round.found.baseline;
+    round.found.baseline.fit.theta = Eigen::Vector2d(1, 1);
+    round.found.chosen.fit.theta = Eigen::Vector2d(1, c);
+    round.found.chosen.fit.covariance = Eigen::Vector2d(1e-4, std * std).asDiagonal();
+    round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
+    round.found.chosen.choices.push_back({&catalogue[0], 0});
+    round.left.gap.value = round.left.gap.floor = 0.02;
+    FreeRun before, after;
+    before.rows = after.rows = 1000;
+    before.variance = after.variance = 1;
+    before.floor_squares = after.floor_squares = 0.02 * 0.02;
+    before.squares = 1;
+    after.squares = test * test;
+    return refuted(study, round, 0.001, {before}, {after});
+  };
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v"),
+            "left a gap on the test record, and made the baseline's own damping negative");
+  EXPECT_EQ(feeds(-3.1, 2, 0.035, "k*y + c*v"), "");
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.025, "k*y + c*v"), "");
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*y^3"), "");
 }
 
 /// An exponential spring was a stop, a quadratic spring, a cubic one and a clearance.
