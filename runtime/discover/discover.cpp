@@ -13,10 +13,12 @@
 #include "discover/ground.hpp"
 #include "discover/naming.hpp"
 #include "discover/on_test.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
 #include "discover/verdict.hpp"
 #include "expr/digits.hpp"
+#include "record/parallel.hpp"
 
 namespace lunid {
 
@@ -120,6 +122,31 @@ class Spine {
       return;
     }
     ground_ = std::move(before);
+    if (reached) look_from(shorter.found.grown.sets, round);
+  }
+
+  /// What short runs have led to the noise may follow the whole records too, from there: a strong spring beside a fault
+  /// of its sensor has more minima over many periods than over two.
+  void look_from(const std::vector<Candidate>& found, Round& round) {
+    constexpr std::size_t most = 8;
+    constexpr double near = 2;  // times the least squared error
+    std::vector<Candidate> sets;
+    for (const Candidate& c : found)
+      if (sets.size() < most && c.fit.cost < near * found.front().fit.cost) sets.push_back(c);
+    parallel_for(static_cast<int>(sets.size()), options_.threads, [&](int i) {
+      Candidate& c = sets[static_cast<std::size_t>(i)];
+      c.fit = fit_progressively(*c.system, c.fit.theta, study_.train, fixed_fit(study_, 40, 1e-4, c.fit.substeps));
+    });
+    std::erase_if(sets,
+                  [&](const Candidate& c) { return !c.ran() || !(rms_error(c.fit) < 2 * study_.sensor_noise()); });
+    if (sets.empty()) return;
+    Grown known = round.found.grown;
+    for (Candidate& c : sets) {
+      std::erase_if(known.sets, [&](const Candidate& other) { return same(other.choices, c.choices); });
+      known.sets.push_back(std::move(c));
+    }
+    progress("the whole records", done_);
+    if (Round whole = look(catalogue_.size(), known, 0.9); whole.names()) round = std::move(whole);
   }
 
   /// Noise alone takes the run a tenth of the motion and more away, far more than the sensor shows.
