@@ -171,8 +171,9 @@ class Contest {
     for (const Shape& shape : offers_.shapes())
       if (is_special(shape) && find_in(out_.sets, with(rest, shape.choice)))
         fit_as_named(shape.choice, rest, whole, old, badly, more);
-    for (const auto& fault : offers_.faults())
-      if (fault.choice.is_special_case(old)) fit_as_named(fault.choice, rest, whole, old, badly, more);
+    for (const auto& fault : offers_.faults())  // along an imposed motion an offset is no more than a constant force
+      if (!study_.imposed && fault.choice.is_special_case(old))
+        fit_as_named(fault.choice, rest, whole, old, badly, more);
   }
 
   /// Where an entry that was fitted badly, or not at all, has the names of its more general form (Fc of friction, k of

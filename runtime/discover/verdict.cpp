@@ -331,7 +331,6 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";
-  if (patchwork && unexplained > 2.5 * last.floor) return "left both records above their noise, by several forces";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
   if (closed >= most_closed(round.found.chosen.choices))

@@ -218,15 +218,6 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
   EXPECT_EQ(verdict_on(3, 0.03, 0.045, 0.02, true), another);  // however much they close
 }
 
-/// y^2*v^3 was cubic damping beside van der Pol damping.
-TEST(Verdict, TakesSeveralNamesBackThatLeaveBothRecordsAboveTheirNoise) {
-  const std::string both = "left both records above their noise, by several forces";
-  EXPECT_EQ(verdict_on(2, 0.045, 0.08, 0.02), both);
-  EXPECT_EQ(verdict_on(2, 0.045, 0.045, 0.02), "");  // nearer to it
-  EXPECT_EQ(verdict_on(1, 0.045, 0.08, 0.02), "");
-  EXPECT_EQ(verdict_on(2, 0.0045, 0.008, 0.002), "");  // nearly all is closed
-}
-
 /// A dashpot that acts beyond a gap was a power of the rate, beside a damper that fed the motion.
 TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   const auto feeds = [](double c, double std, double test, const std::string& restoring) {
