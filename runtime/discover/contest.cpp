@@ -127,17 +127,21 @@ class Contest {
     }
   }
 
-  /// Beside the other effects as they are in the whole set.
+  /// Beside the other effects as they are in the whole set; no more than `most`, those that explain most of the force.
   void fit_in_its_place(const Candidate& whole, const Choice& old, double badly, const Wanted& wanted,
-                        std::vector<Candidate>& more) {
+                        std::vector<Candidate>& more, std::size_t most = SIZE_MAX) {
     if (std::ranges::none_of(offers_.shapes(), wanted)) return;
     Candidate rest = without(whole, old);
     rest.fit.theta = values_of(rest, {&whole});
     rest.fit.cost = INFINITY;  // of no run
     const std::vector<Offer> offers = offers_beside(rest, offers_.space_of(rest, rest.fit.theta), more, badly, wanted);
-    std::vector<std::size_t> all(offers.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    fit_in_place(offers, all, more);
+    std::vector<std::size_t> list(offers.size());
+    std::iota(list.begin(), list.end(), std::size_t{0});
+    if (list.size() > most) {
+      std::ranges::stable_sort(list, {}, [&](std::size_t i) { return offers[i].standing.cost; });
+      list.resize(most);
+    }
+    fit_in_place(offers, list, more);
   }
 
   void fit_general_forms(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
@@ -148,19 +152,10 @@ class Contest {
   /// Those of no more parameters that explain most of the force in its place: what came first beside a parent that
   /// lacked the rest (a sine for a cubic spring whose sensor is off its zero) may be second to others beside it.
   void fit_others(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
-    constexpr std::size_t most = 2;
-    Candidate rest = without(whole, old);
-    rest.fit.theta = values_of(rest, {&whole});
-    rest.fit.cost = INFINITY;  // of no run
-    const std::size_t own = old.parameters().size();
-    const auto is_as_simple = [&](const Shape& shape) { return shape.linear.size() <= own && shape.choice != old; };
-    const std::vector<Offer> offers =
-        offers_beside(rest, offers_.space_of(rest, rest.fit.theta), more, whole.fit.cost, is_as_simple);
-    std::vector<std::size_t> list(offers.size());
-    std::iota(list.begin(), list.end(), std::size_t{0});
-    std::ranges::stable_sort(list, {}, [&](std::size_t i) { return offers[i].standing.cost; });
-    list.resize(std::min(list.size(), most));
-    fit_in_place(offers, list, more);
+    const auto is_as_simple = [&, own = old.parameters().size()](const Shape& shape) {
+      return shape.linear.size() <= own && shape.choice != old;
+    };
+    fit_in_its_place(whole, old, whole.fit.cost, is_as_simple, more, 2);
   }
 
   void fit_special_cases(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {

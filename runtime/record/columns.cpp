@@ -185,6 +185,16 @@ std::string without_time(const std::vector<ColumnPlan>& plans) {
 
 }  // namespace
 
+Channel channel_of(const ColumnPlan& plan) {
+  Channel channel;
+  channel.name = plan.channel;
+  channel.unit = plan.unit;
+  channel.source = plan.header.text;
+  channel.source_unit = plan.header.unit;
+  channel.derived = plan.derived;
+  return channel;
+}
+
 std::string name_in_files(const Channel& channel) {
   return channel.derived ? channel.name + std::string(derived_ending) : channel.name;
 }

@@ -44,6 +44,9 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
 inline constexpr std::string_view derived_ending = "_derived";
 std::string name_in_files(const Channel& channel);
 
+/// The channel that a column becomes, without its values.
+Channel channel_of(const ColumnPlan& plan);
+
 /// Text without white space at its ends.
 std::string_view trim(std::string_view text);
 

@@ -46,12 +46,7 @@ TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, 
 }
 
 Channel channel_of(const ColumnPlan& plan, const VectorXd& values, const VectorXd& t, const TimeBase& base) {
-  Channel channel;
-  channel.name = plan.channel;
-  channel.unit = plan.unit;
-  channel.derived = plan.derived;
-  channel.source = plan.header.text;
-  channel.source_unit = plan.header.unit;
+  Channel channel = channel_of(plan);
   const auto span = [](const VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
   channel.values = base.resampled ? resample(span(t), span(values), base) : values;
   if (plan.factor != 1) channel.values *= plan.factor;

@@ -27,19 +27,7 @@ class ContainerRows : public RowSource {
     set_time(layout);
     look_through(progress, layout);
     if (plan_.channels.empty()) fail("expected a vector of numbers beside the time");
-    for (const std::size_t i : plan_.channels) {
-      const ColumnPlan& plan = plan_.plans[i];
-      layout.channels.push_back({plan.channel,
-                                 plan.unit,
-                                 plan.header.text,
-                                 plan.header.unit,
-                                 {},
-                                 0,
-                                 plan.derived,
-                                 Interpolation::linear,
-                                 {},
-                                 {}});
-    }
+    for (const std::size_t i : plan_.channels) layout.channels.push_back(channel_of(plan_.plans[i]));
   }
 
   std::vector<VectorXd> read(Index first, Index count) const override {

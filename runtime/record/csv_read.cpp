@@ -28,12 +28,7 @@ TimeBase even_base(const CsvTable& table, const std::string& path, double interv
 
 Channel make_channel(const ColumnPlan& plan, std::span<const double> values, std::span<const double> t,
                      const TimeBase& base) {
-  Channel channel;
-  channel.name = plan.channel;
-  channel.unit = plan.unit;
-  channel.derived = plan.derived;
-  channel.source = plan.header.text;
-  channel.source_unit = plan.header.unit;
+  Channel channel = channel_of(plan);
   channel.values =
       base.resampled ? resample(t, values, base) : Eigen::Map<const Eigen::VectorXd>(values.data(), base.rows).eval();
   if (plan.factor != 1) channel.values *= plan.factor;

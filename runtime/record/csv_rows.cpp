@@ -70,16 +70,7 @@ class CsvRows : public RowSource {
       const auto same = [&](const ColumnPlan& other) { return other.header.text == plan.header.text; };
       columns_.push_back(
           static_cast<std::size_t>(std::find_if(columns.begin(), columns.end(), same) - columns.begin()));
-      layout.channels.push_back({plan.channel,
-                                 plan.unit,
-                                 plan.header.text,
-                                 plan.header.unit,
-                                 {},
-                                 0,
-                                 plan.derived,
-                                 Interpolation::linear,
-                                 {},
-                                 {}});
+      layout.channels.push_back(channel_of(plan));
     }
     if (columns_.empty())
       throw InputError("expected a column of numbers beside the time", {path, all.table().header_line}, Fault::data);
