@@ -87,7 +87,8 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--mass", values.mass, "mass [kg], or an expression; an unknown name is a parameter");
   discover->add_option("--restoring", values.restoring, "restoring force, such as \"k*y + c*v\"");
   discover->add_option("--baseline", values.baseline, "model.lua, in place of --mass and --restoring");
-  discover->add_option("--test", values.tests, "TEST.csv ...: never used to choose; else the last 30 % is held out");
+  discover->add_option("--test", values.tests,
+                       "TEST.csv ...: opened once, when TRAIN has chosen; else the last 30 % is held out");
   discover->add_option("--window", values.windows, "A:B, part of the training records [s]");
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
   add_reading(discover, values);

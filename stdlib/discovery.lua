@@ -44,7 +44,7 @@ local definition = {
   fields = {
     { "model", types.is("model", "lunid.model"), required = true, help = "the baseline" },
     { "train", records, required = true, help = "record or list of records, used for every choice" },
-    { "test", records, help = "opened once, after the verdict; else the last part of each record is held out" },
+    { "test", records, help = "opened once, when the training records have chosen; else the last part of each record is held out" },
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
     { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open" },

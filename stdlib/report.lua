@@ -152,7 +152,8 @@ local function gap_section(data)
   return "<h2>The gap</h2>" .. html_table({ "", "baseline", "final model", "noise alone" }, {
     { "training record", number(data.baseline.gap_train, data.baseline.cause), number(data.final.gap_train, data.final.cause),
       number(floor.gap_train, floor.reason) },
-    { "test record, opened when the training records had chosen", number(data.baseline.gap_test, data.baseline.cause),
+    { "test record, opened when the training records had chosen"
+      .. (data.test_chose and " (it chose among what these had left open)" or ""), number(data.baseline.gap_test, data.baseline.cause),
       number(data.final.gap_test, data.final.cause), number(floor.gap_test, floor.reason) },
     { "rows of the training record that the fit did not see", number(data.left_out.gap_before, data.left_out.reason),
       number(data.left_out.gap_after, data.left_out.reason), "" } }) .. outputs_table(data)

@@ -58,6 +58,12 @@ std::string by_nameless_forces(const Discovery& out) {
   return text;
 }
 
+/// A tie that is another tie's force in another notation: no experiment tells these apart.
+bool is_said_already(const std::vector<Beaten>& rivals, const std::string& name) {
+  const auto at = std::ranges::find_if(rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
+  return at != rivals.end() && same_force_before(rivals, static_cast<std::size_t>(at - rivals.begin()));
+}
+
 /// What would tell an ambiguous class apart, within the force, displacement and band that these records had; of a
 /// Discovery whose verdict, final model and rivals are there.
 void design_next(const Study& study, const SearchResult& found, Discovery& out) {
@@ -70,7 +76,7 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
   for (const Rival& rival : out.rivals) {
-    if (!holds_name(found.ties.rivals, rival.name)) continue;
+    if (!holds_name(found.ties.rivals, rival.name) || is_said_already(found.rivals, rival.name)) continue;
     models.push_back(rival.model);
     names.push_back(rival.name);
   }

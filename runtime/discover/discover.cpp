@@ -45,7 +45,7 @@ class Spine {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings);
     choose_catalogue();
-    if (lower_noise(ground_.whole, baseline_)) ground_.take_noise();
+    if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
     if (study_.in_pieces) progress("fit all rows", 0.92);

@@ -166,7 +166,9 @@ struct Discovery {
   std::vector<Parameter> baseline_before;
   Gap baseline_train, baseline_test, final_train, final_test;
   double gap_left_out_before = 0, gap_left_out_after = 0;
-  double gap_fit = 0;       ///< of the final model's fit, which knows all rows, as the rivals' gaps are
+  double gap_fit = 0;  ///< of the final model's fit, which knows all rows, as the rivals' gaps are
+  bool test_chose =
+      false;  ///< the test records chose among what the training records left open: their gap is not held out
   double test_p_value = 1;  ///< of "the final model's test gap is not below the baseline's"
   std::vector<NamedEffect> effects;
   std::vector<Rival> rivals;  ///< of the last round, where nothing (more) was named
@@ -197,9 +199,10 @@ struct Discovery {
   double seconds = 0;
 };
 
-/// Names what the baseline lacks. `train` is used for every choice; `test` is opened once, after the verdict. With no
-/// test the last `holdout` part of each record is cut off first. Throws InputError for what cannot be a discovery
-/// (5 rows, a constant displacement, a parameter that the data do not excite, ...).
+/// Names what the baseline lacks. `train` is used for every choice; `test` is opened once these are made, and takes
+/// names back; what `train` left open it may choose (`test_chose`). With no test the last `holdout` part of each record
+/// is cut off first. Throws InputError for what cannot be a discovery (5 rows, a constant displacement, a parameter
+/// that the data do not excite, ...).
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options = {});
 

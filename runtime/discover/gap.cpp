@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "discover/views.hpp"
+#include "record/derive.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -151,10 +152,42 @@ Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& th
   return spread;
 }
 
-void force_run(const System& system, const Eigen::VectorXd& theta, const Record& record, FreeRun& out) {
+/// The record with the noise of its sensors on the measured motion once more, and what is derived from it anew.
+Record with_motion_noise_again(const Record& record, Philox& random) {
+  Record out = record;
+  DeriveOptions derived;
+  for (const char* name : {"y", "v", "a"}) {
+    Channel channel = of_window(record, name);
+    if (channel.derived) {
+      derived.channels.emplace_back(name);
+      continue;
+    }
+    for (double& value : channel.values) value += channel.noise * random.normal();
+    out = out.with(std::move(channel));
+  }
+  return derived.channels.empty() ? out : derive(out, derived);
+}
+
+/// What the noise of the sensors of a prescribed motion makes of the force along it: mean squares over the last rows.
+double motion_noise_squares(const Study& study, const System& system, const Eigen::VectorXd& theta,
+                            const Record& record, const Eigen::VectorXd& nominal, Eigen::Index rows) {
+  constexpr int draws = 4;
+  double squares = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Philox random(study.options->seed, stream_of("imposed motion") + static_cast<std::uint64_t>(draw));
+    const Eigen::VectorXd force = imposed_force(system, view(theta), with_motion_noise_again(record, random));
+    squares += (force - nominal).tail(rows).squaredNorm();
+  }
+  return std::isfinite(squares) ? squares / draws : 0;
+}
+
+void force_run(const Study& study, const System& system, const Eigen::VectorXd& theta, const Record& record, bool floor,
+               FreeRun& out) {
   out.model = imposed_force(system, view(theta), record);
+  if (!floor) return;
   const double noise = record.channel("F").noise;
-  out.floor_squares = noise * noise * static_cast<double>(out.rows);
+  out.floor_squares = noise * noise * static_cast<double>(out.rows) +
+                      motion_noise_squares(study, system, theta, record, out.model, out.rows);
 }
 
 /// Two runs differ by what could be seen in the record.
@@ -226,7 +259,7 @@ std::vector<FreeRun> free_run(const Study& study, const System& system, const Ei
     out.back().rows = record.rows() - out.back().lead;
   }
   if (study.imposed)
-    force_run(system, theta, record, out.front());
+    force_run(study, system, theta, record, floor, out.front());
   else
     motion_run(study, system, theta, record, substeps, floor, out);
   const std::vector<double> weights = study.weights(record);
@@ -248,6 +281,18 @@ std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::stri
   for (const FreeRun& run : runs)
     if (run.output == output) out.push_back(run);
   return out;
+}
+
+bool learn_motion_noise(Study& study, const Candidate& baseline) {
+  if (!study.imposed || !baseline.ran()) return false;
+  double squares = 0, rows = 0;
+  for (const Record& record : study.full) {
+    const Eigen::VectorXd force = imposed_force(*baseline.system, view(baseline.fit.theta), record);
+    squares += motion_noise_squares(study, *baseline.system, baseline.fit.theta, record, force, force.size());
+    rows += static_cast<double>(force.size());
+  }
+  study.motion_noise = std::sqrt(squares / rows);
+  return study.motion_noise > 0;
 }
 
 bool lower_noise(Study& study, const Candidate& candidate) {

@@ -34,6 +34,9 @@ std::vector<FreeRun> free_run(const Study& study, const System& system, const Ei
 /// The noise of the outputs, where what a model leaves of the training records shows that it is less than their spectra
 /// told. Returns whether it is. Not asked of an imposed motion and of short runs.
 bool lower_noise(Study& study, const Candidate& candidate);
+/// What the noise of the sensors of a prescribed motion makes of the baseline's force. Returns whether that is
+/// something.
+bool learn_motion_noise(Study& study, const Candidate& baseline);
 
 /// Pooled gap over records and outputs. `input_share`: the part of the force channel's noise that the system did not
 /// feel, 0..1.

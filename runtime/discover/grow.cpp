@@ -44,6 +44,7 @@ class Grower {
       if (!better && !masked) break;
       best = level.front();
       parents = parents_of(std::move(level));
+      if (size == 1) add_half_of_a_masked_pair(parents);
       if (parents.empty()) break;
     }
     sort_by_cost(out_.sets);
@@ -93,6 +94,17 @@ class Grower {
     std::vector<Candidate> parents = parents_among(level);
     std::erase_if(parents, [](const Candidate& c) { return c.choices.size() > 1 && many_states(c.choices); });
     return parents;
+  }
+
+  /// Neither of two effects may be among the best singles, where one takes back most of what the other does.
+  void add_half_of_a_masked_pair(std::vector<Candidate>& parents) {
+    const Proposer::Parent space = offers_.space_of(baseline_, baseline_.best_theta());
+    const Shape* half = offers_.half_of_a_masked_pair(space, parents);
+    if (!half || static_cast<std::size_t>(half->linear.size()) + 1 >= fewest_) return;
+    const std::vector<Offer> offers = offers_.beside(baseline_, space, [&](const Shape& s) { return &s == half; });
+    if (offers.empty()) return;
+    for (const Candidate& c : fits_.fit(offers, {0}, 1))
+      if (same(c.choices, {half->choice})) take_from_force(c, parents);
   }
 
   std::vector<Candidate> add_one(const std::vector<Candidate>& parents, int size) {

@@ -181,6 +181,34 @@ std::vector<Offer> Offers::beside(const Candidate& parent, const Proposer::Paren
   return offers;
 }
 
+const Shape* Offers::half_of_a_masked_pair(const Proposer::Parent& space, const std::vector<Candidate>& parents) const {
+  constexpr double far_less = 0.5;  // of the squared misfit beside a parent
+  std::vector<const Shape*> shapes;
+  std::vector<bool> is_parent;
+  for (const Shape& shape : shapes_) {
+    if (many_states(shape) || shape.columns.empty() || shape.choice.effect->number > 1) continue;
+    shapes.push_back(&shape);
+    is_parent.push_back(
+        std::ranges::any_of(parents, [&](const Candidate& p) { return same(p.choices, {shape.choice}); }));
+  }
+  const Eigen::MatrixXd costs = proposer_.pair_costs(shapes, space);
+  double beside_a_parent = space.cost, least = INFINITY;
+  const Shape* half = nullptr;
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto at = [&](std::size_t a, std::size_t b) { return costs(Eigen::Index(a), Eigen::Index(b)); };
+      if (!may_join({shapes[i]->choice}, *shapes[j]->choice.effect)) continue;
+      const double cost = at(i, j);
+      if (is_parent[i] || is_parent[j]) {
+        beside_a_parent = std::min(beside_a_parent, cost);
+      } else if (cost < least) {
+        least = cost;
+        half = at(i, i) < at(j, j) ? shapes[i] : shapes[j];
+      }
+    }
+  return least < far_less * beside_a_parent ? half : nullptr;
+}
+
 /// Entries of many states take longer along the motion than all others together: they are looked at where one of few
 /// states comes near to the best, at the same place.
 void Offers::score_many_states(std::vector<Offer>& offers, const std::vector<std::size_t>& all) {

@@ -58,6 +58,10 @@ class Offers {
   std::vector<std::size_t> best_on_motion(const std::vector<Offer>& offers, const std::vector<std::size_t>& fitted,
                                           const Candidate& parent, bool open = true) const;
 
+  /// Masking: of two effects that together leave far less than any of them beside a parent, the one that leaves less
+  /// alone; null where the parents lead as far. Entries of few states.
+  const Shape* half_of_a_masked_pair(const Proposer::Parent& space, const std::vector<Candidate>& parents) const;
+
   const std::vector<Shape>& shapes() const { return shapes_; }
   /// Null of a fault.
   const Shape* shape_of(const Choice& choice) const;

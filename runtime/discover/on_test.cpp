@@ -73,6 +73,7 @@ class OnTest {
     std::optional<Round> named = borne_out(study_, round);
     if (!named) return;
     round = std::move(*named);
+    out_.test_chose = true;
     remark_ties(round.found);
     const double gain = 1 - round.found.chosen.left_out_gap / round.found.baseline.left_out_gap;
     out_.warnings.push_back("the training records show " + round.found.chosen.name() +
@@ -148,6 +149,7 @@ class OnTest {
     std::vector<TiedRival> standing = tied_that_stand(study_, tested, round, before);
     if (standing.empty()) return false;
     TiedRival& first = standing.front();
+    out_.test_chose = true;
     out_.warnings.push_back("the training records could not tell " + found.chosen.name() + " from " +
                             first.model.name() + ": the former " + fault);
     withdraw(round, Beaten::By::test, not_confirmed);
@@ -189,6 +191,7 @@ class OnTest {
       ground_ = std::move(as_found);
       return false;
     }
+    out_.test_chose = true;
     out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
                             ", whose place they had taken on the training records, stands");
     common.found.rivals.insert(common.found.rivals.begin(),

@@ -81,6 +81,29 @@ std::vector<Eigen::Index> linear_ones(const Shape& shape) {
   return list;
 }
 
+/// The bounds of a shape's columns.
+std::vector<Parameter> table_of_columns(const Shape& shape) {
+  std::vector<Parameter> table;
+  for (const auto i : linear_ones(shape))
+    table.push_back(shape.system->model().parameters[static_cast<std::size_t>(i)]);
+  if (shape.rest) {
+    table.emplace_back();
+    table.back().min = 0;
+  }
+  return table;
+}
+
+/// A column of which the parent's projection has left something: what rounding leaves of one that the parent holds is
+/// none.
+bool is_own(double projected, double whole) { return projected > 1e-6 * whole; }
+
+/// The Gram matrix of projected columns without those that are none. `whole`: their squares before.
+Eigen::MatrixXd of_own_columns(Eigen::MatrixXd gram, const Eigen::VectorXd& whole) {
+  for (Eigen::Index k = 0; k < whole.size(); ++k)
+    if (!is_own(gram(k, k), whole[k])) gram(k, k) = 0;
+  return gram;
+}
+
 /// A guess with the linear parameters as they were solved for, and those that carry a force scaled as the rest was: of
 /// f(s*p) = s*f(p) for all such p at once, a linear parameter p_k beside the rest is step_k * s^(power - 1).
 Eigen::VectorXd scaled_start(const Shape& shape, std::size_t guess, const std::vector<Eigen::Index>& linear,
@@ -341,26 +364,17 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
   best.shape = &shape;
   best.cost = INFINITY;
   const auto linear = linear_ones(shape);
-  std::vector<Parameter> table;
-  for (const auto i : linear) table.push_back(shape.system->model().parameters[static_cast<std::size_t>(i)]);
-  if (shape.rest) {
-    table.emplace_back();
-    table.back().min = 0;
-  }
+  const std::vector<Parameter> table = table_of_columns(shape);
   for (std::size_t g = 0; g < shape.columns.size(); ++g) {
     const Eigen::MatrixXd& full = shape.columns[g];
     if (full.rows() == 0) continue;
     const Eigen::MatrixXd columns = full - parent.basis * (parent.basis.transpose() * full);
     const Eigen::MatrixXd gram = columns.transpose() * columns;
     const Eigen::VectorXd right = columns.transpose() * parent.residual;
-    // Rounding of a column that the parent holds already is no column.
-    Eigen::MatrixXd safe = gram;
-    for (Eigen::Index k = 0; k < full.cols(); ++k) {
-      const bool own = gram(k, k) > 1e-6 * full.col(k).squaredNorm();
-      best.shown = best.shown || own;
-      if (!own) safe(k, k) = 0;
-    }
-    const Eigen::VectorXd step = bounded_step(safe, right, Eigen::VectorXd::Zero(right.size()), table);
+    const Eigen::VectorXd whole = full.colwise().squaredNorm();
+    for (Eigen::Index k = 0; k < full.cols(); ++k) best.shown = best.shown || is_own(gram(k, k), whole[k]);
+    const Eigen::VectorXd step =
+        bounded_step(of_own_columns(gram, whole), right, Eigen::VectorXd::Zero(right.size()), table);
     const double cost = parent.cost - 2 * right.dot(step) + step.dot(gram * step);
     if (!(cost < best.cost)) continue;
     best.cost = cost;
@@ -372,6 +386,63 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
   if (best.parent.size() == 0) return best;
   const std::optional<Parent> held = held_at_bounds(parent, best.parent);
   return held ? score(shape, *held) : best;
+}
+
+namespace {
+
+/// The columns of a shape at one of its guesses, among those of all.
+struct Block {
+  Eigen::Index shape, first, size;
+};
+
+}  // namespace
+
+Eigen::MatrixXd Proposer::pair_costs(const std::vector<const Shape*>& shapes, const Parent& parent) const {
+  std::vector<Block> blocks;
+  std::vector<std::vector<Parameter>> tables;
+  Eigen::Index width = 0;
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    tables.push_back(table_of_columns(*shapes[s]));
+    for (const Eigen::MatrixXd& full : shapes[s]->columns) {
+      if (full.rows() == 0) continue;
+      blocks.push_back({static_cast<Eigen::Index>(s), width, full.cols()});
+      width += full.cols();
+    }
+  }
+  Eigen::MatrixXd columns(parent.residual.size(), width);
+  Eigen::VectorXd whole(width);  // squares of the columns before the parent's are projected out
+  std::size_t next = 0;
+  for (const Shape* shape : shapes)
+    for (const Eigen::MatrixXd& full : shape->columns) {
+      if (full.rows() == 0) continue;
+      const Block& block = blocks[next++];
+      whole.segment(block.first, block.size) = full.colwise().squaredNorm();
+      columns.middleCols(block.first, block.size) = full - parent.basis * (parent.basis.transpose() * full);
+    }
+  const Eigen::MatrixXd gram = columns.transpose() * columns;
+  const Eigen::VectorXd right = columns.transpose() * parent.residual;
+  const auto count = static_cast<Eigen::Index>(shapes.size());
+  Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(count, count, INFINITY);
+  const auto hear = [&](const Block& a, const Block& b) {
+    const bool alone = a.first == b.first;
+    const Eigen::Index size = a.size + (alone ? 0 : b.size);
+    Eigen::VectorXi at(size);
+    at.head(a.size).setLinSpaced(a.size, int(a.first), int(a.first + a.size - 1));
+    if (!alone) at.tail(b.size).setLinSpaced(b.size, int(b.first), int(b.first + b.size - 1));
+    std::vector<Parameter> table = tables[static_cast<std::size_t>(a.shape)];
+    const auto& second = tables[static_cast<std::size_t>(b.shape)];
+    if (!alone) table.insert(table.end(), second.begin(), second.end());
+    const Eigen::MatrixXd own = gram(at, at);
+    const Eigen::VectorXd on = right(at);
+    const Eigen::VectorXd step = bounded_step(of_own_columns(own, whole(at)), on, Eigen::VectorXd::Zero(size), table);
+    const double cost = parent.cost - 2 * on.dot(step) + step.dot(own * step);
+    double& least = costs(a.shape, b.shape);
+    if (cost < least) least = costs(b.shape, a.shape) = cost;
+  };
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j)
+      if (i == j || blocks[i].shape != blocks[j].shape) hear(blocks[i], blocks[j]);
+  return costs;
 }
 
 void Proposer::refine(Standing& standing, const Parent& parent, int iterations) const {

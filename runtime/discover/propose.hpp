@@ -94,6 +94,9 @@ class Proposer {
 
   /// The best guess, its linear parameters solved for; nothing shown of a shape that has not been run.
   Standing score(const Shape& shape, const Parent& parent) const;
+  /// What each two of the shapes leave together, each at one of its guesses and as `score` has it; what one leaves
+  /// alone on the diagonal. Infinite where a shape shows nothing.
+  Eigen::MatrixXd pair_costs(const std::vector<const Shape*>& shapes, const Parent& parent) const;
   /// Gauss-Newton on all its parameters from there.
   void refine(Standing& standing, const Parent& parent, int iterations) const;
 

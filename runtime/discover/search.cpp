@@ -7,6 +7,7 @@
 #include "discover/between_samples.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -490,14 +491,15 @@ class Search {
       if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;
       seen.push_back(c.name());
       const bool tie = holds_name(result_.ties.rivals, c.name());
-      result_.rivals.push_back({c, tie ? Beaten::By::tie : Beaten::By::training, why_not(c, chosen, tie)});
+      std::vector<Beaten>& rivals = result_.rivals;
+      rivals.push_back({c, tie ? Beaten::By::tie : Beaten::By::training, {}});
+      rivals.back().remark = tie ? tie_remark(rivals, rivals.size() - 1, chosen) : why_not(c, chosen);
     }
   }
 
-  std::string why_not(const Candidate& c, const Candidate& chosen, bool tie) const {
+  std::string why_not(const Candidate& c, const Candidate& chosen) const {
     if (std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end())
       return "the same force as " + chosen.name() + " on this record, in another notation";
-    if (tie) return tie_remark(chosen);
     if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
       return "no better than the baseline";
     if (std::ranges::find(result_.as_read, c.name()) != result_.as_read.end())
@@ -507,7 +509,9 @@ class Search {
       return "fits better, but not all of its effects earn their place";
     if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
       return "not better by what its extra parameters cost";
-    return fits_worse(study_, c, chosen) ? "fits worse" : "fits no better";
+    const std::string times = number(rms_error(c.fit) / rms_error(chosen.fit), 3);
+    return (fits_worse(study_, c, chosen) ? "fits worse: leaves " : "fits no better: leaves ") + times +
+           " times as much";
   }
 
   const Study& study_;
@@ -518,6 +522,19 @@ class Search {
 };
 
 }  // namespace
+
+const Beaten* same_force_before(const std::vector<Beaten>& rivals, std::size_t i) {
+  for (std::size_t j = 0; j < i; ++j)
+    if (rivals[j].by == Beaten::By::tie && same_in_other_words(rivals[j].model, rivals[i].model)) return &rivals[j];
+  return nullptr;
+}
+
+std::string tie_remark(const std::vector<Beaten>& rivals, std::size_t i, const Candidate& chosen) {
+  if (const Beaten* other = same_force_before(rivals, i))
+    return "the same force as " + other->model.name() + " on this record, in another notation";
+  return "this record cannot tell it from " + chosen.name() + ": their free runs differ by " +
+         number(share_apart(rivals[i].model, chosen), 2) + " of what is left";
+}
 
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
                     std::span<const Effect> catalogue, const Grown& known,

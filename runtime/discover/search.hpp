@@ -26,6 +26,11 @@ struct Beaten {
   std::string remark;  ///< why not
 };
 
+/// The tie before it among the rivals that is the same force in another notation; nullptr where there is none.
+const Beaten* same_force_before(const std::vector<Beaten>& rivals, std::size_t i);
+/// Why the record cannot tell the rival at `i` from the chosen set.
+std::string tie_remark(const std::vector<Beaten>& rivals, std::size_t i, const Candidate& chosen);
+
 struct SearchResult {
   Whitening whitening;
   Candidate baseline;                ///< judged, with left-out runs

@@ -267,7 +267,8 @@ double Study::measured_std() const {
 }
 
 double Study::sensor_noise() const {
-  return pooled(*this, [](const Record& r, const std::string& output) { return r.channel(output).noise; });
+  const auto noise = [](const Record& r, const std::string& output) { return r.channel(output).noise; };
+  return std::hypot(pooled(*this, noise), motion_noise);
 }
 
 Eigen::VectorXd motion_at(const Record& record, const std::optional<Place>& place, char quantity) {
@@ -321,7 +322,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (test.empty())
     study.warnings.push_back("no test record given: the last " +
                              std::to_string(static_cast<int>(std::lround(options.holdout * 100))) +
-                             " % of each record is held out and opened once, after the verdict");
+                             " % of each record is held out, and opened once when the rest has chosen");
   for (const auto& record : test) {
     check_record(study, record);
     study.test.push_back(record);

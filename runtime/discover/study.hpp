@@ -41,6 +41,7 @@ struct Study {
   bool test_is_known = false;  ///< its rows, or some of them, are among the training records
   std::string measured = "y";  ///< what the records hold of the motion: y, or v or a alone
   double slow = 0;             ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
+  double motion_noise = 0;     ///< [N] rms: what noise of a prescribed motion makes of the baseline's force
 
   int degrees() const { return model.pool ? model.degrees() : 1; }
   std::string channel(char quantity, int coordinate) const;
@@ -52,8 +53,8 @@ struct Study {
   Units units() const;  ///< of the first training record and its first coordinate
   /// Of the outputs of a record: the noise of the first over their own. All pooled numbers are of weighted outputs.
   std::vector<double> weights(const Record& record) const;
-  double measured_std() const;                                          ///< of the outputs, over the training records
-  double sensor_noise() const;                                          ///< of the outputs, over the training records
+  double measured_std() const;  ///< of the outputs, over the training records
+  double sensor_noise() const;  ///< of the outputs, over the training records, and what `motion_noise` adds
   double noise_gap() const { return sensor_noise() / measured_std(); }  ///< what the sensor alone leaves
 };
 

@@ -1,6 +1,7 @@
 #include "discover/ties.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
@@ -13,12 +14,19 @@ bool not_rejected(const Study& study, const Candidate& c, const Candidate& best,
   return !fits_worse(study, c, best);
 }
 
-bool same_runs(const Candidate& a, const Candidate& b) {
-  double apart = 0;
+namespace {
+
+/// Of the free runs of two fitted sets, squared.
+double apart(const Candidate& a, const Candidate& b) {
+  double squares = 0;
   for (std::size_t r = 0; r < a.fit.residual.size(); ++r)
-    apart += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
-  return apart < 1e-3 * squared_error(a.fit);
+    squares += (a.fit.residual[r] - b.fit.residual[r]).squaredNorm();
+  return squares;
 }
+
+}  // namespace
+
+bool same_runs(const Candidate& a, const Candidate& b) { return apart(a, b) < 1e-3 * squared_error(a.fit); }
 
 bool same_in_other_words(const Candidate& a, const Candidate& b) {
   return a.parameters() == b.parameters() && physics_in(a.choices) == physics_in(b.choices) && same_runs(a, b);
@@ -91,6 +99,6 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
   return out;
 }
 
-std::string tie_remark(const Candidate& chosen) { return "this record cannot tell it from " + chosen.name(); }
+double share_apart(const Candidate& a, const Candidate& b) { return std::sqrt(apart(a, b) / squared_error(b.fit)); }
 
 }  // namespace lunid

@@ -40,7 +40,7 @@ struct Ties {
 Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
                const std::vector<const Candidate*>& among);
 
-/// What a tie is called among the rivals.
-std::string tie_remark(const Candidate& chosen);
+/// How far the free runs of two fitted sets lie apart, over what the second leaves open.
+double share_apart(const Candidate& a, const Candidate& b);
 
 }  // namespace lunid

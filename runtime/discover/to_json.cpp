@@ -228,6 +228,7 @@ json to_json(const Discovery& d) {
     row["noise_floor"] = {{"gap_train", number(o.final_train.floor)}, {"gap_test", number(o.final_test.floor)}};
     out["outputs"].push_back(std::move(row));
   }
+  out["test_chose"] = d.test_chose;
   if (d.short_test.seconds > 0)
     out["short_test"] = {{"run_length", d.short_test.seconds},
                          {"gap_before", number(d.short_test.baseline.value)},

@@ -229,9 +229,12 @@ bool gone_on_test(const Study& study, const Round& round, const std::vector<Free
 }
 
 void remark_ties(SearchResult& found) {
-  for (Beaten& rival : found.rivals)
-    if (holds_name(found.ties.rivals, rival.model.name()))
-      rival = {std::move(rival.model), Beaten::By::tie, tie_remark(found.chosen)};
+  for (std::size_t i = 0; i < found.rivals.size(); ++i) {
+    Beaten& rival = found.rivals[i];
+    if (!holds_name(found.ties.rivals, rival.model.name())) continue;
+    rival.by = Beaten::By::tie;
+    rival.remark = tie_remark(found.rivals, i, found.chosen);
+  }
 }
 
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -314,17 +317,18 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const std::size_t names = round.found.chosen.choices.size();
   const double at_the_floor =
       names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
-  const bool all_closed = closed >= 0.998;
+  const bool follows_a_curve = springs_among(round.found.chosen.choices) > 1 && left.material;
+  const bool all_closed = closed >= 0.998 && !follows_a_curve;
   // Of two, what the parameters' deviations make of the test counts for nothing: light damping that a jump hangs on.
   // One that is misplaced has wide deviations of its own, and a series always has.
-  const bool spread = names == 2 && !all_closed && last.value > at_the_floor;
+  const bool followed = left.gap.value < 1.3 * left.gap.floor;
+  const bool spread = names == 2 && !all_closed && (followed || !follows_a_curve) && last.value > at_the_floor;
   const double unexplained = spread ? beyond_parameters(study, round.found.chosen, last).value : last.value;
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
-  const bool followed = left.gap.value < 1.3 * left.gap.floor;
   if (patchwork && followed)
     return "fitted the training records down to their noise by several forces, but not the test record";
-  if (last.value > 1.5 * last.floor && feeds_the_motion(round.found.baseline, round.found.chosen))
-    return "left a gap on the test record, and made the baseline's own damping negative";
+  if ((last.value > 1.5 * last.floor || left.material) && feeds_the_motion(round.found.baseline, round.found.chosen))
+    return "left something open, and made the baseline's own damping negative";
   if (names == 1 && followed && last.value > 3 * last.floor &&
       far_from_the_floor(beyond_parameters(study, round.found.chosen, last), little_open))
     return "fitted the training records down to their noise, but not the test record";
@@ -411,7 +415,7 @@ std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round,
   for (const Record& record : study.test) all.push_back(fit_data(study, record));
   const double freedom = model.fit.freedom;
   model.fit = fit_trajectory(*model.system, model.fit.theta, all, full_fit(study, 40));
-  if (!std::isfinite(model.fit.cost)) return {};
+  if (!std::isfinite(model.fit.cost) || feeds_the_motion(round.found.baseline, model)) return {};
   const Gap test = round.gap(runs(study, model, study.test));
   if (!(test.value < std::max(1.1 * test.floor, test.floor + 3 * test.floor_std))) return {};
   const double ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
@@ -430,7 +434,7 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     const bool closes = std::isfinite(last.value) &&
                         closed_share(first.value, last.value, last.floor) > most_closed(step.choices) &&
                         test_p_value(study, before, after) < 0.05;
-    if (!closes) continue;
+    if (!closes || (last.value > 1.5 * last.floor && test_shows_structure(study, step, found.whitening))) continue;
     if (!far_from_the_floor(last, little_open)) return count;
     // Its own fit took up what the training records have of their own: beside the names that are taken back it did not.
     FitResult beside = step.fit;

@@ -1365,7 +1365,7 @@ function lunid.thesis_validation(fields) end
 ---@class lunid.discover.fields
 ---@field model lunid.model # the baseline
 ---@field train any # record or list of records, used for every choice
----@field test? any # opened once, after the verdict; else the last part of each record is held out
+---@field test? any # opened once, when the training records have chosen; else the last part of each record is held out
 ---@field window? lunid.window # part of the training records
 ---@field test_window? lunid.window # part of the test records; of the training files where no test is given
 ---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open

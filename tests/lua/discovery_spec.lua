@@ -207,6 +207,7 @@ spec.case("the test record leaves the right one of what two tones cannot tell ap
   spec.equal(spec.names_of(found), "odd_quadratic_stiffness")
   spec.contains(table.concat(found.warnings, "\n"),
     "the training records could not tell cubic_stiffness from odd_quadratic_stiffness: the former left much of the gap on the test record open")
+  spec.equal(found.data.test_chose, true)
   spec.equal(found.effects[1].gap_test < 0.105, true)
   spec.equal(found.rivals[1].name, "cubic_stiffness")
   spec.equal(found.rivals[1].remark, "not confirmed by the test record")

@@ -85,6 +85,37 @@ TEST(Offers, HearsWhatTheColourOfTheResidualHides) {
   EXPECT_EQ(heard, std::vector<std::string>{"cubic_damping"});
 }
 
+/// A spring that softens and then hardens: its two powers hide each other, and drag follows what is left of them.
+TEST(Offers, SeekTheHalfOfAPairThatHidesItself) {
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  DiscoverOptions options;
+  truth::Physics physics;
+  physics.zeta = 0.03;
+  const auto softens = [](double x, double) { return -0.35 * x * x * x + 0.05 * std::pow(x, 5); };
+  physics.law = std::make_shared<const truth::Law>(truth::laws::of_motion(softens, [](double, double) { return 0.0; }));
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.4, {}, 1500, testing::spacing, 16);
+  const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
+  Candidate baseline = compile(study, model, {});
+  find_starts(study, baseline, {}, {});
+  fit(study, baseline, full_fit(study, 20));
+  const std::vector<Effect> catalogue{entry(*model.pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),
+                                      entry(*model.pool, "third", "third_k*y^3", {row("third_k")}),
+                                      entry(*model.pool, "fifth", "fifth_k*y^5", {row("fifth_k")})};
+  const Grown known;
+  Grown out;
+  Offers offers(study, model, baseline, catalogue, known, out);
+  offers.run_along_the_motion();
+  const Proposer::Parent space = offers.space_of(baseline, baseline.best_theta());
+  const auto half_beside = [&](std::size_t parent) {
+    return offers.half_of_a_masked_pair(space, {compile(study, model, {{&catalogue[parent], 0}})});
+  };
+  const Shape* half = half_beside(0);
+  ASSERT_NE(half, nullptr);
+  EXPECT_NE(half->choice.effect->name, "drag");
+  EXPECT_EQ(half_beside(1), nullptr) << "it leads to the pair by itself";
+}
+
 /// A search has come to both by a general form of the spring, and never tried the two together.
 TEST(Grow, TriesASpecialCaseInThePlaceOfItsGeneralForm) {
   const SpringAndDrag given;

@@ -220,7 +220,7 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
 
 /// A dashpot that acts beyond a gap was a power of the rate, beside a damper that fed the motion.
 TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
-  const auto feeds = [](double c, double std, double test, const std::string& restoring) {
+  const auto feeds = [](double c, double std, double test, const std::string& restoring, bool material = false) {
     DiscoverOptions options;
     Study study;
     study.options = &options;
@@ -236,6 +236,7 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
     round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
     round.found.chosen.choices.push_back({&catalogue[0], 0});
     round.left.gap.value = round.left.gap.floor = 0.02;
+    round.left.material = material;
     FreeRun before, after;
     before.rows = after.rows = 1000;
     before.variance = after.variance = 1;
@@ -244,10 +245,11 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
     after.squares = test * test;
     return refuted(study, round, 0.001, {before}, {after});
   };
-  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v"),
-            "left a gap on the test record, and made the baseline's own damping negative");
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
   EXPECT_EQ(feeds(-3.1, 2, 0.035, "k*y + c*v"), "");
   EXPECT_EQ(feeds(-3.1, 0.6, 0.025, "k*y + c*v"), "");
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.025, "k*y + c*v", true),
+            "left something open, and made the baseline's own damping negative");
   EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*y^3"), "");
 }
 
@@ -282,6 +284,36 @@ TEST(Verdict, TakesTwoSpringsThatLeaveSomethingForASeries) {
   EXPECT_FALSE(is_loose_series(others, train, 0.99));
   train.value = 0.014;
   EXPECT_FALSE(is_loose_series(springs, train, 0.99));
+}
+
+/// A magnet's force was a cubic spring and a clearance that pull against each other: they closed 99.9 % of the excess,
+/// and left ten floors.
+TEST(Verdict, TakesTwoSpringsBackThatLeaveARepeatableForceHoweverMuchTheyClose) {
+  DiscoverOptions options;
+  Study study;
+  study.options = &options;
+  study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
+  Effect cubic, gap, drag;
+  cubic.family = gap.family = "stiffness";
+  drag.family = "damping";
+  const auto judged = [&](const Effect& other, bool repeatable) {
+    Round round;
+    round.found.chosen.choices = {{&cubic, 0}, {&other, 0}};
+    round.found.baseline.fit.cost = NAN;  // it could not be run
+    round.left.gap.value = 0.02;
+    round.left.gap.floor = 0.003;
+    round.left.seen = round.left.material = round.left.whole = repeatable;
+    FreeRun before, after;
+    before.rows = after.rows = 1000;
+    before.variance = after.variance = 1;
+    before.floor_squares = after.floor_squares = 0.003 * 0.003;
+    before.squares = 0.6 * 0.6;
+    after.squares = 0.02 * 0.02;
+    return refuted(study, round, 0.001, {before}, {after});
+  };
+  EXPECT_EQ(judged(gap, true), "left a force that is repeatable");
+  EXPECT_EQ(judged(gap, false), "");
+  EXPECT_EQ(judged(drag, true), "");
 }
 
 TEST(Verdict, AsksOfAnyNameThatItClosesFourFifthsOfTheTest) {

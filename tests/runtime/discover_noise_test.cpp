@@ -5,6 +5,7 @@
 
 #include "discover/baseline.hpp"
 #include "discover/gap.hpp"
+#include "discover/judge.hpp"
 #include "discover/twins.hpp"
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
@@ -69,6 +70,45 @@ TEST(Noise, IsNotReadOffAModelThatDoesNotFollow) {
 TEST(Noise, OfAShortRecordStays) {
   Fitted f("k*y + c*v + Fc*sign(v)", 600);
   EXPECT_FALSE(lower_noise(f.study, f.candidate));
+}
+
+/// The exact force of 4 y + 0.3 v along sums of tones, and a displacement with a hundredth of noise.
+Record prescribed(double part, std::uint64_t seed) {
+  constexpr int rows = 1500;
+  std::vector<double> y(rows), force(rows);
+  for (int i = 0; i < rows; ++i) {
+    const double t = testing::spacing * i;
+    for (int tone = 1; tone <= 7; ++tone) {
+      const double w = part * tone, phase = 2.3 * tone * tone + static_cast<double>(seed);
+      y[static_cast<std::size_t>(i)] += std::sin(w * t + phase);
+      force[static_cast<std::size_t>(i)] += 4 * std::sin(w * t + phase) + 0.3 * w * std::cos(w * t + phase);
+    }
+  }
+  const double noise = 0.01 * moments::standard_deviation(y);
+  Philox random(seed, 7);
+  for (double& value : y) value += noise * random.normal();
+  return derive_motion(
+      Record("prescribed", 0, testing::spacing, {testing::channel("F", "N", force), testing::channel("y", "m", y)}));
+}
+
+TEST(Noise, OfAPrescribedMotionIsNoiseOfTheForce) {
+  DiscoverOptions options;
+  Model model = baseline("k*y + c*v", 0);
+  model.imposed_motion = true;
+  model = complete(model);
+  Study study = prepare(model, {prescribed(0.21, 1)}, {prescribed(0.17, 2)}, options);
+  std::vector<std::string> warnings;
+  const Candidate candidate = fit_baseline(study, model, warnings);
+  EXPECT_LT(study.sensor_noise(), 0.1 * rms_error(candidate.fit)) << "the force itself has none";
+  ASSERT_TRUE(learn_motion_noise(study, candidate));
+  EXPECT_NEAR(study.sensor_noise(), rms_error(candidate.fit), 0.1 * rms_error(candidate.fit));
+  const FreeRun run = free_run(study, *candidate.system, candidate.fit.theta, study.test.front(), 1).front();
+  EXPECT_NEAR(std::sqrt(run.floor_squares / run.squares), 1, 0.1);
+}
+
+TEST(Noise, OfAForceIsNotAskedOfAFreeMotion) {
+  Fitted f("k*y + c*v", 600);
+  EXPECT_FALSE(learn_motion_noise(f.study, f.candidate));
 }
 
 Effect swing(Pool& pool) {

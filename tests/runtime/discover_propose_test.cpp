@@ -136,5 +136,29 @@ TEST(Proposer, HearsTheFrequencyOfAModulatedStiffness) {
   EXPECT_NEAR(scale.modulations.front(), 1.7, 0.02);
 }
 
+/// A spring that softens and then hardens: each of its two powers takes back most of what the other does.
+TEST(Proposer, SeesWhatTwoEffectsLeaveTogether) {
+  const auto softens = [](double x, double) { return -0.35 * x * x * x + 0.05 * std::pow(x, 5); };
+  const Case springs(truth::laws::of_motion(softens, [](double, double) { return 0.0; }));
+  Pool& pool = *springs.model.pool;
+  const Effect effects[] = {testing::entry(pool, "third", "k3*y^3", {testing::row("k3")}),
+                            testing::entry(pool, "fifth", "k5*y^5", {testing::row("k5")}),
+                            testing::entry(pool, "drag", "c2*abs(v)*v", {testing::row("c2", 0)})};
+  const Proposer proposer(springs.study, springs.known);
+  std::vector<Shape> shapes;
+  for (const Effect& effect : effects) {
+    shapes.push_back(proposer.shape(springs.model, {&effect, 0}, scales(springs.study, 0)));
+    proposer.run(shapes.back());
+  }
+  const Proposer::Parent space = proposer.parent(springs.known, springs.known.starts.front());
+  const Eigen::MatrixXd costs = proposer.pair_costs({&shapes[0], &shapes[1], &shapes[2]}, space);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(costs(i, i), proposer.score(shapes[static_cast<std::size_t>(i)], space).cost, 1e-9 * space.cost);
+    for (int j = 0; j < 3; ++j) EXPECT_EQ(costs(i, j), costs(j, i));
+  }
+  EXPECT_LT(costs(0, 1), 0.05 * std::min(costs(0, 0), costs(1, 1)));
+  EXPECT_GT(costs(0, 2), 0.9 * costs(0, 0));
+}
+
 }  // namespace
 }  // namespace lunid

@@ -103,11 +103,13 @@ TEST(DiscoveryRounds, ATestThatShowsMoreBearsOutWhatTheTrainingRecordsShowByLess
   EXPECT_GT(d.gap_left_out_after, 0.97 * d.gap_left_out_before);
   EXPECT_LT(d.final_test.value, 1.3 * d.final_test.floor);
   EXPECT_TRUE(testing::warns(d, "but by less than the least gain"));
+  EXPECT_TRUE(d.test_chose);
 }
 
 TEST(DiscoveryRounds, ATestThatShowsNoMoreDoesNot) {
   const Discovery d = find_drag_under_tones(false);
   EXPECT_TRUE(d.effects.empty());
+  EXPECT_FALSE(d.test_chose);
   EXPECT_EQ(d.verdict, Verdict::nothing_missing);
   EXPECT_NE(d.sentence.find("quadratic_drag lowers it beyond chance, but by"), std::string::npos) << d.sentence;
 }
