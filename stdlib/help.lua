@@ -65,6 +65,8 @@ local function explain_effect(entry)
     if #list > 0 then print(("  %s: %s"):format(words, table.concat(list, ", "))) end
   end
   line("with", entry.requires)
+  local loop = require("lunid.loop_plot").text(entry)
+  if loop then print("\n  " .. loop:gsub("\n", "\n  ")) end
   print("\n  shows as: " .. entry.signature)
   print("  passive: " .. (passive_words[entry.passive] or entry.passive))
   line("easily taken for", entry.confusers)

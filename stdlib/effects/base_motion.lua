@@ -6,7 +6,8 @@ return function(effect)
     formula = "mb*ab, ab the acceleration of the support; mb = m where y is measured from it",
     parameters = { { "mb", unit = "kg" } },
     passive = false,
-    signature = "does not depend on the motion; follows the acceleration of the support",
+    signature = "does not depend on the motion: no loop of its own; follows the acceleration of the support, at all its "
+      .. "frequencies",
     sentence = "the support moves, and the mass feels it",
     confusers = { "missing_harmonic", "added_mass" },
     channels = { "ab" },

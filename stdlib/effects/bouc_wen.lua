@@ -40,7 +40,8 @@ return function(effect)
       return { zy = { 1e-4 * range, range }, rho = { 0.1, 100 } }
     end,
     passive = "where rho >= 1/2, in the first form",  -- abs(gamma) <= beta: Baber and Wen 1981, J. Eng. Mech. Div. ASCE 107, 1069
-    signature = "odd; odd harmonics; a loop even in slow motion; at equal (y, v) the force depends on the past",
+    signature = "odd; odd harmonics; a loop even in slow motion, a spring at small amplitude; at equal (y, v) the force "
+      .. "depends on the past",
     sentence = "a part of the structure yields and remembers: its force depends on the path that the motion took",
     note = "of Wen's beta and gamma: zy = abs(beta + gamma)^(-1/n), rho = beta/abs(beta + gamma); the second form where "
       .. "beta + gamma < 0, as in the benchmark of Noel and Schoukens 2016: it stiffens as it is loaded",

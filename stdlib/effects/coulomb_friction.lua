@@ -12,7 +12,7 @@ return function(effect)
       return variant == 2 and { vr = { 2e-3 * scale.v_max, scale.v_max } } or {}
     end,
     passive = true,
-    signature = "odd in v; odd harmonics; a rectangular loop; weighs less the larger the amplitude; sticks",
+    signature = "odd in v, even in y; odd harmonics; a rectangular loop; weighs less the larger the amplitude; sticks",
     sentence = "dry friction of constant size opposes the motion, and holds the body at rest while it can",
     note = "the second form is friction that a lubricant, a flexible contact or a simulation has rounded at rest: it creeps "
       .. "in place of sticking",

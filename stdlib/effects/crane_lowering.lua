@@ -20,7 +20,8 @@ return function(effect)
       return { yc0 = { scale.y_min - 10 * range, scale.y_max }, Vc = { -scale.v_max, scale.v_max } }
     end,
     passive = "where Vc = 0",
-    signature = "one side only; all harmonics and a mean; no loop; its edge wanders with the time",
+    signature = "neither odd nor even in y, even in v: one side only; all harmonics and a mean; no loop; its edge "
+      .. "wanders with the time",
     sentence = "the crane's rope holds the pile back where it runs ahead of the lowering",
     note = "y is positive downward, t is the record's time",
     confusers = { "one_sided_stop", "constant_force", "stiffness_drift" },

@@ -23,7 +23,8 @@ return function(effect)
         fN = { 1e-4 * scale.force_std, 30 * scale.force_std }, kf = { -1e3 * scale.stiffness, 1e3 * scale.stiffness } }
     end,
     passive = true,
-    signature = "neither odd nor even; all harmonics; a parallelogram with leaning roof and floor; gone while lifted off",
+    signature = "neither odd nor even; all harmonics; a parallelogram whose roof and floor lean with the "
+      .. "displacement; gone while lifted off",
     sentence = "a friction contact whose normal load changes with the motion, and which lifts off",
     note = "fN = mu*N0 and kf = mu*kn: mu alone cannot be seen",
     confusers = { "elastic_slip", "position_dependent_friction", "one_sided_stop" },

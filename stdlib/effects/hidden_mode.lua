@@ -23,7 +23,8 @@ return function(effect)
     end,
     repeats = true,
     passive = true,
-    signature = "odd, linear: the fundamental only; another resonance, and an antiresonance of the driven point",
+    signature = "odd, linear: the fundamental only; an elliptic loop, widest at another resonance; an antiresonance of "
+      .. "the driven point",
     sentence = "something that is not measured swings along: a second mass on a spring",
     note = "the hidden mass is at rest at the start",
     confusers = { "added_mass", "maxwell_relaxation", "soil_plug" },

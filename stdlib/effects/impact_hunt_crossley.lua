@@ -26,7 +26,7 @@ return function(effect)
       return { g = { low, high }, c = { 0, 10 / scale.v_max }, n = { 0, 4 } }
     end,
     passive = true,
-    signature = "neither odd nor even in y; all harmonics and a mean; a loop in contact, wider the faster the impact",
+    signature = "neither odd nor even in y and v; all harmonics and a mean; a loop in contact, wider the faster the impact",
     sentence = "an impact on one side: the contact is stiffer the deeper it goes, and loses energy by its velocity",
     confusers = { "one_sided_stop", "bilinear_stiffness", "smith_toe", "quadratic_stiffness" },
     source = "Hunt and Crossley 1975, Journal of Applied Mechanics 42, 440-445",

@@ -18,7 +18,8 @@ return function(effect)
     range = function(scale) return { w = { slowest(scale), 1e3 * scale.omega } } end,
     repeats = true,
     passive = false,
-    signature = "does not depend on the motion; one line of the spectrum, at any amplitude of the rest",
+    signature = "does not depend on the motion: neither odd nor even, no loop of its own; one line of the spectrum, at "
+      .. "any amplitude of the rest",
     sentence = "the exciter delivers a harmonic that the recorded force does not show",
     confusers = { "cubic_stiffness", "quadratic_stiffness", "base_motion", "parametric_stiffness" },
     source = "Pintelon and Schoukens 2012, System Identification: A Frequency Domain Approach",

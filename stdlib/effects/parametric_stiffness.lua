@@ -20,7 +20,8 @@ return function(effect)
     end,
     range = function(scale) return { w = { slowest(scale), 1e3 * scale.omega } } end,
     passive = false,
-    signature = "odd in y, even in v; side bands at the sum and difference of frequencies; may grow without a force",
+    signature = "odd in y, even in v; side bands at the sum and difference of frequencies; no loop but a line that "
+      .. "swings with the time; may grow without a force",
     sentence = "the stiffness goes up and down by itself, as of gear teeth or of a rotor that is not round",
     confusers = { "stiffness_drift", "quadratic_stiffness", "missing_harmonic" },
     source = "Nayfeh and Mook 1979, Nonlinear Oscillations, chapter 5",

@@ -5,7 +5,8 @@ return function(effect)
     contribution = "(Fc + alpha*abs(y))*sign(v)",
     parameters = { { "Fc", min = 0, unit = "N" }, { "alpha", unit = "N/m" } },
     passive = "where Fc + alpha*abs(y) >= 0",
-    signature = "odd in v, even in y; odd harmonics; a loop like a bow tie or a barrel; sticks",
+    signature = "odd in v, even in y; odd harmonics; a loop like a bow tie or a barrel, the more so the larger the "
+      .. "amplitude; sticks",
     sentence = "dry friction grows as the part is displaced, as where the normal load comes from the spring itself",
     confusers = { "coulomb_friction", "van_der_pol_damping", "friction_lift_off" },
     source = "Ferri and Bindemann 1992, Journal of Vibration and Acoustics 114, 289-296",

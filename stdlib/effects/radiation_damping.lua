@@ -5,7 +5,7 @@ return function(effect)
     contribution = "c*v",
     parameters = { { "c", min = 0, unit = "N s/m" } },
     passive = true,
-    signature = "odd in v; feeds the fundamental only; an elliptic loop; does not depend on amplitude",
+    signature = "odd in v, even in y; feeds the fundamental only; an elliptic loop; does not depend on amplitude",
     sentence = "waves carry energy from the contact away into the soil",
     note = "it acts on the soil contact only: in a model of several coordinates give the contact's displacement. On one "
       .. "mass it cannot be told from viscous_damping",

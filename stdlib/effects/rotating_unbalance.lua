@@ -11,7 +11,8 @@ return function(effect)
       return guesses
     end,
     passive = false,
-    signature = "does not depend on the motion; once per turn, and grows with the square of the speed",
+    signature = "does not depend on the motion: no loop of its own; once per turn, the fundamental of the shaft, and "
+      .. "grows with the square of the speed",
     sentence = "something that turns is out of balance and shakes the mass",
     note = "from a channel phase or shaft_angle [rad], speed or shaft_speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
     confusers = { "missing_harmonic", "base_motion" },

@@ -20,7 +20,8 @@ return function(effect)
       return { q = { 1e-4 * range, range }, J = { 0, 10 / scale.v_max } }
     end,
     passive = true,
-    signature = "one side only; all harmonics and a mean; a loop of each stroke, and no force while the gap is open",
+    signature = "neither odd nor even: one side only; all harmonics and a mean; a loop of each stroke, and no force "
+      .. "while the gap is open",
     sentence = "the soil under the toe yields at Ru, springs back by the quake q and lets the pile lift off",
     note = "y is positive downward, and the soil begins at y = 0; a pile pulled up faster than 1/J feels no force",
     confusers = { "one_sided_stop", "impact_hunt_crossley", "smith_shaft" },

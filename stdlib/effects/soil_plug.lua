@@ -25,7 +25,8 @@ return function(effect)
         Fs = { 1e-4 * scale.force_std, 100 * scale.force_std } }
     end,
     passive = true,
-    signature = "odd; a mass at small accelerations, a constant friction at large ones, when the plug stays behind",
+    signature = "odd; a mass without a loop at small accelerations, the fundamental only; at large ones odd harmonics "
+      .. "and the rectangular loop of a friction, when the plug stays behind",
     sentence = "soil inside the pile moves along with it until the acceleration tears it loose",
     note = "the plug is at rest at the start; its weight is a constant_force",
     confusers = { "added_mass", "hidden_mode", "elastic_slip" },

@@ -28,7 +28,8 @@ return function(effect)
         Rs = { 1e-4 * scale.force_std, 100 * scale.force_std } }
     end,
     passive = true,
-    signature = "odd; odd harmonics; a parallelogram that becomes lower as the vibration grows, and recovers when it ends",
+    signature = "odd; odd harmonics; a parallelogram that becomes lower as the acceleration's "
+      .. "amplitude grows, and recovers when it ends",
     sentence = "shaking makes the sand flow: the stronger the vibration, the less of the friction is left",
     note = "for the acceleration amplitude stands sqrt(2) times the rms of a over the last tau seconds, which it is in a "
       .. "harmonic motion; at rest before the start",

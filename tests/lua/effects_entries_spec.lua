@@ -44,6 +44,29 @@ spec.case("every entry carries what the catalogue promises", function()
   end
 end)
 
+--- Whether the text has one of the words.
+local function says(text, words)
+  for _, word in ipairs(words) do
+    if text:find("%f[%a]" .. word) then return true end
+  end
+  return false
+end
+
+spec.case("a signature tells parity, harmonics, loop and on what it depends", function()
+  local depends = { "amplitude", "frequenc", "resonance", "velocity", "speed", "faster", "time", "motion", "displace", "acceleration", "gap",
+    "penetration", "slip", "cycle", "side", "work", "y0", "limit", "first moment", "past", "trend", "law" }
+  for _, name in ipairs(names) do
+    local entry = effects[name]
+    local function has(what, words) assert(says(entry.signature, words), ("%s: its signature lacks %s"):format(name, what)) end
+    has("on what it depends", depends)
+    if not entry.maps[1].field then  -- a force; what a sensor makes of the motion has no loop
+      has("its parity", { "odd", "even", "does not depend on the motion" })
+      has("its harmonics", { "harmonic", "fundamental", "the mean", "a mean", "line of the spectrum", "side bands", "frequencies" })
+      has("its loop", { "loop", "parallelogram" })
+    end
+  end
+end)
+
 -- Sizes as a record of 10 periods at that scale gives them.
 local function scale(length, frequency, mass)
   local w = 2 * math.pi * frequency

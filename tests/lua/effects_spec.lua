@@ -302,6 +302,46 @@ spec.case("help explains an effect", function()
   spec.equal(spec.lunid "help effect smith_to", "no help on 'smith_to', did you mean 'smith_toe'?\n")
 end)
 
+--- The rows of the plot in `lunid help NAME`, without labels; none where there is no plot.
+local function plot_of(name)
+  local said, rows = spec.lunid("help effect " .. name), {}
+  for line in (said:match "where y = sin.-\n(.-)\n +%-1 m +1 m\n" or ""):gmatch "[^\n]+" do
+    if #rows > 0 or line:match "N  [ *o|-]*$" then rows[#rows + 1] = (line:sub(15) .. (" "):rep(41)):sub(1, 41) end
+  end
+  return rows, said
+end
+
+spec.case("help shows the loop of an effect: friction is a box, a spring a line, a faulty sensor has none", function()
+  local box, said = plot_of "coulomb_friction"
+  spec.contains(said, "force over displacement where y = sin(t), in steady state,\n  with Fc = 1 N\n")
+  spec.equal(#box, 11)
+  for i, row in ipairs(box) do
+    local inside = row:sub(2, -2):gsub("[|-]", " ")
+    spec.equal(row:sub(1, 1) .. row:sub(-1), "**")
+    spec.equal(inside, ((i == 1 or i == 11) and "*" or " "):rep(39))
+  end
+  local before = 0
+  for i, row in ipairs(plot_of "linear_stiffness") do  -- from the lower left to the upper right, a single stroke
+    local first, last = row:reverse():gsub("[|-]", " "):match "^ *()%*+() *$"
+    assert(first and first <= before + 1 and last > before, ("row %d: %s"):format(i, row))
+    before = last - 1
+  end
+  spec.equal(before, 41)
+  local stop = plot_of "one_sided_stop"
+  assert(stop[11]:match "^%*+%-+$" and not table.concat(stop, "", 1, 10):sub(1, 410):find "^%*", table.concat(stop, "\n"))
+  local drift = table.concat(plot_of "stiffness_drift")
+  assert(drift:find "o" and drift:find "%*", "the first cycle and the last are two")
+  for _, name in ipairs { "sensor_gain", "clipping", "missing_harmonic", "base_motion", "force_delay", "force_gain" } do
+    spec.equal(#plot_of(name), 0)
+  end
+  for _, name in ipairs(names) do  -- every force of the motion has one
+    local entry = effects[name]
+    if entry.family ~= "input" and entry.family ~= "sensor" and name ~= "force_delay" then
+      assert(#plot_of(name) == 11, name .. " has no plot")
+    end
+  end
+end)
+
 spec.case("the list has all, in order", function()
   local said = spec.lunid "list effects"
   local count, tried = 0, {}
