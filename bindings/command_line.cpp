@@ -24,7 +24,7 @@ using nlohmann::json;
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
   std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
-  std::string study, mass, restoring, baseline, columns, rate, catalogue, out, model, excitation, from, solver, initial;
+  std::string study, mass, restoring, baseline, columns, rate, catalogue, without, out, model, excitation, from, solver, initial;
   double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
@@ -98,6 +98,7 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--minimum-gain", values.minimum_gain, "least drop of the left-out gap for a name (0.05)")
       ->check(expects(">= 0 and < 1", [](double gain) { return gain >= 0 && gain < 1; }));
   discover->add_option("--catalogue", values.catalogue, "names of entries to try, \"clearance,cubic_stiffness\"");
+  discover->add_option("--without", values.without, "names of entries that are not tried, \"bouc_wen\"");
   add_shared(discover, values);
 }
 
@@ -166,6 +167,7 @@ json to_json(const CLI::App& app, const Values& values) {
     options["alpha"] = values.alpha;
     options["minimum_gain"] = values.minimum_gain;
     put(options, "catalogue", values.catalogue);
+    put(options, "without", values.without);
     options["imposed_motion"] = values.imposed_motion;
   }
   put(options, "cases", values.cases);

@@ -36,27 +36,40 @@ function catalogue.entry(name)
   return loaded[name]
 end
 
---- The entries of these names (nil: those searched), in the catalogue's order. Raises on a name that there is not.
-function catalogue.entries(names)
-  local wanted, known, entries = {}, {}, {}
-  for _, name in ipairs(catalogue.names) do known[name] = true end
-  for _, name in ipairs(names or catalogue.searched) do
+--- Raises, as the field `where`, on a name that is neither in the catalogue nor that of an entry of the user's own.
+function catalogue.check_names(where, names, own)
+  local there, known = { table.unpack(catalogue.names) }, {}
+  for _, entry in ipairs(own or {}) do there[#there + 1] = entry.name end
+  for _, name in ipairs(there) do known[name] = true end
+  for _, name in ipairs(names) do
     if not known[name] then
-      local near = core.nearest(name, catalogue.names)
-      schema.fail("discover: catalogue", ("unknown effect '%s'%s"):format(name,
+      local near = core.nearest(name, there)
+      schema.fail(where, ("unknown effect '%s'%s"):format(name,
         near and (", did you mean '%s'?"):format(near) or " (see `lunid list effects`)"))
     end
-    wanted[name] = true
   end
+end
+
+--- The entries of these names (nil: those searched), in the catalogue's order, but for those in `without`. All are names
+--- that there are.
+function catalogue.entries(names, without)
+  local wanted, entries = {}, {}
+  for _, name in ipairs(names or catalogue.searched) do wanted[name] = true end
+  for _, name in ipairs(without or {}) do wanted[name] = nil end
   for _, name in ipairs(catalogue.names) do
     if wanted[name] then entries[#entries + 1] = catalogue.entry(name) end
   end
   return entries
 end
 
---- The entries of these names and a user's own behind them. Raises, as `where`, on an own one whose name is `taken`.
-function catalogue.with_own(where, names, own, taken)
-  local entries = catalogue.entries(names)
+--- The entries that a study asks for, by its fields `catalogue`, `without` and `effects`, a user's own last. Raises, as
+--- `where`, on a name that there is not, on an own entry whose name is `taken`, and where nothing is left.
+function catalogue.asked_for(where, given, taken)
+  local own = given.effects
+  catalogue.check_names(where .. ": catalogue", given.catalogue or {})
+  catalogue.check_names(where .. ": without", given.without)
+  local entries = catalogue.entries(given.catalogue, given.without)
+  if #entries + #own == 0 then schema.fail(where .. ": without", "leaves no effect to try") end
   for _, entry in ipairs(own) do
     for _, name in ipairs(taken) do
       if name == entry.name then
@@ -68,14 +81,14 @@ function catalogue.with_own(where, names, own, taken)
   return entries
 end
 
---- The entries that are not among those searched first.
-function catalogue.others()
+--- The entries that are not among those searched first, but for those in `without`.
+function catalogue.others(without)
   local first, names = {}, {}
   for _, name in ipairs(catalogue.searched) do first[name] = true end
   for _, name in ipairs(catalogue.names) do
     if not first[name] then names[#names + 1] = name end
   end
-  return catalogue.entries(names)
+  return catalogue.entries(names, without)
 end
 
 --- Raises where a study's own guesses are no list of values for the entry's parameters, within their bounds; read_guesses

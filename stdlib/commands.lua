@@ -126,13 +126,13 @@ local function read_all(lunid, paths, options)
   return list
 end
 
---- "clearance, cubic_stiffness" -> a list of entries that there are
-local function names(text)
+--- "clearance, cubic_stiffness" -> a list of entries that there are; `option` gave them
+local function names(option, text)
   if not text then return nil end
   local list = {}
   for name in text:gmatch "[^,%s]+" do list[#list + 1] = name end
-  local good, message = pcall(require("lunid.catalogue").entries, list)
-  if not good then fault("--catalogue: " .. tostring(message):gsub("^.-catalogue: ", ""), "usage") end
+  local good, message = pcall(require("lunid.catalogue").check_names, option, list)
+  if not good then fault(tostring(message):gsub("^.-%-%-", "--"), "usage") end
   return list
 end
 
@@ -145,7 +145,7 @@ commands["discover"] = function(options)
     if not options.baseline then model = require("lunid.units").complete(model, train[1]) end
     local test = options.test and read_all(lunid, options.test, options)
     local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
-      minimum_gain = options.minimum_gain, catalogue = names(options.catalogue),
+      minimum_gain = options.minimum_gain, catalogue = names("--catalogue", options.catalogue), without = names("--without", options.without),
       window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }
     print(found)
     print(discovery.where_it_is(discovery.save(found)))

@@ -48,6 +48,7 @@ local definition = {
     { "window", window, help = "part of the training records" },
     { "test_window", window, help = "part of the test records; of the training files where no test is given" },
     { "catalogue", types.list(types.string, 1), help = "names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open" },
+    { "without", types.list(types.string), default = {}, help = "names of entries that are not tried: what you know cannot be there" },
     { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
       help = "entries of your own, beside the catalogue" },
     { "alpha", types.number { above = 0, below = 0.5 }, default = 0.01,
@@ -66,10 +67,10 @@ local definition = {
 
 --- Checks the catalogue, cuts the windows and runs the search.
 local function search(given)
-  local entries = catalogue.with_own("discover", given.catalogue, given.effects, given.catalogue or catalogue.names)
+  local entries = catalogue.asked_for("discover", given, given.catalogue or catalogue.names)
   if not given.catalogue then  -- what these leave open is held against all
     given.first = #entries
-    for _, entry in ipairs(catalogue.others()) do entries[#entries + 1] = entry end
+    for _, entry in ipairs(catalogue.others(given.without)) do entries[#entries + 1] = entry end
   end
   local train = record_runs(given.train, given.window)
   local tested = given.test or given.test_window and given.train

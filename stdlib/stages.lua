@@ -12,6 +12,7 @@ local record_field = { "record", types.either(record, types.list(record, 1)), re
 local window_field = { "window", types.is("window", "lunid.window"), help = "part of the records" }
 local catalogue_field = { "catalogue", types.list(types.string, 1),
   help = "names of entries, any of `lunid list effects`; else those marked * there" }
+local without_field = { "without", types.list(types.string), default = {}, help = "names of entries that are not tried" }
 local effects_field = { "effects", types.list(types.is("effect", "lunid.effect")), default = {},
   help = "entries of your own, beside the catalogue" }
 
@@ -66,12 +67,13 @@ local propose = schema.define({
   help = "Which entries of the catalogue would help: each one's effect on the trajectory, projected orthogonal to what the "
     .. "model's own parameters and first states can do, and on the force along the motion. Best first, by the larger of "
     .. "both gains. To first order: lunid.rank fits them.",
-  fields = { model_field, record_field, window_field, catalogue_field, effects_field },
+  fields = { model_field, record_field, window_field, catalogue_field, without_field, effects_field },
   returns = "proposals",
   example = [[local list = lunid.propose { model = model, record = train }
 print(list[1].name, list[1].gain)]],
 }, function(given)
-  local found = core.propose(given.model, catalogue.with_own("propose", given.catalogue, given.effects, given.catalogue or catalogue.searched), record_runs(given.record, given.window), {})
+  local found = core.propose(given.model, catalogue.asked_for("propose", given, given.catalogue or catalogue.searched),
+    record_runs(given.record, given.window), {})
   local list = found.proposals
   list.model, list.gap, list.warnings = found.model, found.gap, found.warnings
   return schema.object("proposals", list, nil, function(self)
@@ -103,7 +105,8 @@ local function entries_named(given)
       seen[name] = true
     end
   end
-  local entries = #wanted > 0 and catalogue.entries(wanted) or {}
+  catalogue.check_names("rank: sets", wanted, given.effects)
+  local entries = catalogue.entries(wanted)
   for _, entry in ipairs(given.effects) do entries[#entries + 1] = entry end
   return entries
 end

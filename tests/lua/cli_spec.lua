@@ -194,6 +194,8 @@ spec.case("wrong usage", function()
   says("discover good.csv --minimum-gain 1 " .. usual, "--minimum-gain: expected >= 0 and < 1, got 1\n", 2)
   says("discover good.csv --catalogue cubic_stiffness,clearence " .. usual,
     "--catalogue: unknown effect 'clearence', did you mean 'clearance'?\n", 2)
+  says("discover good.csv --without clearence " .. usual,
+    "--without: unknown effect 'clearence', did you mean 'clearance'?\n", 2)
 end)
 
 spec.case("wrong options: what was expected, what came", function()
@@ -233,6 +235,10 @@ spec.case("--catalogue and --minimum-gain say what may be named", function()
       if word ~= "nothing" then spec.equal(word == "cubic_stiffness" or word == "quadratic_drag", true) end
     end
   end
+  local _, left = spec.lunid([[discover good.csv --mass 1 --restoring "k*y + c*v" --out fewer]]
+    .. " --catalogue 'quintic_stiffness, cubic_stiffness, quadratic_drag' --without 'cubic_stiffness, quadratic_drag'")
+  spec.equal(left, 0)
+  spec.equal(spec.shell [[grep -c 'cubic_stiffness\|quadratic_drag' fewer/discovery.json]], "0\n")
 end)
 
 spec.case("a directory or nothing in place of a study", function()

@@ -60,7 +60,12 @@ end)
 
 spec.case("stages say what is wrong with their fields", function()
   spec.equal(spec.message_of(function() lunid.rank { model = baseline, record = train, sets = { "cubic_stifness" } } end),
-    "discover: catalogue: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+    "rank: sets: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+  spec.equal(spec.message_of(function() lunid.propose { model = baseline, record = train, catalogue = { "cubic_stifness" } } end),
+    "propose: catalogue: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+  local magnet = lunid.effect { name = "magnet", family = "stiffness", contribution = "k*y^3", parameters = { { "k" } } }
+  spec.equal(spec.message_of(function() lunid.rank { model = baseline, record = train, sets = { "magnets" }, effects = { magnet } } end),
+    "rank: sets: unknown effect 'magnets', did you mean 'magnet'?")
   spec.equal(spec.message_of(function()
     lunid.rank { model = baseline, record = train, sets = { "constant_force" }, criterion = function() return "good" end }
   end), "rank: criterion: expected the function to return true, false or a number, got the string 'good'")
@@ -69,6 +74,27 @@ spec.case("stages say what is wrong with their fields", function()
     "propose: effects: 'cubic_stiffness' is in the catalogue already; give it another name")
   spec.equal(spec.message_of(function() lunid.locate { record = train } end),
     "locate: missing field 'model': a model from lunid.model")
+end)
+
+spec.case("without: entries that are left out by name, of those first tried and of all others", function()
+  local some = { "quadratic_stiffness", "cubic_stiffness", "quintic_stiffness" }
+  local list = lunid.propose { model = baseline, record = train, catalogue = some, without = { "cubic_stiffness" } }
+  spec.equal(#list, 2)
+  for _, row in ipairs(lunid.propose { model = baseline, record = train, without = { "cubic_stiffness", "clearance" } }) do
+    assert(row.name ~= "cubic_stiffness" and row.name ~= "clearance", row.name)
+  end
+  local found = lunid.discover { model = baseline, train = train, catalogue = some, without = { "cubic_stiffness" } }
+  for _, text in ipairs { found.json, tostring(found) } do assert(not text:find "cubic_stiffness", text) end
+  local function refused(call, fields, text)
+    fields.model = baseline
+    spec.equal(spec.message_of(function() call(fields) end), text)
+  end
+  refused(lunid.discover, { train = train, without = { "cubic_stifnes" } },
+    "discover: without: unknown effect 'cubic_stifnes', did you mean 'cubic_stiffness'?")
+  refused(lunid.propose, { record = train, without = { "cubic_stifness" } },
+    "propose: without: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+  refused(lunid.discover, { train = train, catalogue = { "clearance" }, without = { "clearance" } },
+    "discover: without: leaves no effect to try")
 end)
 
 -- ---- several coordinates ----
