@@ -87,7 +87,8 @@ records.record = schema.define({
   help = "A record of columns that are there already, such as forces computed from gauges. Channels t F y v a are in SI; v and a "
     .. "are derived where absent.",
   fields = {
-    { "channels", types.list(types.list(types.any, 2), 1), required = true, help = "entries { name, column }: { { \"F\", force }, { \"y\", y } }" },
+    { "channels", types.list(types.table, 1), required = true, help = "entries { name, column }: { { \"F\", force }, { \"y\", y } }; of other SI units "
+      .. "than N and m { \"y\", angle, unit = \"rad\" }, { \"F\", torque, unit = \"N m\" }" },
     { "dt", types.number { above = 0 }, required = true, unit = "s", help = "time between rows" },
     { "start", types.number(), default = 0, unit = "s", help = "time of the first row" },
     { "name", types.string, default = "record", help = "what messages and figures call it" },
@@ -105,7 +106,17 @@ records.record = schema.define({
     if getmetatable(values) ~= "lunid.column" then
       schema.fail("record: channels", ("'%s': expected a column or a list of numbers, got %s"):format(name, core.describe(values)))
     end
-    list[i] = { name = name, unit = units[name:match "^%a"] or "", values = values }
+    for key in pairs(entry) do
+      if key ~= 1 and key ~= 2 and key ~= "unit" then
+        schema.fail("record: channels", ("'%s': unknown field '%s' (fields: unit)"):format(name, tostring(key)))
+      end
+    end
+    if entry.unit ~= nil and type(entry.unit) ~= "string" then
+      schema.fail("record: channels", ("'%s': unit: expected a string, got %s"):format(name, core.describe(entry.unit)))
+    end
+    local problem = entry.unit and require("lunid.units").problem(entry.unit)
+    if problem then schema.fail("record: channels", ("'%s': unit: %s"):format(name, problem)) end
+    list[i] = { name = name, unit = entry.unit or units[name:match "^%a"] or "", values = values }
   end
   return core.record_of_columns(given.name, given.start, given.dt, list)
 end)

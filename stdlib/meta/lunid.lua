@@ -32,7 +32,7 @@ function lunid.read(fields) end
 
 ---A record of columns that are there already, such as forces computed from gauges. Channels t F y v a are in SI; v and a are derived where absent.
 ---@class lunid.record.fields
----@field channels table # entries { name, column }: { { "F", force }, { "y", y } }
+---@field channels table # entries { name, column }: { { "F", force }, { "y", y } }; of other SI units than N and m { "y", angle, unit = "rad" }, { "F", torque, unit = "N m" }
 ---@field dt number # time between rows
 ---@field start? number # time of the first row
 ---@field name? string # what messages and figures call it
@@ -1369,6 +1369,7 @@ function lunid.thesis_validation(fields) end
 ---@field window? lunid.window # part of the training records
 ---@field test_window? lunid.window # part of the test records; of the training files where no test is given
 ---@field catalogue? table # names of entries to try, any of `lunid list effects`; else those marked * there, and all where these leave it open
+---@field without? table # names of entries that are not tried: what you know cannot be there
 ---@field effects? table # entries of your own, beside the catalogue
 ---@field alpha? number # level of false alarms of the whole search
 ---@field minimum_gain? number # least relative drop of the left-out gap for which an effect is named, unless the test bears it out whole; five times that where 1.5 times the noise and more stays open
@@ -1396,6 +1397,7 @@ function lunid.locate(fields) end
 ---@field record any # one record or several; all rows are used
 ---@field window? lunid.window # part of the records
 ---@field catalogue? table # names of entries, any of `lunid list effects`; else those marked * there
+---@field without? table # names of entries that are not tried
 ---@field effects? table # entries of your own, beside the catalogue
 ---@param fields lunid.propose.fields
 ---@return lunid.proposals

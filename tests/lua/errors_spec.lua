@@ -116,7 +116,14 @@ spec.case("what is wrong within a list or a table", function()
     "study.lua:3: model: restoring: expected an expression or a number, or a list of them, got an empty list")
   line_3("lunid.polynomials { variables = { y, v }, order = 3 }", "study.lua:3: polynomials: expected "
     .. "lunid.polynomials(variables, order, options), got a table { order = , variables = }")
-  line_3("lunid.record { channels = 3, dt = 1 }", "study.lua:3: record: channels: expected a list of lists (1 or more), got 3")
+  line_3("lunid.record { channels = 3, dt = 1 }", "study.lua:3: record: channels: expected a list of tables (1 or more), got 3")
+  local rows = "local rows = { 1, 2, 4, 3, 2, 1, 0 } "
+  for channel, said in pairs { ['{ "y", rows, unit = "mm" }'] = "'y': unit: expected an SI unit such as N/m, got 'mm' (0.001 m): write the value in m",
+    ['{ "y", rows, unit = 3 }'] = "'y': unit: expected a string, got 3",
+    ['{ "y", rows, units = "m" }'] = "'y': unknown field 'units' (fields: unit)",
+    ['{ rows, "y" }'] = "entry 1: expected { name, column }, got { a table, ... }" } do
+    line_3(rows .. "lunid.record { dt = 1, channels = { " .. channel .. " } }", "study.lua:3: record: channels: " .. said)
+  end
   line_3("lunid.scoreboard { models = { 3 } }", "study.lua:3: scoreboard: models: entry 1: expected a list (2 or more), got 3")
 end)
 
