@@ -383,5 +383,24 @@ spec.case("discovery takes any entry by name", function()
   end)
 end)
 
+spec.case("an entry of the user's own is named before those of the catalogue, and stays out where it is not there", function()
+  local brake = lunid.effect { name = "eddy_current_brake", family = "damping",  -- Wouterse 1991, IEE Proceedings B 138, 153
+    contribution = "2*Fb*(v/vc)/(1 + (v/vc)^2)", parameters = { { "Fb", min = 0, unit = "N" }, { "vc", min = 0, unit = "m/s" } },
+    guess = function(scale) return { { vc = 0.2*scale.v_max }, { vc = 0.6*scale.v_max } } end,
+    range = function(scale) return { vc = { 0.01*scale.v_max, 2*scale.v_max } } end }
+  local k, c = lunid.parameter { "k", 400, min = 0 }, lunid.parameter { "c", 1, min = 0 }
+  local rivals = { "coulomb_friction", "quadratic_drag", "cubic_damping", "power_law_damping" }
+  local function found_in(force)
+    local record = run_of(force, { duration = 5 }):record():with_noise { y = 2e-5, seed = 4 }
+    return lunid.discover { model = lunid.model { mass = 1, restoring = k*y + c*v }, train = record, catalogue = rivals,
+      effects = { brake }, out = "own" }
+  end
+  local found = found_in(brake { Fb = 1.5, vc = 0.1 })
+  spec.equal(spec.names_of(found), "eddy_current_brake")
+  spec.near(found.effects[1].parameters.Fb.value, 1.5, 0.03)
+  spec.near(found.effects[1].parameters.vc.value, 0.1, 0.005)
+  spec.equal(spec.names_of(found_in(effects.quadratic_drag { c2 = 3 })), "quadratic_drag")
+end)
+
 spec.clean()
 spec.finish()
