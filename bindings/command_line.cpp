@@ -24,7 +24,8 @@ using nlohmann::json;
 /// What the options of a command are stored into, before they become JSON.
 struct Values {
   std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
-  std::string study, mass, restoring, baseline, columns, rate, catalogue, without, out, model, excitation, from, solver, initial;
+  std::string study, mass, restoring, baseline, columns, rate, catalogue, without, out, model, excitation, from, solver,
+      initial;
   double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
