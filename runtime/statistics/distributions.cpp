@@ -111,6 +111,16 @@ double f_tail(double f, double freedom1, double freedom2) {
   return beta_regularised(freedom2 / sum, freedom1 * f / sum, freedom2 / 2, freedom1 / 2);
 }
 
+double f_quantile(double tail, double freedom1, double freedom2) {
+  if (!(tail > 0 && tail < 1)) return tail == 0 ? INFINITY : tail == 1 ? 0 : std::numeric_limits<double>::quiet_NaN();
+  double low = -700, high = 700;  // of the logarithm
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (low + high);
+    (f_tail(std::exp(middle), freedom1, freedom2) > tail ? low : high) = middle;
+  }
+  return std::exp(0.5 * (low + high));
+}
+
 double t_tail(double t, double freedom) {
   const double square = t * t, sum = freedom + square;
   const double tail = std::isinf(t) ? 0 : 0.5 * beta_regularised(freedom / sum, square / sum, freedom / 2, 0.5);

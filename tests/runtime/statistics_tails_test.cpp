@@ -62,6 +62,16 @@ TEST(Tails, F) {
   EXPECT_EQ(f_tail(INFINITY, 3, 4), 0);
 }
 
+TEST(Tails, FQuantile) {
+  EXPECT_NEAR(f_quantile(0.05, 5, 10), 3.325834530413011, 1e-9);  // tables
+  for (const double tail : {1e-6, 0.01, 0.5, 0.99})
+    expect_relative(f_tail(f_quantile(tail, 3.5, 40), 3.5, 40), tail, 1e-9);
+  expect_relative(f_quantile(0.95, 6, 9), 1 / f_quantile(0.05, 9, 6), 1e-9);
+  EXPECT_EQ(f_quantile(0, 3, 4), INFINITY);
+  EXPECT_EQ(f_quantile(1, 3, 4), 0);
+  EXPECT_TRUE(std::isnan(f_quantile(-0.1, 3, 4)));
+}
+
 TEST(Tails, T) {
   for (double t : {0.0, 0.3, 2.0, 50.0}) {
     expect_relative(t_tail(t, 1), 0.5 - std::atan(t) / M_PI, 1e-10);            // Cauchy
