@@ -50,7 +50,10 @@ class Terms {
   std::vector<std::size_t> own_;
 };
 
-/// The displacement beyond which, up to `far`, the force drives away from rest; 0 when it does not at `far`.
+constexpr double nowhere = 1e-30;  ///< a displacement that none is
+
+/// The displacement beyond which, up to `far`, the force drives away from rest; 0 when it does not at `far`, below
+/// `nowhere` when it does at all.
 double barrier(Terms& terms, double t, Eigen::VectorXd x, int place, double far) {
   const double side = far < 0 ? -1 : 1;
   const auto outward = [&](double y) {
@@ -59,7 +62,7 @@ double barrier(Terms& terms, double t, Eigen::VectorXd x, int place, double far)
   };
   if (!outward(far)) return 0;
   double least = std::abs(far);
-  while (least > 1e-30) {
+  while (least > nowhere) {
     const double next = least * 0.9;
     if (!outward(side * next)) {
       double low = next, high = least;
@@ -157,6 +160,9 @@ std::string explosion_cause(const System& system, std::span<const double> theta,
   if (const double limit = barrier(terms, t, still, y, x[y]); limit > 0) {
     still[y] = x[y];
     terms.sum(t, still);
+    if (limit <= nowhere)
+      return "the restoring force drives " + model.channel('y', worst) + " away from rest at any displacement (term " +
+             largest(terms, x[y] < 0 ? 1 : -1) + ")";
     return "the restoring force grows without bound beyond |" + model.channel('y', worst) +
            "| = " + short_number(limit) + " m (term " + largest(terms, x[y] < 0 ? 1 : -1) + ")";
   }

@@ -85,6 +85,15 @@ TEST(Explosion, OfASofteningSpringNamesWhereAndWhichTerm) {
   }
 }
 
+TEST(Explosion, OfANegativeSpringHasNoWayBackAtAnyDisplacement) {
+  const System system(model_of("1", "k*y + c*v"));
+  const auto theta = theta_of(system, {{"k", -100}, {"c", 1}});
+  const Excitation push = force_of(20, 0.01, [](double t) { return std::sin(9 * t); });
+  const lunid::Run run = simulate(system, theta, push, state({0, 0}), with_solver(Solver::fixed));
+  ASSERT_FALSE(run.summary.completed);
+  EXPECT_EQ(run.summary.cause, "the restoring force drives y away from rest at any displacement (term k*y)");
+}
+
 TEST(Explosion, OfNegativeDampingIsSaidToGrow) {
   const System system(model_of("1", "k*y + c*v"));
   const auto theta = theta_of(system, {{"k", 100}, {"c", -20}});
