@@ -500,7 +500,8 @@ class Search {
   std::string why_not(const Candidate& c, const Candidate& chosen) const {
     if (std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end())
       return "the same force as " + chosen.name() + " on this record, in another notation";
-    if (corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
+    if (!c.ran()) return "its free run stops early";
+    if (result_.baseline.ran() && corrected(improvement_p_value(result_.baseline, c)) > study_.options->alpha)
       return "no better than the baseline";
     if (std::ranges::find(result_.as_read, c.name()) != result_.as_read.end())
       return "no better than what the force may do between its samples";

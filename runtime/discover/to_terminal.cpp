@@ -51,12 +51,15 @@ std::string gap(const Gap& g) {
   return text;
 }
 
+/// Of a run that is told elsewhere, where it stops and why.
+std::string gap(double value) { return std::isfinite(value) ? number(value, 3) : "none (the run explodes)"; }
+
 /// The best sets that were not named; why not is in discovery.json and the report.
 std::string rivals(const Discovery& d) {
   constexpr std::size_t most = 3;
   std::string out;
   for (std::size_t i = 0; i < std::min(most, d.rivals.size()); ++i)
-    out += (i == 0 ? "" : " | ") + d.rivals[i].name + " " + number(d.rivals[i].gap, 3);
+    out += (i == 0 ? "" : " | ") + d.rivals[i].name + " " + gap(d.rivals[i].gap);
   if (d.rivals.size() > most) out += " | " + std::to_string(d.rivals.size() - most) + " more";
   return out;
 }
@@ -122,7 +125,7 @@ std::string to_terminal(const Discovery& d) {
   for (const auto& w : d.warnings) line("note", w);
   line("baseline", list(d.baseline.parameters));
   line("gap", "train " + gap(d.baseline_train) + "   test " + gap(d.baseline_test) + "   (noise alone: train " +
-                  number(d.final_train.floor, 3) + ", test " + number(d.final_test.floor, 3) + ")");
+                  gap(d.final_train.floor) + ", test " + gap(d.final_test.floor) + ")");
   for (const auto& o : d.outputs)
     line("", o.output + ": train " + gap(o.baseline_train) + " -> " + gap(o.final_train) + "   test " +
                  gap(o.baseline_test) + " -> " + gap(o.final_test) + "   (noise alone: train " +
@@ -132,8 +135,8 @@ std::string to_terminal(const Discovery& d) {
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.label + "  " + e.formula + ", " + list(e.parameters));
-    line("", "gap  train " + number(train, 3) + " -> " + number(e.gap_train, 3) + "   test " + number(test, 3) +
-                 " -> " + number(e.gap_test, 3));
+    line("",
+         "gap  train " + gap(train) + " -> " + gap(e.gap_train) + "   test " + gap(test) + " -> " + gap(e.gap_test));
     std::string rivals, same;
     for (const auto& n : e.indistinguishable) {
       std::string& names = std::ranges::find(e.same_force, n) == e.same_force.end() ? rivals : same;
@@ -149,8 +152,8 @@ std::string to_terminal(const Discovery& d) {
   line("equation", short_equation(d.final));
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", std::string(d.output == "F" ? "of the force" : "free run") + ", left-out blocks of train " +
-                  number(d.gap_left_out_before, 3) + " -> " + number(d.gap_left_out_after, 3) + "   test " +
-                  gap(d.baseline_test) + " -> " + gap(d.final_test));
+                  gap(d.gap_left_out_before) + " -> " + gap(d.gap_left_out_after) + "   test " + gap(d.baseline_test) +
+                  " -> " + gap(d.final_test));
   if (d.short_test.seconds > 0)
     line("", "test, in runs of " + number(d.short_test.seconds, 3) + " s " + gap(d.short_test.baseline) + " -> " +
                  gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor, 3) + ")");
