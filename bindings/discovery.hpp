@@ -23,6 +23,9 @@ DiscoverOptions read_discover_options(lua_State* L, int index);
 /// The rows of a matrix over (y, v), transposed: one row for each v, as a figure with y along x wants it.
 void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values);
 
+/// { time =, y =, ..., slow =, plane = }: the maps of a residual, each with its level and its sentence.
+void push_maps(lua_State* L, const ResidualMaps& maps);
+
 /// { rivals =, candidates = { { name =, excitation = ... } }, sentence =, text =, json =, decides = }
 void push_design(lua_State* L, const ExperimentDesign& design);
 

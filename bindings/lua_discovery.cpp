@@ -361,8 +361,18 @@ void push_unknown_force(lua_State* L, const Discovery& found) {
   set_rows(L, "force", found.unknown->force);
 }
 
+/// { before =, after = } as lunid.locate has its maps; a model's are nil where its force is not finite.
+void push_residual_maps(lua_State* L, const Discovery& found) {
+  lua_newtable(L);
+  for (const auto& [field, maps] : {std::pair{"before", &found.maps_before}, std::pair{"after", &found.maps_after}}) {
+    if (!*maps) continue;
+    push_maps(L, **maps);
+    lua_setfield(L, -2, field);
+  }
+}
+
 /// Fields verdict, sentence, model, baseline, closure, unknown_force, data (discovery.json as a table), json (its
-/// text), units, comparisons, map.
+/// text), units, comparisons, map, maps.
 int get(lua_State* L) {
   const Discovery& found = check<Discovery>(L, 1);
   const std::string key = check_string(L, 2);
@@ -392,6 +402,8 @@ int get(lua_State* L) {
     push_comparisons(L, found.comparisons);
   else if (key == "map")
     push_map(L, found.map, found.map_place);
+  else if (key == "maps")
+    push_residual_maps(L, found);
   else if (key == "forces")
     push_forces(L, found.forces);
   else if (key == "rivals")
@@ -413,7 +425,7 @@ int get(lua_State* L) {
       throw InputError(
           "a discovery has no '" + key +
           "' (fields: verdict sentence model baseline closure unknown_force effects rivals warnings "
-          "same_experiment data json units output seconds comparisons map forces; methods: save next_experiment)");
+          "same_experiment data json units output seconds comparisons map maps forces; methods: save next_experiment)");
     }
   }
   return 1;

@@ -118,11 +118,13 @@ void push_map(lua_State* L, const BinnedMap& map) {
   set_column(L, "rows", map.rows);
   set_number(L, "share", map.share);
   set_boolean(L, "above", map.any_above());
+  set_text(L, "sentence", map.sentence);
 }
 
 void push_slow(lua_State* L, const SlowTime& slow) {
   lua_newtable(L);
   set_column(L, "time", slow.time);
+  set_text(L, "sentence", slow.sentence);
   static constexpr const char* names[] = {"constant", "stiffness", "damping"};
   for (int j = 0; j < 3; ++j) {
     lua_newtable(L);
@@ -155,20 +157,7 @@ int run_locate(lua_State* L) {
   set_column(L, "y", found.rows.y);
   set_column(L, "v", found.rows.v);
   set_column(L, "force", found.rows.force);
-  lua_newtable(L);
-  for (const BinnedMap& map : found.maps.maps) {
-    push_map(L, map);
-    lua_setfield(L, -2, map.over.c_str());
-  }
-  push_slow(L, found.maps.slow);
-  lua_setfield(L, -2, "slow");
-  lua_newtable(L);
-  set_column(L, "y", found.maps.plane.y);
-  set_column(L, "v", found.maps.plane.v);
-  set_rows(L, "value", found.maps.plane.before);
-  set_rows(L, "level", found.maps.plane_level);
-  set_rows(L, "rows", found.maps.plane.count);
-  lua_setfield(L, -2, "plane");
+  push_maps(L, found.maps);
   lua_setfield(L, -2, "maps");
   return 1;
 }
@@ -228,6 +217,24 @@ int run_rank(lua_State* L) {
 }
 
 }  // namespace
+
+void push_maps(lua_State* L, const ResidualMaps& maps) {
+  lua_newtable(L);
+  for (const BinnedMap& map : maps.maps) {
+    push_map(L, map);
+    lua_setfield(L, -2, map.over.c_str());
+  }
+  push_slow(L, maps.slow);
+  lua_setfield(L, -2, "slow");
+  lua_newtable(L);
+  set_column(L, "y", maps.plane.y);
+  set_column(L, "v", maps.plane.v);
+  set_rows(L, "value", maps.plane.before);
+  set_rows(L, "level", maps.plane_level);
+  set_rows(L, "rows", maps.plane.count);
+  set_text(L, "sentence", maps.plane_sentence);
+  lua_setfield(L, -2, "plane");
+}
 
 void push_design(lua_State* L, const ExperimentDesign& design) {
   lua_newtable(L);

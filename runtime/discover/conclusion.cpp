@@ -275,7 +275,9 @@ class Conclusion {
     out_.baseline = fitted(study_, found.baseline);
     out_.final = fitted(study_, found.chosen);
     const std::optional<Place> place = main_place();
-    out_.where = where(found.baseline, found.chosen, place) + sensor_hint(study_, found.baseline);
+    out_.maps_before = maps_at(study_, found.baseline, found.chosen, place);
+    if (round_.names()) out_.maps_after = maps_at(study_, found.chosen, found.chosen, place);
+    out_.where = words_of(out_.maps_before) + sensor_hint(study_, found.baseline);
     for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
@@ -312,6 +314,8 @@ class Conclusion {
     if (out_.verdict == Verdict::unknown_effect && found.chosen.ran()) {
       progress_("fit forces without a name", 0.98);
       out_.unknown = unknown_force(study_, round_, place, out_.map, out_.final_test);
+      if (const auto& left = out_.maps_after ? out_.maps_after : out_.maps_before)
+        out_.unknown->harmonics = harmonics_of(*left);
     }
     out_.sentence = sentence(study_, round_, out_);
   }
@@ -332,7 +336,7 @@ class Conclusion {
       named.sentence = effect.sentence;
       named.label = effect.label();
       if (effect.place) named.place = motion_of(*effect.place);
-      named.where = where(before, found.chosen, effect.place);
+      named.where = words_of(maps_at(study_, before, found.chosen, effect.place));
       named.parameters = own_parameters(found.chosen, added);
       const bool last = i + 1 == found.steps.size();
       named.gap_train =
@@ -385,9 +389,8 @@ class Conclusion {
     return out;
   }
 
-  std::string where(const Candidate& model, const Candidate& reference, const std::optional<Place>& place) const {
-    const std::string text = describe_residual(study_, model, reference, place);
-    return place ? words_of(*place) + ": " + sizes_at(text, *place) : text;
+  static std::string words_of(const std::optional<ResidualMaps>& maps) {
+    return maps ? maps->sentence : "the model's force is not finite along the measured motion";
   }
 
   /// Where the loop has biased the fit.

@@ -9,6 +9,7 @@
 
 #include "discover/effect.hpp"
 #include "discover/experiment.hpp"
+#include "discover/maps.hpp"
 #include "record/record.hpp"
 #include "simulate/simulate.hpp"
 
@@ -77,13 +78,6 @@ struct PlacedForce {
 struct OutputGaps {
   std::string output;
   Gap baseline_train, baseline_test, final_train, final_test;
-};
-
-/// A rectangle of the (y, v) plane and the mean residual force there, before and after; NaN where there is no data.
-struct ResidualMap {
-  Eigen::VectorXd y, v;           ///< cell centres
-  Eigen::MatrixXd before, after;  ///< mean residual force [N], (y index, v index)
-  Eigen::MatrixXd count;
 };
 
 struct Rival {
@@ -179,6 +173,9 @@ struct Discovery {
   std::vector<PlacedForce> forces;      ///< with several coordinates: of each named effect
   std::string map_place;                ///< with several coordinates: what the map's y is, "y2" or "y1 - y2"
   ResidualMap map;
+  /// Where the baseline fails, each map beside its noise, and what the final model leaves there; none where a model's
+  /// force is not finite along the motion, `after` neither where nothing was named.
+  std::optional<ResidualMaps> maps_before, maps_after;
   Naming naming;                      ///< how often resampled records give the same names
   std::vector<Removable> removable;   ///< terms of the baseline that these records do not need
   ExperimentDesign experiment;        ///< what would tell an ambiguous class apart; else empty

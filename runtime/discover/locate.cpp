@@ -63,11 +63,18 @@ Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, c
   return residual - smoothing_error(study, reference, record, runs);
 }
 
-std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference,
-                              const std::optional<Place>& place) {
+std::optional<ResidualMaps> maps_at(const Study& study, const Candidate& candidate, const Candidate& reference,
+                                    const std::optional<Place>& place) {
   const ResidualRows rows = residual_rows(study, candidate, reference, place);
-  if (!rows.force.allFinite()) return "the model's force is not finite along the measured motion";
-  return map_residual(rows).sentence;
+  if (!rows.force.allFinite()) return {};
+  ResidualMaps maps = map_residual(rows);
+  if (place) speak_of(maps, *place);
+  return maps;
+}
+
+void speak_of(ResidualMaps& maps, const Place& place) {
+  maps.sentence = words_of(place) + ": " + sizes_at(maps.sentence, place);
+  maps.no_data = motion_of(place) + sizes_at(maps.no_data, place).substr(1);  // "y below ..."
 }
 
 ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after,

@@ -14,9 +14,12 @@ namespace lunid {
 Eigen::VectorXd residual_force(const Study& study, const Candidate& candidate, const Candidate& reference,
                                std::size_t index);
 
-/// What an engineer would say about it (residual_maps.hpp), at a place.
-std::string describe_residual(const Study& study, const Candidate& candidate, const Candidate& reference,
-                              const std::optional<Place>& place = {});
+/// Maps of it (residual_maps.hpp), whose sentences speak of the place; none where it is not finite.
+std::optional<ResidualMaps> maps_at(const Study& study, const Candidate& candidate, const Candidate& reference,
+                                    const std::optional<Place>& place = {});
+
+/// The sentences of maps of a motion that is y at a place.
+void speak_of(ResidualMaps& maps, const Place& place);
 
 /// Mean residual force over the (y, v) plane of a place before and after (the reference), cells without data NaN.
 ResidualMap residual_map(const Study& study, const Candidate& before, const Candidate& after,

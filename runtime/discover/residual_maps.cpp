@@ -7,6 +7,7 @@
 
 #include "discover/judge.hpp"
 #include "discover/locate.hpp"
+#include "discover/residual_power.hpp"
 #include "record/random.hpp"
 #include "record/spectra.hpp"
 #include "statistics/statistics.hpp"
@@ -19,14 +20,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int cells = 24, plane_cells = 16, amplitude_cells = 12, orders = 9, parts = 6, flips = 199;
+constexpr int cells = 24, plane_cells = 16, orders = 9, parts = 6, flips = 199;
 constexpr double few = 5;            ///< rows in a bin below which it says nothing
 constexpr double most_taken = 0.15;  ///< share of its noise that a bin's mean may take: about seven blocks
 constexpr double chance = 0.05;
-
-int bin_of(double x, double low, double high, int count) {
-  return std::clamp(static_cast<int>((x - low) / (high - low) * count), 0, count - 1);
-}
 
 /// What each block of rows adds to linear statistics, and the share of each statistic's weight that it holds.
 struct BlockSums {
@@ -59,104 +56,81 @@ VectorXd flipped_level(const BlockSums& noise, std::uint64_t seed) {
   return largest[static_cast<std::size_t>((1 - chance) * flips)] * deviations(noise.sums, VectorXd::Zero(bins));
 }
 
-/// Mean of r over bins; `where` gives each row's bin.
-BinnedMap mean_map(const ResidualRows& rows, const std::string& over, const std::vector<int>& where, VectorXd centres) {
-  const Index bins = centres.size();
-  BinnedMap map;
-  map.over = over;
-  map.value_is = "mean";
-  map.x = std::move(centres);
-  map.value.setZero(bins);
-  map.rows.setZero(bins);
-  for (Index i = 0; i < rows.force.size(); ++i) {
-    map.value[where[static_cast<std::size_t>(i)]] += rows.force[i];
-    map.rows[where[static_cast<std::size_t>(i)]] += 1;
-  }
-  VectorXd noise = rows.force;
-  for (Index b = 0; b < bins; ++b) map.value[b] = map.rows[b] >= few ? map.value[b] / map.rows[b] : 0;
-  for (Index i = 0; i < noise.size(); ++i) noise[i] -= map.value[where[static_cast<std::size_t>(i)]];
-  map.share = std::max(0.0, 1 - noise.squaredNorm() / std::max(1e-300, rows.force.squaredNorm()));
-  const Index length = std::max<Index>(1, rows.block), blocks = (noise.size() + length - 1) / length;
-  BlockSums sums{MatrixXd::Zero(bins, blocks), MatrixXd::Zero(bins, blocks)};
-  for (Index i = 0; i < noise.size(); ++i) {
-    const int b = where[static_cast<std::size_t>(i)];
-    sums.sums(b, i / length) += noise[i] / map.rows[b];
-    sums.weights(b, i / length) += 1 / map.rows[b];
-  }
-  map.level = flipped_level(sums, rows.seed);
-  for (Index b = 0; b < bins; ++b)
-    if (map.rows[b] < few || sums.weights.row(b).squaredNorm() > most_taken) map.value[b] = map.level[b] = NAN;
-  return map;
-}
-
-std::vector<int> bins_of(const VectorXd& x, double limit, int count) {
-  std::vector<int> where;
-  for (const double value : x) where.push_back(bin_of(value, -limit, limit, count));
-  return where;
-}
-
-VectorXd centres(double low, double high, int count) {
-  const double half = 0.5 * (high - low) / count;
-  return VectorXd::LinSpaced(count, low + half, high - half);
-}
-
-BinnedMap over_channel(const ResidualRows& rows, const std::string& name, const VectorXd& x, const std::string& unit) {
-  const double limit = std::max(x.cwiseAbs().maxCoeff(), 1e-300);
-  BinnedMap map = mean_map(rows, name, bins_of(x, limit, cells), centres(-limit, limit, cells));
-  map.unit = unit;
-  return map;
-}
-
-VectorXd local_amplitude(const ResidualRows& rows) {
-  if (!(rows.omega > 0)) return rows.y.cwiseAbs();
-  return (rows.y.array().square() + (rows.v.array() / rows.omega).square()).sqrt();
-}
-
-// ---- mean squares: over time and amplitude ----
-
-/// Block means of squares of the noise: their mean, and the deviation of one block's.
-struct NoisePower {
-  double mean = 0, deviation = 0;
-  double level(double rows, double block, Index bins) const {
-    const double blocks = std::max(1.0, rows / block);
-    return std::sqrt(mean + normal_quantile(1 - chance / static_cast<double>(bins)) * deviation / std::sqrt(blocks));
-  }
+/// Which bin each row lies in, and which bins say something: those of enough rows, from enough blocks.
+struct Bins {
+  std::vector<int> of_row;
+  VectorXd centres, rows;
+  MatrixXd weights;  ///< share of a bin's rows that each block has
+  std::vector<bool> speaks;
+  int operator[](Index i) const { return of_row[static_cast<std::size_t>(i)]; }
 };
 
-NoisePower noise_power(const VectorXd& noise, Index block) {
-  std::vector<double> means;
-  for (Index first = 0; first + block <= noise.size(); first += block)
-    means.push_back(noise.segment(first, block).squaredNorm() / static_cast<double>(block));
-  NoisePower out;
-  out.mean = noise.squaredNorm() / static_cast<double>(noise.size());
-  out.deviation = means.size() > 1 ? standard_deviation(means) : out.mean;
+Bins bins_of(std::vector<int> of_row, VectorXd centres, Index block) {
+  const Index n = static_cast<Index>(of_row.size()), bins = centres.size(), length = std::max<Index>(1, block);
+  Bins out{std::move(of_row), std::move(centres), VectorXd::Zero(bins), MatrixXd::Zero(bins, (n + length - 1) / length),
+           std::vector<bool>(static_cast<std::size_t>(bins))};
+  for (Index i = 0; i < n; ++i) out.rows[out[i]] += 1;
+  for (Index i = 0; i < n; ++i) out.weights(out[i], i / length) += 1 / out.rows[out[i]];
+  for (Index b = 0; b < bins; ++b)
+    out.speaks[static_cast<std::size_t>(b)] = out.rows[b] >= few && out.weights.row(b).squaredNorm() <= most_taken;
   return out;
 }
 
-BinnedMap rms_map(const ResidualRows& rows, const std::string& over, const std::string& unit, const VectorXd& x,
-                  double low, double high, int count, const NoisePower& noise) {
+/// Of the rows of each bin; 0 where there are few.
+VectorXd means(const VectorXd& force, const Bins& bins) {
+  VectorXd out = VectorXd::Zero(bins.rows.size());
+  for (Index i = 0; i < force.size(); ++i) out[bins[i]] += force[i];
+  for (Index b = 0; b < out.size(); ++b) out[b] = bins.rows[b] >= few ? out[b] / bins.rows[b] : 0;
+  return out;
+}
+
+double share_of(const VectorXd& force, const Bins& bins, const VectorXd& mean) {
+  double left = 0;
+  for (Index i = 0; i < force.size(); ++i) left += std::pow(force[i] - mean[bins[i]], 2);
+  return std::max(0.0, 1 - left / std::max(1e-300, force.squaredNorm()));
+}
+
+void silence(const Bins& bins, VectorXd& values) {
+  for (Index b = 0; b < values.size(); ++b)
+    if (!bins.speaks[static_cast<std::size_t>(b)]) values[b] = NAN;
+}
+
+BinnedMap mean_map(const ResidualRows& rows, const std::string& over, const Bins& bins) {
   BinnedMap map;
   map.over = over;
-  map.unit = unit;
-  map.value_is = "rms";
-  map.x = centres(low, high, count);
-  map.value.setZero(count);
-  map.rows.setZero(count);
-  map.level.resize(count);
-  for (Index i = 0; i < x.size(); ++i) {
-    const int b = bin_of(x[i], low, high, count);
-    map.value[b] += rows.force[i] * rows.force[i];
-    map.rows[b] += 1;
-  }
-  for (Index b = 0; b < count; ++b) {
-    const bool seen = map.rows[b] >= few;
-    map.value[b] = seen ? std::sqrt(map.value[b] / map.rows[b]) : NAN;
-    map.level[b] = seen ? noise.level(map.rows[b], static_cast<double>(rows.block), count) : NAN;
-  }
+  map.value_is = "mean";
+  map.x = bins.centres;
+  map.rows = bins.rows;
+  map.value = means(rows.force, bins);
+  map.share = share_of(rows.force, bins, map.value);
+  const Index length = std::max<Index>(1, rows.block);
+  BlockSums sums{MatrixXd::Zero(bins.weights.rows(), bins.weights.cols()), bins.weights};
+  for (Index i = 0; i < rows.force.size(); ++i)
+    sums.sums(bins[i], i / length) += (rows.force[i] - map.value[bins[i]]) / map.rows[bins[i]];
+  map.level = flipped_level(sums, rows.seed);
+  silence(bins, map.value);
+  silence(bins, map.level);
   return map;
 }
 
-// ---- harmonics and frequencies ----
+double limit_of(const VectorXd& x) { return std::max(x.cwiseAbs().maxCoeff(), 1e-300); }
+
+Bins over_channel(const VectorXd& x, Index block) {
+  const double limit = limit_of(x);
+  std::vector<int> of_row;
+  for (const double value : x) of_row.push_back(bin_of(value, -limit, limit, cells));
+  return bins_of(std::move(of_row), centres(-limit, limit, cells), block);
+}
+
+Bins over_plane(const ResidualRows& rows) {
+  const double y = limit_of(rows.y), v = limit_of(rows.v);
+  std::vector<int> of_row;
+  for (Index i = 0; i < rows.y.size(); ++i)
+    of_row.push_back(bin_of(rows.y[i], -y, y, plane_cells) * plane_cells + bin_of(rows.v[i], -v, v, plane_cells));
+  return bins_of(std::move(of_row), VectorXd::Zero(plane_cells * plane_cells), rows.block);
+}
+
+// ---- harmonics ----
 
 /// Fourier amplitudes over the phase of the motion, atan2(-v/omega, y).
 BinnedMap harmonic_map(const ResidualRows& rows) {
@@ -198,59 +172,60 @@ BinnedMap harmonic_map(const ResidualRows& rows) {
   return map;
 }
 
-BinnedMap frequency_map(const ResidualRows& rows, const VectorXd& noise) {
-  Index first = 0, longest = 0;
-  for (std::size_t r = 0; r + 1 < rows.row_of_record.size(); ++r)
-    if (rows.row_of_record[r + 1] - rows.row_of_record[r] > longest) {
-      first = rows.row_of_record[r];
-      longest = rows.row_of_record[r + 1] - first;
-    }
-  const auto part = [&](const VectorXd& x) {
-    return std::span<const double>(x.data() + first, static_cast<std::size_t>(longest));
-  };
-  const PowerSpectrum found = power_spectrum(part(rows.force), rows.dt), alone = power_spectrum(part(noise), rows.dt);
-  BinnedMap map;
-  map.over = "frequency";
-  map.unit = "Hz";
-  map.value_is = "root density";
-  map.x = found.frequency;
-  map.value = found.density.cwiseSqrt();
-  map.level = alone.high.cwiseSqrt();
-  map.rows = VectorXd::Constant(map.x.size(), static_cast<double>(longest));
-  return map;
-}
-
 // ---- the phase plane ----
 
-/// The means of a map between the centres of its bins, straight.
-double between(const BinnedMap& map, double x) {
-  const double step = map.x[1] - map.x[0], at = (x - map.x[0]) / step;
-  const Index last = map.x.size() - 1, k = std::clamp<Index>(static_cast<Index>(std::floor(at)), 0, last - 1);
-  const double a = map.value[k], b = map.value[k + 1];
+/// The means over y, v and the phase plane that a force has along a motion.
+struct MotionBins {
+  Bins y, v, plane;
+};
+
+/// Means between the centres of their bins, straight.
+double between(const Bins& bins, const VectorXd& mean, double x) {
+  const double step = bins.centres[1] - bins.centres[0], at = (x - bins.centres[0]) / step;
+  const Index last = mean.size() - 1, k = std::clamp<Index>(static_cast<Index>(std::floor(at)), 0, last - 1);
+  const double a = mean[k], b = mean[k + 1];
   if (!std::isfinite(a) || !std::isfinite(b)) return std::isfinite(a) ? a : std::isfinite(b) ? b : 0;
   return a + (b - a) * std::clamp(at - static_cast<double>(k), -0.5, 1.5);
 }
 
-/// What is left of the force when means over y and over v are taken away, one after the other, larger share first.
-VectorXd without_means(const ResidualRows& rows, const BinnedMap& y, const BinnedMap& v) {
-  ResidualRows rest = rows;
-  for (const bool by_y : {y.share >= v.share, y.share < v.share}) {
+/// What is left of a force when its means over y and over v, the larger share first, and over the plane are taken away,
+/// one after the other.
+VectorXd without_motion(const ResidualRows& rows, const MotionBins& bins, VectorXd force) {
+  const bool y_first = share_of(force, bins.y, means(force, bins.y)) >= share_of(force, bins.v, means(force, bins.v));
+  for (const bool by_y : {y_first, !y_first}) {
+    const Bins& over = by_y ? bins.y : bins.v;
     const VectorXd& x = by_y ? rows.y : rows.v;
-    const BinnedMap map = over_channel(rest, by_y ? "y" : "v", x, "");
-    for (Index i = 0; i < x.size(); ++i) rest.force[i] -= between(map, x[i]);
+    VectorXd mean = means(force, over);
+    silence(over, mean);
+    for (Index i = 0; i < x.size(); ++i) force[i] -= between(over, mean, x[i]);
   }
-  return rest.force;
+  const VectorXd mean = means(force, bins.plane);
+  for (Index i = 0; i < force.size(); ++i)
+    if (bins.plane.speaks[static_cast<std::size_t>(bins.plane[i])]) force[i] -= mean[bins.plane[i]];
+  return force;
 }
 
-/// Also takes the means over the plane off `rest`.
-void fill_plane(const ResidualRows& rows, ResidualMaps& out, VectorXd& rest) {
-  const double y = std::max(rows.y.cwiseAbs().maxCoeff(), 1e-300), v = std::max(rows.v.cwiseAbs().maxCoeff(), 1e-300);
-  std::vector<int> where;
-  for (Index i = 0; i < rows.y.size(); ++i)
-    where.push_back(bin_of(rows.y[i], -y, y, plane_cells) * plane_cells + bin_of(rows.v[i], -v, v, plane_cells));
-  const BinnedMap flat = mean_map(rows, "plane", where, VectorXd::Zero(plane_cells * plane_cells));
-  out.plane.y = centres(-y, y, plane_cells);
-  out.plane.v = centres(-v, v, plane_cells);
+/// Share of the noise's power that is left where these means are taken away, which are of noise too: asked of the noise
+/// itself, with the signs of whole blocks flipped.
+double power_left(const ResidualRows& rows, const MotionBins& bins, const VectorXd& noise) {
+  constexpr int draws = 9;
+  constexpr double least = 0.1;
+  Philox random(rows.seed, stream_of("residual power"));
+  const Index length = std::max<Index>(1, rows.block);
+  double left = 0;
+  for (int k = 0; k < draws; ++k) {
+    VectorXd flipped = noise;
+    for (Index first = 0; first < noise.size(); first += length)
+      if (random.bits() & 1) flipped.segment(first, std::min(length, noise.size() - first)) *= -1;
+    left += without_motion(rows, bins, std::move(flipped)).squaredNorm() / draws;
+  }
+  return std::clamp(left / std::max(1e-300, noise.squaredNorm()), least, 1.0);
+}
+
+void fill_plane(const ResidualRows& rows, const Bins& bins, ResidualMaps& out) {
+  const BinnedMap flat = mean_map(rows, "plane", bins);
+  out.plane.y = centres(-limit_of(rows.y), limit_of(rows.y), plane_cells);
+  out.plane.v = centres(-limit_of(rows.v), limit_of(rows.v), plane_cells);
   const auto square = [](const VectorXd& x) {
     MatrixXd m(plane_cells, plane_cells);
     for (int i = 0; i < plane_cells; ++i)
@@ -260,13 +235,6 @@ void fill_plane(const ResidualRows& rows, ResidualMaps& out, VectorXd& rest) {
   out.plane.before = square(flat.value);
   out.plane.count = square(flat.rows);
   out.plane_level = square(flat.level);
-  ResidualRows left = rows;
-  left.force = rest;
-  const VectorXd means = mean_map(left, "plane", where, VectorXd::Zero(plane_cells * plane_cells)).value;
-  for (Index i = 0; i < rest.size(); ++i) {
-    const double mean = means[where[static_cast<std::size_t>(i)]];
-    if (std::isfinite(mean)) rest[i] -= mean;
-  }
 }
 
 // ---- slow time ----
@@ -277,10 +245,11 @@ SlowTime slow_time(const ResidualRows& rows) {
   out.time.resize(parts);
   out.value.resize(parts, 3);
   out.std.resize(parts, 3);
+  const VectorXd time = running_time(rows);
   double freedom = 0;
   for (int k = 0; k < parts; ++k) {
     const Index first = n * k / parts, count = n * (k + 1) / parts - first;
-    out.time[k] = rows.t.segment(first, count).mean();
+    out.time[k] = time.segment(first, count).mean();
     MatrixXd x(count, 3);
     x << VectorXd::Ones(count), rows.y.segment(first, count), rows.v.segment(first, count);
     const VectorXd scale = x.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
@@ -321,11 +290,11 @@ SlowTime slow_time(const ResidualRows& rows) {
 
 /// Does the residual at equal y differ between v > 0 and v < 0? Fills loop and loop_share.
 void look_for_loop(const ResidualRows& rows, ResidualMaps& out) {
-  const double limit = std::max(rows.y.cwiseAbs().maxCoeff(), 1e-300);
+  const double limit = limit_of(rows.y);
   std::vector<int> where;
   for (Index i = 0; i < rows.y.size(); ++i)
     where.push_back(bin_of(rows.y[i], -limit, limit, cells / 2) + (rows.v[i] > 0 ? cells / 2 : 0));
-  const BinnedMap map = mean_map(rows, "side", where, VectorXd::Zero(cells));
+  const BinnedMap map = mean_map(rows, "side", bins_of(std::move(where), VectorXd::Zero(cells), rows.block));
   double squares = 0;
   for (int k = 0; k < cells / 2; ++k) {
     const double apart = map.value[k + cells / 2] - map.value[k];
@@ -352,28 +321,28 @@ const BinnedMap& ResidualMaps::map(std::string_view over) const {
 ResidualMaps map_residual(const ResidualRows& rows) {
   ResidualMaps out;
   const double n = static_cast<double>(rows.force.size());
-  const BinnedMap y = over_channel(rows, "y", rows.y, rows.units.y), v = over_channel(rows, "v", rows.v, rows.units.v);
-  VectorXd noise = without_means(rows, y, v);
-  fill_plane(rows, out, noise);
+  const MotionBins bins{over_channel(rows.y, rows.block), over_channel(rows.v, rows.block), over_plane(rows)};
+  const VectorXd noise = without_motion(rows, bins, rows.force);
+  fill_plane(rows, bins.plane, out);
   out.rms = rows.force.norm() / std::sqrt(n);
   out.noise = noise.norm() / std::sqrt(n);
-  const NoisePower power = noise_power(noise, std::max<Index>(1, std::min(rows.block, noise.size() / 4)));
-  const VectorXd amplitude = local_amplitude(rows);
-  const int windows = static_cast<int>(std::clamp<Index>(rows.force.size() / std::max<Index>(1, rows.block), 6, 60));
-  out.maps.push_back(rms_map(rows, "time", "s", rows.t, rows.t.minCoeff(), rows.t.maxCoeff(), windows, power));
-  out.maps.push_back(y);
-  out.maps.push_back(v);
-  out.maps.push_back(rms_map(rows, "amplitude", rows.units.y, amplitude, 0, std::max(amplitude.maxCoeff(), 1e-300),
-                             amplitude_cells, power));
+  const NoisePower power = noise_power(rows, noise, power_left(rows, bins, noise));
+  out.maps.push_back(time_map(rows, power));
+  for (const bool of_y : {true, false}) {
+    out.maps.push_back(mean_map(rows, of_y ? "y" : "v", of_y ? bins.y : bins.v));
+    out.maps.back().unit = of_y ? rows.units.y : rows.units.v;
+  }
+  out.maps.push_back(amplitude_map(rows, power));
   out.maps.push_back(harmonic_map(rows));
-  out.maps.push_back(frequency_map(rows, noise));
+  out.maps.push_back(frequency_map(rows, power));
   ResidualRows rest = rows;
   rest.force = noise;
   out.slow = slow_time(rest);
   look_for_loop(rows, out);
   out.above_noise = out.loop || out.slow.changes[0] || out.slow.changes[1] || out.slow.changes[2];
-  for (const char* over : {"y", "v", "harmonic"}) out.above_noise = out.above_noise || out.map(over).any_above();
+  for (const BinnedMap& map : out.maps) out.above_noise = out.above_noise || map.any_above();
   out.sentence = sentence_of(out, rows);
+  say_each(out, rows.units);
   out.no_data = unseen(out, rows);
   return out;
 }

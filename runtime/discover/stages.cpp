@@ -167,8 +167,7 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
   out.maps = map_residual(out.rows);
   if (place) {
     out.place = motion_of(*place);
-    out.maps.sentence = words_of(*place) + ": " + sizes_at(out.maps.sentence, *place);
-    out.maps.no_data = out.place + sizes_at(out.maps.no_data, *place).substr(1);  // "y below ..."
+    speak_of(out.maps, *place);
   }
   out.warnings = stage.warnings;
   return out;

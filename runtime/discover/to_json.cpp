@@ -134,22 +134,66 @@ json removable(const std::vector<Removable>& terms) {
   return out;
 }
 
+template <class Values>
+json list(const Values& values) {
+  json out = json::array();
+  for (const double x : values) out.push_back(number(x));
+  return out;
+}
+
+json table(const Eigen::MatrixXd& values) {
+  json out = json::array();
+  for (Eigen::Index i = 0; i < values.rows(); ++i) out.push_back(list(values.row(i)));
+  return out;
+}
+
+json binned(const BinnedMap& map) {
+  return {{"x", list(map.x)},         {"unit", map.unit},       {"value", list(map.value)}, {"level", list(map.level)},
+          {"value_is", map.value_is}, {"rows", list(map.rows)}, {"above", map.any_above()}, {"sentence", map.sentence}};
+}
+
+json residual_maps(const ResidualMaps& maps) {
+  json out = {{"sentence", maps.sentence}, {"no_data", maps.no_data}};
+  for (const BinnedMap& map : maps.maps) out[map.over] = binned(map);
+  out["phase_plane"] = {{"y", list(maps.plane.y)},           {"v", list(maps.plane.v)},
+                        {"value", table(maps.plane.before)}, {"level", table(maps.plane_level)},
+                        {"rows", table(maps.plane.count)},   {"sentence", maps.plane_sentence}};
+  json slow = {{"time", list(maps.slow.time)}, {"sentence", maps.slow.sentence}};
+  static constexpr const char* names[] = {"constant", "stiffness", "damping"};
+  for (int j = 0; j < 3; ++j)
+    slow[names[j]] = {{"value", list(maps.slow.value.col(j))},
+                      {"std", list(maps.slow.std.col(j))},
+                      {"changes", maps.slow.changes[j]}};
+  out["slow_time"] = std::move(slow);
+  return out;
+}
+
+json residual_maps(const Discovery& d) {
+  json out = {{"place", d.map_place},
+              {"reason", "a bin of a map is null where few rows of the training records lie in it, or of few periods"},
+              {"meaning",
+               "force left unexplained along the smoothed measured motion of the training records, by the baseline "
+               "(before) and by the final model (after, where something was named); level: noise of any colour alone "
+               "stays below in all bins of a map at once, 95 %; slow_time: offset and slopes in y and v of what no "
+               "function of y and v explains, over parts of the records"}};
+  if (d.maps_before)
+    out["before"] = residual_maps(*d.maps_before);
+  else
+    out["before_reason"] = "the model's force is not finite along the measured motion";
+  if (d.maps_after) out["after"] = residual_maps(*d.maps_after);
+  return out;
+}
+
 /// Cells without data are null.
 json unknown_force(const UnknownForce& u) {
-  json harmonics = json::array(), rows = json::array();
+  json harmonics = json::array();
   for (std::size_t k = 0; k < u.harmonics.size(); ++k)
     harmonics.push_back(
         {{"order", k}, {"amplitude", number(u.harmonics[k].amplitude)}, {"level", number(u.harmonics[k].level)}});
-  const auto list = [](const auto& values) {
-    json out = json::array();
-    for (const double x : values) out.push_back(number(x));
-    return out;
-  };
-  for (Eigen::Index i = 0; i < u.force.rows(); ++i) rows.push_back(list(u.force.row(i)));
   return {{"harmonics", std::move(harmonics)},
           {"y", list(u.y)},
           {"v", list(u.v)},
-          {"force", std::move(rows)},
+          {"force", table(u.force)},
           {"of", u.closure ? "closure" : "residual"},
           {"reason", "a cell of the force is null where no row of the training records lies in it"},
           {"meaning",
@@ -207,6 +251,7 @@ json to_json(const Discovery& d) {
   for (const auto& r : d.rivals) out["rivals"].push_back(rival(r));
   out["final"] = model(d.final, d.final_train, d.final_test);
   out["final"]["gap_fit"] = number(d.gap_fit);
+  out["residual_maps"] = residual_maps(d);
   if (d.unknown) {
     out["unknown_force"] = unknown_force(*d.unknown);
     if (const auto& closure = d.unknown->closure) {

@@ -6,7 +6,6 @@
 #include "discover/between_samples.hpp"
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
-#include "discover/residual_maps.hpp"
 
 namespace lunid {
 
@@ -42,22 +41,19 @@ std::optional<Candidate> fitted_forces(Study& study, const Round& round) {
   return out;
 }
 
-std::vector<UnknownForce::Harmonic> harmonics_of(const ResidualRows& rows) {
+}  // namespace
+
+std::vector<UnknownForce::Harmonic> harmonics_of(const ResidualMaps& maps) {
   std::vector<UnknownForce::Harmonic> out;
-  if (!rows.force.allFinite()) return out;
-  const ResidualMaps maps = map_residual(rows);
   const BinnedMap& map = maps.map("harmonic");
   for (Eigen::Index k = 0; k < map.value.size(); ++k) out.push_back({map.value[k], map.level[k]});
   return out;
 }
 
-}  // namespace
-
 UnknownForce unknown_force(const Study& study, const Round& round, const std::optional<Place>& place,
                            const ResidualMap& left, const Gap& test) {
   const Candidate& baseline = round.found.chosen;
   UnknownForce out;
-  out.harmonics = harmonics_of(residual_rows(study, baseline, baseline, place));
   ResidualMap map = left;
   Study own = study;
   if (const std::optional<Candidate> forces = fitted_forces(own, round); forces && forces->ran()) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "discover/residual_maps.hpp"
 #include "record/random.hpp"
@@ -87,18 +88,104 @@ TEST(ResidualMaps, HarmonicsAreThoseOfTheForceOverTheMotionsPhase) {
 /// The level holds for coloured noise: 5 % of records over all bins of a map; of 80 records at most 10 by chance
 /// (0.99).
 TEST(ResidualMaps, NoiseAloneSeldomRisesAboveTheLevel) {
-  int y = 0, v = 0, harmonic = 0, slow = 0;
+  std::map<std::string, int> above;
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
     const ResidualMaps maps = map_residual(rows_of(1, seed, [](double, double, double) { return 0.0; }));
-    y += maps.map("y").any_above();
-    v += maps.map("v").any_above();
-    harmonic += maps.map("harmonic").any_above();
-    slow += maps.slow.changes[0] || maps.slow.changes[1] || maps.slow.changes[2];
+    for (const BinnedMap& map : maps.maps) above[map.over] += map.any_above();
+    above["plane"] += (maps.plane.before.array().abs() > maps.plane_level.array()).any();
+    above["slow"] += maps.slow.changes[0] || maps.slow.changes[1] || maps.slow.changes[2];
   }
-  EXPECT_LE(y, 10);
-  EXPECT_LE(v, 10);
-  EXPECT_LE(harmonic, 10);
-  EXPECT_LE(slow, 10);
+  for (const char* over : {"time", "y", "v", "amplitude", "harmonic", "frequency", "plane", "slow"})
+    EXPECT_LE(above.at(over), 10) << over;
+  EXPECT_EQ(above.size(), 8u);
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(ResidualMaps, AForceInOneStretchOfTimeShowsThereAlone) {
+  const ResidualMaps maps = map_residual(
+      rows_of(0.1, 3, [](double, double, double t) { return t > 48 && t < 60 ? std::sin(7.1 * t) : 0.0; }));
+  const BinnedMap& map = maps.map("time");
+  for (Eigen::Index i = 0; i < map.x.size(); ++i) {
+    const double half = 0.5 * (map.x[1] - map.x[0]);
+    if (map.x[i] - half > 48.1 && map.x[i] + half < 59.9)
+      EXPECT_TRUE(map.above(i)) << map.x[i];
+    else if (map.x[i] + half < 48 || map.x[i] - half > 60)
+      EXPECT_FALSE(map.above(i)) << map.x[i];
+  }
+  EXPECT_TRUE(has(map.sentence, "above the noise from 48 s to 60 s; most at 5")) << map.sentence;
+  EXPECT_TRUE(has(maps.sentence, "no function of y or v alone, most from 48 s to 60 s")) << maps.sentence;
+  EXPECT_TRUE(maps.above_noise);
+}
+
+TEST(ResidualMaps, AForceAboveAnAmplitudeShowsThereAlone) {
+  const ResidualMaps maps = map_residual(rows_of(0.1, 3, [](double y, double v, double t) {
+    return std::hypot(y, v / M_PI) > 0.75 ? std::sin(7.1 * t) : 0.0;  // no function of y and v
+  }));
+  const BinnedMap& map = maps.map("amplitude");
+  ASSERT_EQ(map.x.size(), 12);  // to 1 m
+  for (Eigen::Index i = 0; i < map.x.size(); ++i) EXPECT_EQ(map.above(i), map.x[i] > 0.75) << map.x[i];
+  EXPECT_TRUE(has(map.sentence, "above the noise from 750 mm to 1 m; most at ")) << map.sentence;
+}
+
+TEST(ResidualMaps, AForceAtOneFrequencyShowsThereAlone) {
+  const ResidualMaps maps =
+      map_residual(rows_of(0.1, 3, [](double, double, double t) { return 0.2 * std::sin(2 * M_PI * 1.7 * t); }));
+  const BinnedMap& map = maps.map("frequency");
+  int above = 0;
+  for (Eigen::Index i = 0; i < map.x.size(); ++i) {
+    above += map.above(i);
+    if (map.above(i)) EXPECT_NEAR(map.x[i], 1.7, 0.16) << i;  // two bins of the segments
+  }
+  EXPECT_GE(above, 1);
+  EXPECT_TRUE(has(map.sentence, "above the noise from 1.")) << map.sentence;
+  EXPECT_TRUE(has(maps.sentence, "no function of y or v alone, most at 1.7")) << maps.sentence;
+}
+
+TEST(ResidualMaps, ThePhasePlaneShowsACornerOfIt) {
+  const ResidualMaps maps =
+      map_residual(rows_of(0.05, 3, [](double y, double v, double) { return y > 0.2 && v > 0.6 ? 1.0 : 0.0; }));
+  int right = 0, wrong = 0;
+  for (Eigen::Index i = 0; i < maps.plane.y.size(); ++i)
+    for (Eigen::Index j = 0; j < maps.plane.v.size(); ++j)
+      if (std::abs(maps.plane.before(i, j)) > maps.plane_level(i, j))
+        ++(maps.plane.y[i] > 0.1 && maps.plane.v[j] > 0.4 ? right : wrong);
+  EXPECT_GT(right, 10);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_TRUE(has(maps.plane_sentence, "above the noise in ")) << maps.plane_sentence;
+}
+
+/// Of several records, each of which begins at 0, the time goes on: 100 s each, the force acts in the second.
+TEST(ResidualMaps, RecordsThatBeginAnewFollowEachOther) {
+  ResidualRows rows = rows_of(
+      0.1, 3, [](double, double, double t) { return t > 150 && t < 170 ? std::sin(7.1 * t) : 0.0; }, 4000);
+  rows.row_of_record = {0, 2000, 4000};
+  for (Eigen::Index i = 2000; i < 4000; ++i) rows.t[i] -= 100;
+  const ResidualMaps maps = map_residual(rows);
+  EXPECT_NEAR(maps.map("time").x.tail(1)[0], 198, 1);
+  EXPECT_TRUE(has(maps.map("time").sentence, "above the noise from 148 s to 172 s")) << maps.map("time").sentence;
+  EXPECT_NEAR(maps.slow.time[5], 200 - 100.0 / 6, 0.1);
+}
+
+/// What is left of a spring with play at 0.55 beside a baseline whose spring has absorbed what it can.
+TEST(ResidualMaps, AClearanceAndAStopSayWhereTheyBegin) {
+  const auto beyond = [](double x) { return std::max(0.0, x - 0.55); };
+  const ResidualMaps both =
+      map_residual(rows_of(0.005, 3, [&](double y, double, double) { return beyond(y) - beyond(-y) - 0.18 * y; }));
+  EXPECT_TRUE(has(both.sentence, "grows with |y| above 5")) << both.sentence;
+  EXPECT_FALSE(has(both.sentence, "side")) << both.sentence;
+  const ResidualMaps stop =
+      map_residual(rows_of(0.005, 3, [&](double y, double, double) { return beyond(y) - 0.09 * y - 0.03; }));
+  EXPECT_TRUE(has(stop.sentence, "grows with |y| above 5")) << stop.sentence;
+  EXPECT_TRUE(has(stop.sentence, " on the positive side")) << stop.sentence;
+  const ResidualMaps cubic =
+      map_residual(rows_of(0.005, 3, [](double y, double, double) { return y * y * y - 0.42 * y; }));
+  EXPECT_FALSE(has(cubic.sentence, "above")) << cubic.sentence;
+}
+
+TEST(ResidualMaps, AnOffsetIsNoJump) {
+  const ResidualMaps maps = map_residual(rows_of(0.05, 3, [](double, double, double) { return 1.0; }));
+  EXPECT_TRUE(has(maps.sentence, "is an offset")) << maps.sentence;
 }
 
 TEST(ResidualMaps, NoDataIsSaid) {
