@@ -170,6 +170,102 @@ local function add_map(list, found)
       .. (#found.effects > 0 and ", and what the final model leaves" or "") .. ". Hatched: no data." }
 end
 
+-- ---- where the model fails, and what noise alone makes of it ----
+
+local noise_words = "noise alone stays below (95 %)"
+
+--- Values of one map, of the baseline and of the final model, beside the level; of means, which have signs, on both sides.
+local function level_panel(name, x, quantity, before, after)
+  local signed = before.value_is == "mean"
+  local style = before.value_is == "amplitude" and "points" or "line"
+  local series = { { x = before.x, y = before.value, label = "baseline", role = "baseline", style = style == "line" and "line_points" or style } }
+  if after then series[2] = { x = after.x, y = after.value, label = "final model", role = "final", style = style } end
+  series[#series + 1] = { x = before.x, y = before.level, label = noise_words, role = "noise",
+    style = style == "points" and "stems" or "dashed" }
+  if signed then
+    local below = before.level:list()
+    for i = 1, #below do below[i] = -below[i] end
+    series[#series + 1] = { x = before.x, y = core.column(below), role = "noise", style = "dashed" }
+  end
+  return { title = name, x = x, y = quantity, series = series }
+end
+
+--- The phase plane of the baseline, its cells above the level marked.
+local function plane_panel(found, plane, place)
+  local v, y = plane.v:list(), plane.y:list()
+  local at_y, at_v, most = {}, {}, 0
+  for j = 1, #v do
+    local values, levels = plane.value[j]:list(), plane.level[j]:list()
+    for i = 1, #y do
+      if values[i] == values[i] then most = math.max(most, math.abs(values[i])) end
+      if math.abs(values[i]) > levels[i] then at_y[#at_y + 1], at_v[#at_v + 1] = y[i], v[j] end
+    end
+  end
+  return { title = "phase plane, baseline", x = { name = "displacement" .. place, unit = found.units.y },
+    y = { name = "velocity" .. place, unit = found.units.v },
+    map = { x = plane.y, y = plane.v, z = plane.value, colour = { name = "mean force", unit = found.units.F,
+      min = most > 0 and -most or nil, max = most > 0 and most or nil } },
+    series = #at_y > 0 and { { x = core.column(at_y), y = core.column(at_v), label = "above the noise", role = "measured",
+      style = "points", width = 0.7 } } or nil }
+end
+
+local part_level = 3  -- normal quantile of 0.05 over three quantities in six parts, both sides
+
+--- Offset and slopes over parts of the records, as changes from their means in standard deviations.
+local function slow_panel(slow)
+  local series = {}
+  for i, row in ipairs { { "constant", "offset" }, { "stiffness", "slope in y" }, { "damping", "slope in v" } } do
+    local value, std = slow[row[1]].value:list(), slow[row[1]].std:list()
+    local sum, weights = 0, 0
+    for k = 1, #value do
+      local weight = 1 / math.max(std[k] ^ 2, 1e-300)
+      sum, weights = sum + weight * value[k], weights + weight
+    end
+    for k = 1, #value do value[k] = std[k] > 0 and (value[k] - sum / weights) / std[k] or 0/0 end
+    local role, style = figures.look_of(i)
+    series[i] = { x = slow.time, y = core.column(value), label = row[2], role = role, style = style }
+  end
+  return { title = "slow time, baseline", x = time, y = { name = "change / standard deviation", unit = "" }, series = series,
+    lines = { { value = part_level, label = noise_words, role = "noise" }, { value = -part_level, role = "noise" } } }
+end
+
+--- All maps of what the baseline leaves, and the final model where something was named; nil where there are none.
+function pictures.where_it_fails(found)
+  local before, after = found.maps.before, found.maps.after
+  if not before then return nil end
+  local place = found.map.place ~= "" and " " .. found.map.place or ""
+  local unit = found.units.F
+  local mean, rms = { name = "mean force", unit = unit }, { name = "rms force", unit = unit }
+  local function panel(over, name, x, quantity) return level_panel(name, x, quantity, before[over], after and after[over]) end
+  return { columns = 2, panels = {
+    panel("time", "time", time, rms), slow_panel(before.slow),
+    panel("y", "displacement", { name = "displacement" .. place, unit = found.units.y }, mean),
+    panel("v", "velocity", { name = "velocity" .. place, unit = found.units.v }, mean),
+    panel("amplitude", "amplitude of the motion", { name = "amplitude" .. place, unit = found.units.y }, rms),
+    panel("harmonic", "harmonic order", { name = "harmonic", unit = "" }, { name = "amplitude of the force", unit = unit }),
+    panel("frequency", "frequency", { name = "frequency", unit = "Hz" }, { name = "root density", unit = figures.grouped(unit) .. "/Hz^0.5" }),
+    plane_panel(found, before.plane, place) } }
+end
+
+local function add_where(list, found)
+  local fields = pictures.where_it_fails(found)
+  if not fields then return end
+  list[#list + 1] = { name = "where_it_fails", section = "where", figure = figures.make(fields),
+    caption = "Force that is left unexplained along the measured motion of the training records" .. (found.map.place ~= ""
+      and " at " .. found.map.place or "") .. ", and what noise of its colour stays below in all bins of a map at once (95 %)." }
+end
+
+--- { name, what it says of the baseline, of the final model } for each map.
+function pictures.sentences(found)
+  local before, after, rows = found.maps.before, found.maps.after, {}
+  if not before then return rows end
+  for _, row in ipairs { { "time", "time" }, { "slow", "slow time" }, { "plane", "phase plane" }, { "y", "displacement" },
+    { "v", "velocity" }, { "amplitude", "amplitude of the motion" }, { "harmonic", "harmonic order" }, { "frequency", "frequency" } } do
+    rows[#rows + 1] = { row[2], before[row[1]].sentence, after and after[row[1]].sentence or nil }
+  end
+  return rows
+end
+
 -- ---- the force of an unknown effect ----
 
 --- Where forces without a name follow it; else it is the map of what the baseline leaves.
@@ -267,6 +363,7 @@ end
 --- Name, caption and figure of each picture, in the report's order.
 function pictures.of(found)
   local list = {}
+  add_where(list, found)
   add_histories(list, found)
   add_map(list, found)
   add_unknown_force(list, found)

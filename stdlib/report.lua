@@ -315,7 +315,24 @@ local function figure_section(drawn, why_none)
   local lines = { "<h2>Figures</h2>", '<p class="small">' .. page_of.hint .. "</p>" }
   if why_none then lines[#lines + 1] = "<p>" .. escape(why_none) .. "</p>" end
   for _, picture in ipairs(drawn) do
-    lines[#lines + 1] = page_of.figure(picture.figure, picture.caption, picture.image)
+    if not picture.section then lines[#lines + 1] = page_of.figure(picture.figure, picture.caption, picture.image) end
+  end
+  return table.concat(lines, "\n")
+end
+
+--- What the maps of the residual say, over what each is, and their figure.
+local function where_section(found, drawn)
+  local data = found.data
+  local lines = { "<h2>Where the model failed</h2><p>" .. escape(data.where) .. "</p>" }
+  for _, picture in ipairs(drawn) do
+    if picture.section == "where" then lines[#lines + 1] = page_of.figure(picture.figure, picture.caption, picture.image) end
+  end
+  local rows = each(pictures.sentences(found), function(row) return each(row, escape) end)
+  if #rows > 0 then
+    lines[#lines + 1] = "<p>Over each of these, the force that is left unexplained is" .. (found.map.place ~= ""
+      and " (y and v: of " .. escape(found.map.place) .. ")" or "") .. ":</p>"
+      .. html_table({ "over", "by the baseline", rows[1][3] and "by the final model" or nil }, rows)
+    lines[#lines + 1] = '<p class="small">No data: ' .. escape(data.residual_maps.before.no_data) .. ".</p>"
   end
   return table.concat(lines, "\n")
 end
@@ -358,7 +375,7 @@ function report.write(found, prefix)
       .. "</title><style>" .. style .. "</style></head><body>",
     "<h1>What the model lacks</h1>",
     ('<p class="verdict"><b>%s</b>: %s</p>'):format(escape(data.verdict), escape(data.sentence)),
-    "<h2>Force that the baseline leaves unexplained</h2><p>" .. escape(data.where) .. "</p>",
+    where_section(found, drawn),
     named_section(found), gap_section(data), "<h2>Equation of motion</h2><pre>" .. escape(data.final.equation) .. "</pre>",
     parameter_table(data.final.parameters, names_of(found.model), data.baseline.first_guess), baseline_section(found),
     removable_section(data), loop_section(found), rivals_section(data), next_section(data), figure_section(drawn, why_none),

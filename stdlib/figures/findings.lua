@@ -137,6 +137,20 @@ end)
 
 local found_field = { "discovery", discovery, required = true, help = "what was found" }
 
+figures.define({
+  name = "where_it_fails",
+  help = "The force that a discovery's baseline leaves unexplained, over time, slow time, displacement, velocity, amplitude, "
+    .. "harmonic order, frequency and the phase plane, each with the level that noise of its colour stays below (95 %), and "
+    .. "what the final model leaves.",
+  positional = { "discovery" },
+  fields = { found_field },
+  example = [[lunid.figure.where_it_fails(found):save "where.png"]],
+}, function(given)
+  local fields = require("lunid.pictures").where_it_fails(given.discovery)
+  if not fields then figures.fail("where_it_fails", "the model's force is not finite along the measured motion") end
+  return fields
+end)
+
 local function gap_of(value) return value or 0/0 end
 
 figures.define({

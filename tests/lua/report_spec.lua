@@ -26,6 +26,9 @@ local function numbers(folder, name)
   return rows
 end
 
+--- As a page writes it.
+local function page_text(text) return (text:gsub("[&<>]", { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;" })) end
+
 local function labels(rows)
   local seen, list = {}, {}
   for _, row in ipairs(rows) do
@@ -68,6 +71,38 @@ spec.case("the page holds the verdict and the gaps of discovery.json", function(
     data.noise_floor.gap_train, data.noise_floor.gap_test, data.left_out.gap_before, data.left_out.gap_after } do
     spec.contains(page, ("<td class=\"n\">%.3g</td>"):format(gap))
   end
+end)
+
+spec.case("the maps of the residual, each with its level, are drawn, said and written", function()
+  local before, after, page = named.data.residual_maps.before, named.data.residual_maps.after, read "named/report.html"
+  spec.contains(page, "<h2>Where the model failed</h2>")
+  local drawn = numbers("named", "where_it_fails")
+  local points = {}
+  for _, row in ipairs(drawn) do
+    local key = row[1] .. " " .. row[3]
+    local list = points[key] or { count = 0 }
+    list.count = list.count + 1
+    list[list.count], points[key] = tonumber(row[6]), list
+  end
+  for i, over in ipairs { "time", "slow_time", "y", "v", "amplitude", "harmonic", "frequency", "phase_plane" } do
+    spec.contains(page, page_text(before[over].sentence))
+    spec.contains(page, page_text(after[over].sentence))
+    if over ~= "slow_time" and over ~= "phase_plane" then
+      local baseline, level = points[i .. " baseline"], points[i .. " noise alone stays below (95 %)"]
+      local middle = #before[over].x // 2
+      spec.equal(baseline.count, #before[over].x)
+      spec.equal(baseline[middle], before[over].value[middle])
+      spec.equal(level[middle], before[over].level[middle])
+      spec.equal(points[i .. " final model"][middle], after[over].value[middle])
+    end
+  end
+  assert(points["8 above the noise"].count > 10, "the phase plane does not mark where the baseline fails")
+  spec.equal(before.y.above, true)
+  spec.contains(before.harmonic.sentence, "most in the third harmonic")
+  spec.contains(before.amplitude.sentence, "above the noise")
+  spec.equal(after.y.above, false)
+  spec.equal(named.maps.before.y.sentence, before.y.sentence)
+  spec.equal(nothing.data.residual_maps.after, nil)
 end)
 
 spec.case("parameters have as many digits as their standard deviation allows", function()
