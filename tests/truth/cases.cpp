@@ -120,6 +120,30 @@ std::vector<Case> pairs() {
         stiffness("one_sided_stop", "k", 1.0, 1),
         {"one_sided_stop", "g", 0.8, 0, 1, 0}},
        with([](Physics& p) { p.drag = 0.1, p.stop_k = 1.0, p.stop_gap = 0.8; })},
+      {"quadratic+drag",
+       Kind::pair,
+       linear,
+       {"quadratic_stiffness", "quadratic_drag"},
+       {stiffness("quadratic_stiffness", "k2", 0.12, 2), {"quadratic_drag", "c2", 0.1, 1, 0, -2}},
+       with([](Physics& p) { p.k2 = 0.12, p.drag = 0.1; })},
+      {"clearance+coulomb",
+       Kind::pair,
+       linear,
+       {"clearance", "coulomb_friction"},
+       {stiffness("clearance", "k", 0.8, 1),
+        {"clearance", "g", 1.0, 0, 1, 0},
+        {"coulomb_friction", "Fc", 0.15, 1, 0, 0}},
+       with([](Physics& p) { p.clearance_k = 0.8, p.clearance_gap = 1.0, p.coulomb = 0.15; })},
+      {"bouc_wen+cubic",
+       Kind::pair,
+       linear,
+       {"bouc_wen", "cubic_stiffness"},
+       {stiffness("bouc_wen", "k", 0.5, 1),
+        {"bouc_wen", "zy", 1, 0, 1, 0},
+        {"bouc_wen", "rho", 0.7, 0, 0, 0},
+        {"bouc_wen", "n", 1, 0, 0, 0},
+        stiffness("cubic_stiffness", "k3", 0.06, 3)},
+       with([](Physics& p) { p.bouc_k = 0.5, p.bouc_beta = 0.7, p.bouc_gamma = 0.3, p.k3 = 0.06; })},
   };
 }
 
@@ -133,6 +157,31 @@ std::vector<Case> nulls() {
        })},
       {"null_friction", Kind::null, "k*y + c*v + Fc*sign(v)", {}, {}, with([](Physics& p) { p.coulomb = 0.2; })},
   };
+}
+
+/// One record each that no study could take for one of them: equal in steady state at one frequency and amplitude but
+/// for harmonics that the noise hides, equal in a free decay, or equal in any motion of a linear oscillator. The
+/// benchmark asks at each level of noise whether they are.
+std::vector<Case> ties() {
+  Case damping{"tie_damping",      Kind::tie, "k*y",
+               {"quadratic_drag"}, {},        with([](Physics& p) { p.zeta = 0, p.drag = 0.1; })};
+  damping.only_under = Excited::tone;
+  damping.rivals = {"viscous_damping", "cubic_damping", "coulomb_friction"};
+  Case stiffness{"tie_stiffness", Kind::tie, linear, {"linear_stiffness"}, {}, Physics{}};
+  stiffness.physics.law = std::make_shared<const Law>(laws::of_motion([](double x, double) { return 0.2 * x; }));
+  stiffness.only_under = Excited::tone;
+  stiffness.stiffness_known = true;
+  stiffness.rivals = {"added_mass", "force_gain"};
+  Case lag{"tie_relaxation", Kind::tie, linear, {"maxwell_relaxation"}, {}, Physics{}};
+  lag.physics.law = std::make_shared<const Law>(laws::maxwell(0.3, 4));
+  lag.only_under = Excited::decay;
+  lag.rivals = {"sensor_lag"};
+  Case mean{"tie_mean", Kind::tie, linear, {"constant_force"}, {}, with([](Physics& p) { p.constant = 0.3; })};
+  mean.only_under = Excited::multisine;
+  mean.rivals = {"displacement_offset"};
+  std::vector<Case> all{damping, stiffness, lag, mean};
+  for (Case& each : all) each.test_alike = true;
+  return all;
 }
 
 std::vector<Case> outside_the_catalogue() {
@@ -161,7 +210,7 @@ std::vector<Case> outside_the_catalogue() {
 const std::vector<Case>& cases() {
   static const std::vector<Case> table = [] {
     std::vector<Case> all = single_effects();
-    for (const std::vector<Case>& part : {catalogue_cases(), pairs(), nulls(), outside_the_catalogue()}) {
+    for (const std::vector<Case>& part : {catalogue_cases(), pairs(), nulls(), outside_the_catalogue(), ties()}) {
       all.insert(all.end(), part.begin(), part.end());
     }
     return all;

@@ -137,6 +137,15 @@ FaultyColumns make_one(const Fault& fault, const Scale& scale, const Signal& dri
   return out;
 }
 
+/// Rms of a training signal; the sizes of what acts beside the force are those beside a multisine.
+double strength_of(Excited excited) {
+  switch (excited) {
+    case Excited::multisine: return std::sqrt(40 / 2.0);
+    case Excited::noise: return std::sqrt(300 / 2.0);
+    default: return std::sqrt(1 / 2.0);
+  }
+}
+
 Fault with(const char* name, const char* effect, const std::function<void(Fault&)>& set) {
   Fault fault;
   fault.name = name;
@@ -160,12 +169,12 @@ const std::vector<Fault>& faults() {
            [](Fault& f) {
              f.gain_y = 0.85, f.stiffness_known = true, f.baseline = "k*y + c*v + k3*y^3", f.physics.k3 = 0.06;
            }),
-      with("offset", "displacement_offset", [](Fault& f) { f.offset = 0.5; }),
+      with("offset", "displacement_offset", [](Fault& f) { f.offset = 0.5, f.in_decay = true; }),
       with("offset_duffing", "displacement_offset",
-           [](Fault& f) { f.offset = 0.5, f.baseline = "k*y + c*v + k3*y^3", f.physics.k3 = 0.06; }),
-      with("drift", "sensor_drift", [](Fault& f) { f.offset = 0.1, f.trend = 0.8; }),
-      with("clipping", "clipping", [](Fault& f) { f.clip_above = f.clip_below = 1.3; }),
-      with("clipping_above", "clipping", [](Fault& f) { f.clip_above = 1.1; }),
+           [](Fault& f) { f.offset = 0.5, f.baseline = "k*y + c*v + k3*y^3", f.physics.k3 = 0.06, f.in_decay = true; }),
+      with("drift", "sensor_drift", [](Fault& f) { f.offset = 0.1, f.trend = 0.8, f.in_decay = true; }),
+      with("clipping", "clipping", [](Fault& f) { f.clip_above = f.clip_below = 1.3, f.in_decay = true; }),
+      with("clipping_above", "clipping", [](Fault& f) { f.clip_above = 1.1, f.in_decay = true; }),
   };
   return table;
 }
@@ -181,24 +190,32 @@ const Fault& fault_named(const std::string& name) {
 
 FaultyRecords make_faulty(const Fault& fault, const Scale& scale, const RecordOptions& options) {
   const double duration = scale.omega() * scale.dt() * options.rows + warm_up;
-  RecordOptions second = options;
-  second.seed = options.seed + 1000003;
   FaultyRecords out;
-  double first = 1, level = 1;
-  out.train = make_one(fault, scale, multisine(0.15, 2.2, 40, options.seed), 1.0, options, 1, first);
-  // What shakes the mass beside the force is as strong in the test, whatever the level of the excitation there.
+  double first = 1;
+  const double share = strength_of(options.excited) / strength_of(Excited::multisine);
+  out.train =
+      make_one(fault, scale, training_signal(options.excited, duration, options.seed), 1.0, options, share, first);
+  // What shakes the mass beside the force is as strong in every record, whatever the level of the excitation there.
   const bool beside = fault.harmonic > 0 || fault.unbalance > 0 || fault.base > 0;
-  double share = 1;
-  for (int pass = 0; pass < (beside ? 6 : 1); ++pass) {
-    out.test = make_one(fault, scale, chirp(0.3, 2.0, duration), 0.8, second, share, level);
-    share = first / level;
+  const auto further = [&](const Signal& signal, double wanted, Excited excited, std::uint64_t seed) {
+    RecordOptions own = options;
+    own.seed = options.seed + seed;
+    own.excited = excited;
+    FaultyColumns record;
+    double part = share, level = 1;
+    for (int pass = 0; pass < (beside ? 6 : 1); ++pass) {
+      record = make_one(fault, scale, signal, wanted, own, part, level);
+      part = share * first / level;
+    }
+    return record;
+  };
+  if (options.excited == Excited::tones) {
+    const Signal second = training_signal(options.excited, duration, options.seed, true);
+    out.more.push_back(further(second, 0.6, options.excited, 2000003));
   }
-  out.baseline = fault.baseline;
-  if (fault.stiffness_known) {
-    char known[40];
-    std::snprintf(known, sizeof known, "%.9g", scale.mass * scale.omega() * scale.omega());
-    out.baseline = known + out.baseline.substr(1);
-  }
+  const Excited other = options.excited == Excited::chirp ? Excited::multisine : Excited::chirp;
+  out.test = further(training_signal(other, duration, options.seed), 0.8, Excited::chirp, 1000003);
+  out.baseline = baseline_at(fault.baseline, fault.stiffness_known, scale);
   return out;
 }
 

@@ -22,6 +22,7 @@ struct Fault {
   double harmonic = 0;                    ///< a part of the force that its channel lacks, over the rest's lines
   double unbalance = 0;                   ///< a shaft that runs up through the resonance, with its speed as a channel
   double base = 0;                        ///< acceleration of the support, with its channel
+  bool in_decay = false;                  ///< a free decay shows it
 };
 const std::vector<Fault>& faults();
 const Fault& fault_named(const std::string& name);
@@ -33,9 +34,10 @@ struct FaultyColumns {
 };
 struct FaultyRecords {
   FaultyColumns train, test;
+  std::vector<FaultyColumns> more;  ///< further training records
   std::string baseline;
 };
-/// Train under a multisine, test under a swept sine, as make_records().
+/// Excited as those of make_records(). A decay only where it shows the fault.
 FaultyRecords make_faulty(const Fault& fault, const Scale& scale, const RecordOptions& options = {});
 
 void write_csv(const FaultyColumns& record, const std::string& path);

@@ -24,6 +24,34 @@ Law that_ages(Law law) {
   return law;
 }
 
+Law both(const Law& a, const Law& b) {
+  const auto first = [](const Law& law) {
+    std::vector<double> z = law.start;
+    z.resize(static_cast<std::size_t>(law.states), 0.0);
+    return z;
+  };
+  const int n = a.states;
+  Law law;
+  law.states = n + b.states;
+  law.start = first(a);
+  for (const double z : first(b)) law.start.push_back(z);
+  law.ages = a.ages || b.ages;
+  law.force = [=](double tau, double x, double v, const double* z) {
+    return a.force(tau, x, v, z) + b.force(tau, x, v, z + n);
+  };
+  law.rate = [=](double tau, double x, double v, const double* z, double* rate) {
+    if (a.rate) a.rate(tau, x, v, z, rate);
+    if (b.rate) b.rate(tau, x, v, z + n, rate + n);
+  };
+  law.settle = [=](double x, double v, double* z) {
+    if (a.settle) a.settle(x, v, z);
+    if (b.settle) b.settle(x, v, z + n);
+  };
+  law.mass = [=](double x, double v) { return (a.mass ? a.mass(x, v) : 0) + (b.mass ? b.mass(x, v) : 0); };
+  law.jump = a.jump ? a.jump : b.jump;
+  return law;
+}
+
 Law inertia(std::function<double(double, double)> mass, std::function<double(double, double)> force) {
   Law law = of_motion(std::move(force));
   law.mass = std::move(mass);
@@ -200,6 +228,51 @@ Law recovery(double k, double first, double last, double tau) {
     rate[1] = -z[1] / tau;
   };
   law.settle = [=](double, double, double* z) { z[0] = std::clamp(z[0], -limit(z[1]), limit(z[1])); };
+  return law;
+}
+
+Law depth(double k, double first, double growth, double tau) {
+  const auto limit = [=](const double* z) { return std::max(first + growth * z[1], 0.0); };
+  Law law;
+  law.states = 2;  // force, slow part of the motion
+  law.force = [=](double, double, double, const double* z) { return std::clamp(z[0], -limit(z), limit(z)); };
+  law.rate = [=](double, double x, double v, const double* z, double* rate) {
+    rate[0] = k * v;
+    rate[1] = (x - z[1]) / tau;
+  };
+  law.settle = [=](double, double, double* z) { z[0] = std::clamp(z[0], -limit(z), limit(z)); };
+  return law;
+}
+
+Law liquefaction(double k, double still, double flowing, double g, double tau) {
+  const auto limit = [=](const double* z) {
+    return flowing + (still - flowing) * std::exp(-std::sqrt(2 * std::max(z[1], 0.0)) / g);
+  };
+  Law law;
+  law.states = 2;  // force, mean square of the acceleration
+  law.force = [=](double, double, double, const double* z) { return std::clamp(z[0], -limit(z), limit(z)); };
+  law.rate = [=](double, double, double v, const double* z, double* rate) {
+    rate[0] = k * v;
+    rate[1] = -z[1] / tau;
+  };
+  law.shaken = [=](double a, double* rate) { rate[1] += a * a / tau; };
+  law.settle = [=](double, double, double* z) { z[0] = std::clamp(z[0], -limit(z), limit(z)); };
+  return law;
+}
+
+Law pinching(const Wear& w) {
+  const double beta = w.rho / std::pow(w.zy, w.n), gamma = (1 - w.rho) / std::pow(w.zy, w.n);
+  Law law;
+  law.states = 2;  // z, energy over k zy^2
+  law.force = [k = w.k](double, double, double, const double* z) { return k * z[0]; };
+  law.rate = [=](double, double, double v, const double* z, double* rate) {
+    const double e = z[1], nu = 1 + w.weaker * e, eta = 1 + w.softer * e, size = std::pow(std::abs(z[0]), w.n);
+    const double most = std::pow(1 / (nu * (beta + gamma)), 1 / w.n), side = v < 0 ? -z[0] : z[0];
+    const double depth = w.pinched * (1 - std::exp(-w.p * e)), width = (w.psi + w.dpsi * e) * (w.lambda + depth);
+    const double h = 1 - depth * std::exp(-std::pow((side - w.q * most) / (w.zy * width), 2));
+    rate[0] = h * (v - nu * size * (beta * std::abs(v) * (z[0] < 0 ? -1 : 1) + gamma * v)) / eta;
+    rate[1] = z[0] * v / (w.zy * w.zy);
+  };
   return law;
 }
 

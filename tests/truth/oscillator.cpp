@@ -177,6 +177,7 @@ Motion integrate_law(const Physics& physics, const Signal& signal, double level,
     out[0] = x[1];
     out[1] = (u - linear(x) - law.force(tau, x[0], x[1], x.data() + 2)) / mass;
     if (law.rate) law.rate(tau, x[0], x[1], x.data() + 2, out.data() + 2);
+    if (law.shaken) law.shaken(out[1], out.data() + 2);
   };
   const auto moved = [&](const Vector& k, double by) {
     for (int i = 0; i < n; ++i) at[i] = s[i] + by * k[i];

@@ -88,6 +88,7 @@ const char* to_string(Excited excited) {
     case Excited::tones: return "tones";
     case Excited::chirp: return "chirp";
     case Excited::noise: return "noise";
+    case Excited::tone: return "tone";
     default: return "decay";
   }
 }
@@ -137,23 +138,44 @@ Columns make_record(const Physics& given, const Scale& scale, const Signal& sign
   return columns;
 }
 
+Signal training_signal(Excited excited, double duration, std::uint64_t seed, bool second) {
+  switch (excited) {
+    case Excited::multisine: return multisine(0.15, 2.2, 40, seed);
+    case Excited::tones: return tone(second ? 1.31 : 0.73);
+    case Excited::chirp: return chirp(0.3, 2.0, duration);
+    case Excited::noise: return multisine(0.05, 2.5, 300, seed);
+    case Excited::tone: return tone(1);
+    default: return none();
+  }
+}
+
+std::string baseline_at(const std::string& baseline, bool stiffness_known, const Scale& scale) {
+  if (!stiffness_known) return baseline;
+  char known[40];
+  std::snprintf(known, sizeof known, "%.9g", scale.mass * scale.omega() * scale.omega());
+  return known + baseline.substr(1);  // it begins with k
+}
+
 Records make_records(const Case& which, const Scale& scale, const RecordOptions& options) {
   const double duration = scale.omega() * scale.dt() * options.rows + warm_up;
   RecordOptions second = options, third = options;
   second.seed = options.seed + 1000003;
   third.seed = options.seed + 2000003;
-  second.excited = Excited::chirp;
-  const auto train = [&](const Signal& signal) { return make_record(which.physics, scale, signal, 1.0, options); };
-  const Signal sweep = chirp(0.3, 2.0, duration), lines = multisine(0.15, 2.2, 40, options.seed);
-  const Columns test =
-      make_record(which.physics, scale, options.excited == Excited::chirp ? lines : sweep, 0.8, second);
-  switch (options.excited) {
-    case Excited::multisine: return {train(lines), test, {}};
-    case Excited::tones: return {train(tone(0.73)), test, {make_record(which.physics, scale, tone(1.31), 0.6, third)}};
-    case Excited::chirp: return {train(sweep), test, {}};
-    case Excited::noise: return {train(multisine(0.05, 2.5, 300, options.seed)), test, {}};
-    default: return {train(none()), test, {}};
+  const Signal force = training_signal(options.excited, duration, options.seed);
+  Records out;
+  out.train = make_record(which.physics, scale, force, 1.0, options);
+  if (options.excited == Excited::tones) {
+    const Signal other = training_signal(options.excited, duration, options.seed, true);
+    out.more.push_back(make_record(which.physics, scale, other, 0.6, third));
   }
+  if (which.test_alike) {
+    out.test = make_record(which.physics, scale, force, 1.0, second);
+    return out;
+  }
+  second.excited = Excited::chirp;
+  const Excited other = options.excited == Excited::chirp ? Excited::multisine : Excited::chirp;
+  out.test = make_record(which.physics, scale, training_signal(other, duration, options.seed), 0.8, second);
+  return out;
 }
 
 void write_csv(const Columns& columns, const std::string& path, const CsvUnits& units) {

@@ -3,6 +3,7 @@
 // rate, the force evaluated exactly. What a study is tested against (docs/discovery.md).
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,17 @@ struct TrueParameter {
   double in(const Scale& scale) const;   ///< SI
 };
 
-/// What a case tests.
-enum class Kind { effect, pair, null, outside };
+/// What drives the training record: a multisine; two tones, each in a record of its own; a sweep; noise in the same
+/// band; nothing (a free decay); one tone of one amplitude.
+enum class Excited { multisine, tones, chirp, noise, decay, tone };
+const char* to_string(Excited);
+/// The force of a training record over dimensionless time, of the second one of two tones the other tone.
+Signal training_signal(Excited excited, double duration, std::uint64_t seed, bool second = false);
+
+/// What a case tests: one hidden effect, two, none, one that the catalogue lacks; a record that cannot tell the hidden
+/// effect from its rivals.
+enum class Kind { effect, pair, null, outside, tie };
+constexpr int kinds = 5;
 
 struct Case {
   std::string name;
@@ -42,7 +52,14 @@ struct Case {
   std::vector<std::string> effects;  ///< names to be found; empty for null and outside
   std::vector<TrueParameter> parameters;
   Physics physics;
+  std::string only_at = {};                ///< the scale at which alone it shows; "": at each
+  std::optional<Excited> only_under = {};  ///< the excitation under which alone it is asked
+  bool test_alike = false;                 ///< the test record is excited as the training record, and as far
+  bool stiffness_known = false;            ///< the k of the baseline is its true value, as a number
+  std::vector<std::string> rivals = {};    ///< of a tie: what the hidden effect may be in one with
 };
+/// The case's baseline at a scale: with the number of k where that is known.
+std::string baseline_at(const std::string& baseline, bool stiffness_known, const Scale& scale);
 const std::vector<Case>& cases();
 std::vector<Case> catalogue_cases();  ///< of those, the ones that are a Law
 /// Throws std::invalid_argument naming the choices.
@@ -59,11 +76,6 @@ struct Records {
   Columns train, test;
   std::vector<Columns> more;  ///< further training records
 };
-
-/// What drives the training record: a multisine; two tones, each in a record of its own; a sweep; noise in the same
-/// band; nothing (a free decay).
-enum class Excited { multisine, tones, chirp, noise, decay };
-const char* to_string(Excited);
 
 struct RecordOptions {
   int rows = 6400;

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "truth/chain.hpp"
+#include "truth/faults.hpp"
+#include "truth/noise.hpp"
 
 namespace truth {
 namespace {
@@ -102,23 +104,36 @@ TEST(Cases, halving_the_step_of_a_law_changes_less_than_the_noise) {
 }
 
 /// Laws against closed forms in slow, prescribed motion x = 2 sin(tau): what they are there for.
-TEST(Laws, dissipate_what_their_loops_enclose) {
-  const auto loop = [](const Law& law) {
-    std::vector<double> z(std::max(1, law.states), 0.0), rate(z.size());
-    std::copy(law.start.begin(), law.start.end(), z.begin());
-    const int steps = 40000;
-    const double h = 2 * M_PI / steps;
-    double work = 0;
-    for (int i = 0; i < 2 * steps; ++i) {
-      const double tau = i * h, x = 2 * std::sin(tau), v = 2 * std::cos(tau);
-      if (i >= steps) work += law.force(tau, x, v, z.data()) * v * h;
-      if (!law.rate) continue;
-      law.rate(tau, x, v, z.data(), rate.data());
-      for (int k = 0; k < law.states; ++k) z[k] += h * rate[k];
-      if (law.settle) law.settle(2 * std::sin(tau + h), 2 * std::cos(tau + h), z.data());
+/// Work of one period of x = centre + 2 sin(tau), the last of so many; the states then.
+struct Loop {
+  double work = 0, largest = 0;  ///< force
+  std::vector<double> states;
+};
+Loop loop_of(const Law& law, double centre = 0, int periods = 2) {
+  std::vector<double> z(std::max(1, law.states), 0.0), rate(z.size());
+  std::copy(law.start.begin(), law.start.end(), z.begin());
+  const int steps = 40000;
+  const double h = 2 * M_PI / steps;
+  Loop out;
+  for (int i = 0; i < periods * steps; ++i) {
+    const double tau = i * h, x = centre + 2 * std::sin(tau), v = 2 * std::cos(tau);
+    if (i >= (periods - 1) * steps) {
+      const double force = law.force(tau, x, v, z.data());
+      out.work += force * v * h;
+      out.largest = std::max(out.largest, force);
     }
-    return work;
-  };
+    if (!law.rate) continue;
+    law.rate(tau, x, v, z.data(), rate.data());
+    if (law.shaken) law.shaken(-2 * std::sin(tau), rate.data());
+    for (int k = 0; k < law.states; ++k) z[k] += h * rate[k];
+    if (law.settle) law.settle(centre + 2 * std::sin(tau + h), 2 * std::cos(tau + h), z.data());
+  }
+  out.states = z;
+  return out;
+}
+
+TEST(Laws, dissipate_what_their_loops_enclose) {
+  const auto loop = [](const Law& law) { return loop_of(law).work; };
   // Elastic slip between -2 and 2: 4 Fs (2 - Fs/k).
   EXPECT_NEAR(loop(laws::slip(1, [](double, double, double) { return 0.35; })), 4 * 0.35 * (2 - 0.35), 1e-3);
   EXPECT_NEAR(loop(laws::quake(0.3, [](double z, double, double) { return 0.25 * z; })), 4 * 0.25 * (2 - 0.3), 1e-3);
@@ -130,6 +145,69 @@ TEST(Laws, dissipate_what_their_loops_enclose) {
   const auto backbone = [](double x) { return x / (1 + std::abs(x) / 0.5); };
   const double under = 0.5 * (2 - 0.5 * std::log(1 + 2 / 0.5)), triangle = 0.5 * 2 * backbone(2);
   EXPECT_NEAR(loop(laws::masing(backbone, 60)), 8 * (under - triangle), 0.02);
+}
+
+TEST(Laws, of_slip_have_the_limit_that_depth_and_shaking_give_them) {
+  const auto slipped = [](double limit) { return 4 * limit * (2 - limit / 2); };  // k = 2
+  // The slow part of the motion is its centre; what it ripples by, a fortieth of it, is taken from one half of the
+  // loop and given to the other.
+  EXPECT_NEAR(loop_of(laws::depth(2, 0.35, 0.5, 40), 0.6, 60).work, slipped(0.35 + 0.5 * 0.6), 2e-2);
+  EXPECT_NEAR(loop_of(laws::depth(2, 0.35, 0.5, 40), -0.8, 60).work, 0, 2e-2);  // nothing holds it there
+  // An acceleration of amplitude 2; its mean square ripples by a part in 80.
+  EXPECT_NEAR(loop_of(laws::liquefaction(2, 0.9, 0.1, 1.6, 40), 0, 60).work, slipped(0.1 + 0.8 * std::exp(-2 / 1.6)),
+              1e-2);
+}
+
+TEST(Laws, of_pinching_are_bouc_wen_when_new_and_weaker_softer_and_pinched_when_worn) {
+  // beta = gamma, n = 1: unloads along a straight line, then z = -zy (1 - exp(-s/zy)) over the path s.
+  const double zy = 0.6, most = zy * (1 - std::exp(-(4 - zy) / zy));
+  EXPECT_NEAR(loop_of(laws::pinching({1, zy, 0.5, 1})).work, 2 * (zy * (4 - most - most) - most * most / 2), 1e-3);
+  laws::Wear wear{1, zy, 0.5, 1};
+  wear.weaker = 0.01;
+  const Loop weak = loop_of(laws::pinching(wear), 0, 8);
+  EXPECT_GT(weak.states[1], 40);                                           // that much energy
+  EXPECT_NEAR(weak.largest, zy / (1 + 0.01 * weak.states[1]), 0.05 * zy);  // of the last period, while it falls
+  wear.weaker = 0, wear.softer = 0.02, wear.pinched = 0.5, wear.p = 0.3;
+  const Law worn = laws::pinching(wear);
+  const double energy = 10, z[] = {0, energy};
+  double rate[2];
+  worn.rate(0, 0, 1.5, z, rate);
+  EXPECT_NEAR(rate[0], 1.5 * (1 - 0.5 * (1 - std::exp(-0.3 * energy))) / (1 + 0.02 * energy), 1e-12);
+}
+
+TEST(Laws, side_by_side_add_their_forces_and_keep_their_states) {
+  const Law slip = laws::slip(1, [](double, double, double) { return 0.35; }), soft = laws::maxwell(0.5, 1);
+  EXPECT_NEAR(loop_of(laws::both(slip, soft)).work, loop_of(slip).work + loop_of(soft).work, 1e-9);
+  EXPECT_NEAR(loop_of(laws::both(soft, slip)).work, loop_of(slip).work + loop_of(soft).work, 1e-9);
+}
+
+/// What a tie rests on: the two are one motion, to what the noise of the record hides.
+TEST(Cases, a_mean_force_and_an_offset_are_one_on_a_linear_oscillator) {
+  const Scale& scale = scale_named("milli");
+  const RecordOptions options{.rows = 600, .substeps = 8};
+  const Records pushed = make_records(case_named("tie_mean"), scale, options);
+  const Columns still = make_record(Physics{}, scale, multisine(0.15, 2.2, 40, options.seed), 1.0, options);
+  double apart = 0;
+  for (int i = 0; i < options.rows; ++i)
+    apart = std::max(apart, std::abs(pushed.train.clean_y[i] - (still.clean_y[i] - 0.3 * scale.length)));
+  EXPECT_LT(apart, 0.05 * scale.length);  // the start at rest is 0.3 of it beside the mean, and e^(-0.03 * 60) is left
+}
+
+TEST(Faults, are_as_large_beside_any_excitation) {
+  const Scale& scale = scale_named("milli");
+  const auto hidden = [&](Excited excited) {
+    RecordOptions options{.rows = 400, .noise_db = 200, .force_noise_db = 200, .substeps = 8};
+    options.excited = excited;
+    const FaultyRecords records = make_faulty(fault_named("base_motion"), scale, options);
+    std::vector<double> sizes{deviation(records.train.extra), deviation(records.test.extra)};
+    for (const FaultyColumns& more : records.more) sizes.push_back(deviation(more.extra));
+    return sizes;
+  };
+  for (const Excited excited : {Excited::multisine, Excited::noise, Excited::chirp, Excited::tones}) {
+    const std::vector<double> sizes = hidden(excited);
+    EXPECT_EQ(sizes.size(), excited == Excited::tones ? 3u : 2u);
+    for (const double size : sizes) EXPECT_NEAR(size / sizes[0], 1, 0.25) << to_string(excited);
+  }
 }
 
 TEST(Cases, the_hidden_effect_carries_a_tenth_to_four_tenths_of_the_restoring_force) {
