@@ -10,13 +10,13 @@
 namespace matrix {
 
 struct Setting {
-  const truth::Case* which;     ///< or
-  const truth::Fault* fault;    ///< of a sensor or of the input; the other of the two is null
+  const truth::Case* which;   ///< or
+  const truth::Fault* fault;  ///< of a sensor or of the input; the other of the two is null
   const truth::Scale* scale;
   truth::RecordOptions options;
-  std::string kind;             ///< of a null, beside its case
+  std::string kind;  ///< of a null, beside its case
   bool mass_known = true;
-  int repeat = 0;               ///< which of `--seeds`
+  int repeat = 0;  ///< which of `--seeds`
 
   bool is(truth::Kind wanted) const { return which && which->kind == wanted; }
   std::string name() const { return fault ? "fault " + fault->name : which->name; }

@@ -42,7 +42,8 @@ void judge_fault(const std::string& fault, const json& effects, Outcome& outcome
     outcome.tie = outcome.tie || std::find(names.begin(), names.end(), fault) != names.end();
   }
   outcome.tie = outcome.tie && !outcome.right;
-  outcome.physics = !effects.empty() && effects.front().value("is", "physics") == "physics" && !outcome.right && !outcome.tie;
+  outcome.physics =
+      !effects.empty() && effects.front().value("is", "physics") == "physics" && !outcome.right && !outcome.tie;
 }
 
 void judge_effects(const std::vector<std::string>& hidden, const json& effects, Outcome& outcome) {
@@ -55,8 +56,8 @@ void judge_effects(const std::vector<std::string>& hidden, const json& effects, 
   outcome.right = names == wanted;
   outcome.tie = !outcome.right && effects.size() == wanted.size() &&
                 std::includes(class_names.begin(), class_names.end(), wanted.begin(), wanted.end());
-  outcome.some = !outcome.right && !names.empty() &&
-                 std::includes(wanted.begin(), wanted.end(), names.begin(), names.end());
+  outcome.some =
+      !outcome.right && !names.empty() && std::includes(wanted.begin(), wanted.end(), names.begin(), names.end());
 }
 
 const char* heading(const Setting& setting) {
@@ -133,7 +134,8 @@ Outcome judge(const Setting& setting, const json& discovery) {
   return outcome;
 }
 
-void judge_tie(const Setting& setting, const json& discovery, const std::vector<std::string>& equals, Outcome& outcome) {
+void judge_tie(const Setting& setting, const json& discovery, const std::vector<std::string>& equals,
+               Outcome& outcome) {
   outcome.class_size = 1 + static_cast<int>(equals.size());
   outcome.tells = equals.empty();
   if (!discovery.is_object() || outcome.verdict != "ambiguous") return;
@@ -244,7 +246,8 @@ void Tally::print_gaps() const {
     std::printf("closed of what the noise allows, in the median: %.1f %% of %zu records with one or two hidden effects",
                 100 * median(closures_), closures_.size());
     if (!closures_of_named_.empty())
-      std::printf(", %.1f %% of %zu where they were named", 100 * median(closures_of_named_), closures_of_named_.size());
+      std::printf(", %.1f %% of %zu where they were named", 100 * median(closures_of_named_),
+                  closures_of_named_.size());
     std::printf("\n");
   }
   if (gaps_ > 0)

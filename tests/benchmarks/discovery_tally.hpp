@@ -76,9 +76,9 @@ class Tally {
   void print_gaps() const;
   void print_notes(const std::string& alpha) const;
 
-  std::map<std::string, Counts> entries_;                               // by the name of the setting
+  std::map<std::string, Counts> entries_;                                   // by the name of the setting
   std::map<std::string, std::map<double, Counts, std::greater<>>> levels_;  // by kind and noise
-  std::map<std::string, Counts> excitations_;                           // of one hidden effect
+  std::map<std::string, Counts> excitations_;                               // of one hidden effect
   Counts kinds_[truth::kinds], faults_;
   std::vector<double> closures_, closures_of_named_;
   int physics_ = 0, false_names_ = 0, tells_ = 0;

@@ -11,7 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-Setting setting_of(const char* name) { return {&truth::case_named(name), nullptr, &truth::scales()[1], {}, "", true, 0}; }
+Setting setting_of(const char* name) {
+  return {&truth::case_named(name), nullptr, &truth::scales()[1], {}, "", true, 0};
+}
 Setting fault_setting(const char* name) {
   return {nullptr, &truth::fault_named(name), &truth::scales()[1], {}, "", true, 0};
 }
@@ -63,7 +65,9 @@ TEST(Answers, where_no_name_is_right) {
 
 TEST(Answers, of_a_fault_tell_physics_from_sensors) {
   const Setting offset = fault_setting("offset");
-  const auto judged = [&](std::vector<json> effects) { return judge(offset, discovery("explained", std::move(effects))); };
+  const auto judged = [&](std::vector<json> effects) {
+    return judge(offset, discovery("explained", std::move(effects)));
+  };
   EXPECT_EQ(judged({effect("displacement_offset", {}, "sensor")}).answer(), Answer::first);
   const Outcome tie = judged({effect("constant_force", {"displacement_offset"})});
   EXPECT_EQ(tie.answer(), Answer::in_class);
@@ -100,7 +104,7 @@ TEST(Closure, is_the_share_of_what_the_noise_allows) {
   EXPECT_DOUBLE_EQ(closure(gaps(0.5, 0.1, 0.1, 900)), 1);
   EXPECT_DOUBLE_EQ(closure(gaps(0.5, 0.3, 0.1, 900)), 0.5);
   EXPECT_DOUBLE_EQ(closure(gaps(0.5, 0.5, 0.1, 900)), 0);
-  EXPECT_DOUBLE_EQ(closure(gaps(7, 0.2, 0.2, 900)), 1);   // a baseline that explodes leaves all open
+  EXPECT_DOUBLE_EQ(closure(gaps(7, 0.2, 0.2, 900)), 1);  // a baseline that explodes leaves all open
   EXPECT_DOUBLE_EQ(closure(gaps(NAN, 0.2, 0.2, 900)), 1);
   EXPECT_DOUBLE_EQ(closure(gaps(0.5, NAN, 0.2, 900)), (0.5 - 1) / 0.3);
   EXPECT_TRUE(std::isnan(closure(gaps(0.109, 0.1, 0.1, 900))));  // chance(900) is 0.1

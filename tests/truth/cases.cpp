@@ -17,7 +17,7 @@ Physics with(const std::function<void(Physics&)>& set) {
 }
 
 TrueParameter stiffness(const char* effect, const char* name, double value, int power) {
-  return {effect, name, value, 1, -power, 0};
+  return {effect, name, value, 1, static_cast<double>(-power), 0};
 }
 
 std::vector<Case> single_effects() {

@@ -28,6 +28,12 @@ Case effect(const char* name, Law law, double k = 1, const char* baseline = line
   return law_case(name, Kind::effect, std::move(law), k, baseline);
 }
 
+/// The same with what its parameters are.
+Case knowing(Case each, std::vector<TrueParameter> parameters) {
+  each.parameters = std::move(parameters);
+  return each;
+}
+
 /// Dry friction that is rounded at rest, over a twentieth of the speed.
 Case rounded_friction() {
   Case each = law_case("rounded_friction", Kind::effect,
@@ -41,7 +47,8 @@ std::vector<Case> of_the_motion() {
   using laws::of_motion;
   return {
       effect("linear_stiffness", of_motion([](double x, double) { return 0.4 * x; }), 0, "c*v"),
-      effect("quintic_stiffness", of_motion([](double x, double) { return 0.012 * std::pow(x, 5); })),
+      knowing(effect("quintic_stiffness", of_motion([](double x, double) { return 0.012 * std::pow(x, 5); })),
+              {{"quintic_stiffness", "k5", 0.012, 1, -5, 0}}),
       effect("bilinear_stiffness", of_motion([](double x, double) { return 0.6 * above(x - 0.3); })),
       effect("saturating_stiffness", of_motion([](double x, double) { return 0.5 * std::tanh(2 * x); }), 0.7),
       effect("preload", of_motion([](double x, double) { return 0.25 * sign(x); }, place)),
@@ -49,9 +56,11 @@ std::vector<Case> of_the_motion() {
       effect("odd_quadratic_stiffness", of_motion([](double x, double) { return 0.15 * std::abs(x) * x; })),
       effect("impact_hunt_crossley",
              of_motion([](double x, double v) { return std::pow(above(x - 0.7), 1.5) * above(1 + 0.5 * v); })),
-      effect("cubic_damping", of_motion([](double, double v) { return 0.05 * v * v * v; })),
-      effect("power_law_damping",
-             of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); }, speed)),
+      knowing(effect("cubic_damping", of_motion([](double, double v) { return 0.05 * v * v * v; })),
+              {{"cubic_damping", "c3", 0.05, 1, 0, -3}}),
+      knowing(effect("power_law_damping",
+                     of_motion([](double, double v) { return 0.2 * std::sqrt(std::abs(v)) * sign(v); }, speed)),
+              {{"power_law_damping", "c", 0.2, 1, 0, -0.5}, {"power_law_damping", "p", 0.5}}),
       effect("van_der_pol_damping", of_motion([](double x, double v) { return 0.12 * x * x * v; })),
       effect("asymmetric_damping", of_motion([](double, double v) { return 0.25 * above(v); })),
       rounded_friction(),
@@ -81,11 +90,13 @@ std::vector<Case> with_memory() {
   const auto softening = [](double z, double, double path) { return (0.15 + 0.35 * std::exp(-path / 150)) * z; };
   return {
       effect("fractional_damping", fractional(0.25, 0.5)),
-      effect("elastic_slip", slip(1, [](double, double, double) { return 0.35; }), 0.8),
+      knowing(effect("elastic_slip", slip(1, [](double, double, double) { return 0.35; }), 0.8),
+              {{"elastic_slip", "k", 1, 1, -1, 0}, {"elastic_slip", "Fs", 0.35, 1, 0, 0}}),
       effect("iwan", masing([](double x) { return 0.9 * x / std::pow(1 + std::pow(1.5 * x, 2.0), 0.5); }, 20), 0.8),
       effect("dahl_friction", dahl(1.5, 0.35)),
       effect("lugre_friction", lugre(3, 0.15, 0.2, 0.4, 0.4)),
-      effect("maxwell_relaxation", maxwell(0.5, 1)),
+      knowing(effect("maxwell_relaxation", maxwell(0.5, 1)),
+              {{"maxwell_relaxation", "k", 0.5, 1, -1, 0}, {"maxwell_relaxation", "tau", 1, 0, 1, -1}}),
       effect("friction_lift_off", slip(1, [](double x, double, double) { return above(0.35 + 0.25 * x); }), 0.8),
       effect("masing_soil", masing([](double x) { return x / (1 + std::abs(x) / 0.5); }, 60), 0.8),
       effect("smith_shaft", quake(0.3, [](double z, double v, double) { return 0.25 * (z + 0.5 * std::abs(z) * v); })),
@@ -98,7 +109,9 @@ std::vector<Case> with_memory() {
       effect("degrading_resistance",
              that_ages(slip(2, [](double, double, double work) { return 0.5 * (0.3 + 0.7 * std::exp(-work / 40)); }))),
       effect("setup_recovery", recovery(2, 0.1, 0.5, 250)),
-      effect("hidden_mode", hidden_mass(0.12, 0.2, 0.02)),
+      knowing(effect("hidden_mode", hidden_mass(0.12, 0.2, 0.02)), {{"hidden_mode", "mh", 0.12, 1, 1, -2},
+                                                                    {"hidden_mode", "kh", 0.2, 1, -1, 0},
+                                                                    {"hidden_mode", "ch", 0.02, 1, 0, -1}}),
       effect("pinching_degrading_hysteresis", that_ages(pinching(wear)), 0.7),
       effect("depth_resistance", depth(2, 0.35, 0.5, 4), 0.8),
       liquefied_sand(),

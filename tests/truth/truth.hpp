@@ -29,8 +29,8 @@ const Scale& scale_named(const std::string& name);
 struct TrueParameter {
   std::string effect, name;
   double value;
-  int force = 0, length = 0, speed = 0;  ///< times (m omega^2 L)^force * L^length * (omega L)^speed
-  double in(const Scale& scale) const;   ///< SI
+  double force = 0, length = 0, speed = 0;  ///< times (m omega^2 L)^force * L^length * (omega L)^speed
+  double in(const Scale& scale) const;      ///< SI
 };
 
 /// What drives the training record: a multisine; two tones, each in a record of its own; a sweep; noise in the same
