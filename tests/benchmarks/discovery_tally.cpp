@@ -223,7 +223,7 @@ bool Tally::clean() const {
     const bool class_will_do = kind == static_cast<int>(Kind::pair);  // a tie of one of two is told
     if ((class_will_do ? counts.good() : counts.of[0]) != counts.all()) return false;
   }
-  return closed_ == closable_ && wild_ == 0 && below_floor_ == 0;
+  return closed_ == closable_ && wild_ == 0;
 }
 
 void Tally::print_table() const {

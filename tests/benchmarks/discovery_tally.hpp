@@ -68,6 +68,8 @@ class Tally {
   void add(const Setting& setting, const Outcome& outcome);
   /// All is as it should be.
   bool clean() const;
+  /// Final gaps that lie below the stated floor by more than chance.
+  int below_floor() const { return below_floor_; }
   /// The tables, and the contract's last line.
   void print(const std::string& alpha) const;
 

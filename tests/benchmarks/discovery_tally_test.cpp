@@ -110,19 +110,20 @@ TEST(Closure, is_the_share_of_what_the_noise_allows) {
   EXPECT_TRUE(std::isnan(closure(gaps(0.109, 0.1, 0.1, 900))));  // chance(900) is 0.1
 }
 
-TEST(Tallies, count_gaps_below_the_floor_and_are_clean_without) {
+TEST(Tallies, count_gaps_below_the_floor_by_more_than_chance) {
   Tally tally;
   const Setting drag = setting_of("quadratic_drag");
   Outcome outcome = gaps(0.5, 0.1, 0.1, 900);
   outcome.verdict = "explained", outcome.named = "quadratic_drag", outcome.right = true;
   tally.add(drag, outcome);
-  EXPECT_TRUE(tally.clean());
+  EXPECT_EQ(tally.below_floor(), 0);
   outcome.after = 0.091;  // within chance
   tally.add(drag, outcome);
-  EXPECT_TRUE(tally.clean());
+  EXPECT_EQ(tally.below_floor(), 0);
   outcome.after = 0.089;
   tally.add(drag, outcome);
-  EXPECT_FALSE(tally.clean());
+  EXPECT_EQ(tally.below_floor(), 1);
+  EXPECT_TRUE(tally.clean());
 }
 
 TEST(Tallies, of_runs_that_are_not_right_are_not_clean) {
