@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discover/gap.hpp"
+#include "discover/places.hpp"
 #include "discover/residual_maps.hpp"
 
 namespace lunid {
