@@ -2107,6 +2107,18 @@ function lunid.figure.correlation_matrix(fields) end
 ---@return lunid.figure
 function lunid.figure.residual_map(fields) end
 
+---The force that a discovery's baseline leaves unexplained, over time, slow time, displacement, velocity, amplitude, harmonic order, frequency and the phase plane, each with the level that noise of its colour stays below (95 %), and what the final model leaves.
+---@class lunid.figure.where_it_fails.fields
+---@field discovery lunid.discovery # what was found
+---@field title? string # above the figure
+---@field theme? "light"|"dark" # of paper and ink
+---@field width? number # printed; text is legible down to half of 16 cm
+---@field height? number # else as the panels need
+---@field dpi? integer # of PNG files
+---@param fields lunid.figure.where_it_fails.fields
+---@return lunid.figure
+function lunid.figure.where_it_fails(fields) end
+
 ---The gap of free runs after each named effect, on train and test, against what noise alone leaves.
 ---@class lunid.figure.gaps.fields
 ---@field discovery lunid.discovery # what was found
