@@ -126,6 +126,9 @@ function types.list(of, least)
       if not good then return false, ("entry %d: expected %s"):format(i, of.words), hint, value[i] end
       kept[i] = entry
     end
+    for key in pairs(value) do  -- what has a name would be lost without a word
+      if type(key) == "string" then return false, ("expected %s, got one with a field '%s'"):format(words, key) end
+    end
     if #kept < (least or 0) then return false, words end
     return true, kept
   end)

@@ -434,7 +434,10 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     const bool closes = std::isfinite(last.value) &&
                         closed_share(first.value, last.value, last.floor) > most_closed(step.choices) &&
                         test_p_value(study, before, after) < 0.05;
-    if (!closes || (last.value > 1.5 * last.floor && test_shows_structure(study, step, found.whitening))) continue;
+    const Candidate& before_it = count > 1 ? found.steps[count - 2].model : found.baseline;
+    if (!closes || !told_from_zero(study, step, before_it) ||
+        (last.value > 1.5 * last.floor && test_shows_structure(study, step, found.whitening)))
+      continue;
     if (!far_from_the_floor(last, little_open)) return count;
     // Its own fit took up what the training records have of their own: beside the names that are taken back it did not.
     FitResult beside = step.fit;

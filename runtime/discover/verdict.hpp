@@ -123,8 +123,8 @@ std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round,
 
 /// How many of the first steps the test records confirm for themselves where they do not confirm all: what a single
 /// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
-/// gap, to leave little, and above one and a half floors no force that the test records show for themselves. `before`:
-/// the baseline's runs over the test records.
+/// gap, to leave little, to be told from zero, and to leave above one and a half floors no force that the test
+/// records show for themselves. `before`: the baseline's runs over the test records.
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before);
 /// The same where they confirm all together: without the last ones whose step has raised the gap, or closed less than
 /// half of what the steps before it leave above the noise. `after`: the final model's runs over the test records.

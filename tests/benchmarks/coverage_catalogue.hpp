@@ -77,9 +77,10 @@ inline Effect slip_entry(Pool& pool) {
 }
 
 inline Effect bouc_wen_entry(Pool& pool) {
-  Effect effect = entry_with_state(pool, "bouc_wen", "bouc_wen_k*z",
-                                   "v - abs(z/bouc_wen_zy)^bouc_wen_n*(bouc_wen_rho*abs(v)*sign(z) + (1 - bouc_wen_rho)*v)",
-                                   rows_of("bouc_wen", {"k", "zy", "rho", "n"}));
+  Effect effect =
+      entry_with_state(pool, "bouc_wen", "bouc_wen_k*z",
+                       "v - abs(z/bouc_wen_zy)^bouc_wen_n*(bouc_wen_rho*abs(v)*sign(z) + (1 - bouc_wen_rho)*v)",
+                       rows_of("bouc_wen", {"k", "zy", "rho", "n"}));
   effect.parameters[3].min = 1, effect.parameters[3].max = 4;
   effect.guess = [](const RecordScales& s, int) {
     std::vector<Guess> guesses;
@@ -106,15 +107,15 @@ inline Effect mode_entry(Pool& pool) {
     const double mass = 0.1 * s.stiffness / (s.omega * s.omega);
     for (int i = -12; i <= 12; ++i) {
       const double omega = std::pow(1.1, i) * s.omega;
-      guesses.push_back({{"hidden_mode_mh", mass},
-                         {"hidden_mode_kh", mass * omega * omega},
-                         {"hidden_mode_ch", 0.1 * mass * omega}});
+      guesses.push_back(
+          {{"hidden_mode_mh", mass}, {"hidden_mode_kh", mass * omega * omega}, {"hidden_mode_ch", 0.1 * mass * omega}});
     }
     return guesses;
   };
   effect.range = [](const RecordScales& s, int) {
     const double mass = s.stiffness / (s.omega * s.omega);
-    return Ranges{{"hidden_mode_mh", {1e-4 * mass, 1e3 * mass}}, {"hidden_mode_kh", {1e-6 * s.stiffness, 1e4 * s.stiffness}}};
+    return Ranges{{"hidden_mode_mh", {1e-4 * mass, 1e3 * mass}},
+                  {"hidden_mode_kh", {1e-6 * s.stiffness, 1e4 * s.stiffness}}};
   };
   return effect;
 }
