@@ -172,7 +172,7 @@ end
 
 -- ---- where the model fails, and what noise alone makes of it ----
 
-local noise_words = "noise alone stays below (95 %)"
+local noise_words = "noise alone, 95 %"
 
 --- Values of one map, of the baseline and of the final model, beside the level; of means, which have signs, on both sides.
 local function level_panel(name, x, quantity, before, after)
@@ -241,7 +241,7 @@ function pictures.where_it_fails(found)
     panel("time", "time", time, rms), slow_panel(before.slow),
     panel("y", "displacement", { name = "displacement" .. place, unit = found.units.y }, mean),
     panel("v", "velocity", { name = "velocity" .. place, unit = found.units.v }, mean),
-    panel("amplitude", "amplitude of the motion", { name = "amplitude" .. place, unit = found.units.y }, rms),
+    panel("amplitude", "amplitude", { name = "amplitude" .. place, unit = found.units.y }, rms),
     panel("harmonic", "harmonic order", { name = "harmonic", unit = "" }, { name = "amplitude of the force", unit = unit }),
     panel("frequency", "frequency", { name = "frequency", unit = "Hz" }, { name = "root density", unit = figures.grouped(unit) .. "/Hz^0.5" }),
     plane_panel(found, before.plane, place) } }

@@ -85,8 +85,8 @@ std::pair<double, double> left_by(const MatrixXd& columns, const VectorXd& targe
   return {(seen - weighted * beta).squaredNorm(), beta[beta.size() - 1]};
 }
 
-/// Where a straight line that bends follows a map beyond its noise better than smooth curves of as many parameters, a
-/// cubic and odd powers to the fifth, do. At least two bins lie beyond it.
+/// Where a straight line that bends follows a map beyond its noise better than other curves of as many parameters do: a
+/// cubic, odd powers to the fifth, and a jump at zero beside the first and third. At least two bins lie beyond it.
 std::optional<Bend> bend_of(const BinnedMap& m) {
   constexpr double asked = 0.25;  // of what the smooth curves leave
   constexpr double told = 0.44;   // mean square over the level's: two deviations of a bin
@@ -108,11 +108,13 @@ std::optional<Bend> bend_of(const BinnedMap& m) {
   double smooth = left_by(columns, target, weight).first;
   columns.col(2) = x.array().pow(5).matrix();
   smooth = std::min(smooth, left_by(columns, target, weight).first);
+  columns.col(2) = x.array().sign().matrix();
+  smooth = std::min(smooth, left_by(columns, target, weight).first);
   if (smooth < told * static_cast<double>(n - 4)) return {};
   Bend best;
   double least = INFINITY;
   columns.conservativeResize(n, 3);
-  for (double at = width; at <= limit - 1.5 * width; at += width / 4)
+  for (double at = width; at <= limit - 1.5 * width; at += width / 8)
     for (const int side : {0, 1, -1}) {
       const double g = at / limit;
       for (Index i = 0; i < n; ++i) {
@@ -127,8 +129,11 @@ std::optional<Bend> bend_of(const BinnedMap& m) {
   return least < asked * smooth ? std::optional(best) : std::nullopt;
 }
 
+/// The place to two digits: bins do not tell it better.
 std::string words_of(const Bend& bend, const std::string& unit) {
-  return (bend.grows ? "grows with |y| above " : "is less steep in |y| above ") + quantity(bend.at, unit) +
+  const double digit = std::pow(10.0, std::floor(std::log10(bend.at)) - 1);
+  return (bend.grows ? "grows with |y| above " : "is less steep in |y| above ") +
+         quantity(std::round(bend.at / digit) * digit, unit) +
          (bend.side == 0  ? ""
           : bend.side > 0 ? " on the positive side"
                           : " on the negative side");
@@ -137,17 +142,18 @@ std::string words_of(const Bend& bend, const std::string& unit) {
 std::string follows(const BinnedMap& m) {
   const Shape s = shape_of(m);
   const std::string name = m.over;
-  const std::optional<Bend> bend = name == "y" && !s.jumps ? bend_of(m) : std::nullopt;
-  std::string text = s.jumps   ? (s.odd > s.even ? "jumps with the sign of " + name : "is an offset")
-                     : bend    ? words_of(*bend, m.unit)
+  const std::optional<Bend> bend = name == "y" ? bend_of(m) : std::nullopt;
+  const bool jumps = s.jumps && !bend;
+  std::string text = bend      ? words_of(*bend, m.unit)
+                     : jumps   ? (s.odd > s.even ? "jumps with the sign of " + name : "is an offset")
                      : s.grows ? "grows with |" + name + "|"
                                : "follows " + std::string(name == "y" ? "the displacement" : "the velocity");
-  if (!s.jumps && !bend && s.from > 0.08 * s.limit && s.from < s.limit) text += " above " + quantity(s.from, m.unit);
+  if (!jumps && !bend && s.from > 0.08 * s.limit && s.from < s.limit) text += " above " + quantity(s.from, m.unit);
   char share[48];
   std::snprintf(share, sizeof share, " (%.0f %% of its variance)", 100 * m.share);
   text += share;
   const double sum = s.odd + s.even;
-  if (s.jumps || !(sum > 0)) return text;
+  if (jumps || !(sum > 0)) return text;
   if (s.odd > 0.85 * sum) return text + ", odd";
   if (s.even > 0.85 * sum) return text + ", even";
   return text + ", neither odd nor even";

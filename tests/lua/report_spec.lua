@@ -88,7 +88,7 @@ spec.case("the maps of the residual, each with its level, are drawn, said and wr
     spec.contains(page, page_text(before[over].sentence))
     spec.contains(page, page_text(after[over].sentence))
     if over ~= "slow_time" and over ~= "phase_plane" then
-      local baseline, level = points[i .. " baseline"], points[i .. " noise alone stays below (95 %)"]
+      local baseline, level = points[i .. " baseline"], points[i .. " noise alone, 95 %"]
       local middle = #before[over].x // 2
       spec.equal(baseline.count, #before[over].x)
       spec.equal(baseline[middle], before[over].value[middle])
@@ -257,6 +257,20 @@ spec.case("where nothing is named there is one model, not two", function()
   local rows = numbers("nothing", "residual_map")
   spec.equal(rows[#rows][1], "1")
   assert(not io.open(spec.folder .. "/nothing/figures/named_force.png"))
+end)
+
+spec.case("a baseline whose run explodes is said to, and no gap is nan or inf", function()
+  local found = discover(c*v - 1e6*y, { "linear_stiffness", "cubic_stiffness" }, "explodes")
+  local text, page = tostring(found), read "explodes/report.html":gsub("<script.->.-</script>", ""):gsub("base64,[^\"]*", "")
+  for _, word in ipairs { "%f[%w]nan%f[%W]", "%f[%w]inf%f[%W]" } do
+    assert(not text:find(word), text)
+    assert(not page:find(word), "the page shows " .. (page:match(".-(.?.?.?.?.?.?.?.?" .. word .. ")") or word))
+  end
+  spec.contains(text, "gap  train none (the run explodes) -> ")
+  spec.contains(text, "left-out blocks of train none (the run explodes) -> ")
+  spec.contains(text, "the restoring force drives y away from rest at any displacement")
+  assert(not text:find "e%-31", text)
+  for _, rival in ipairs(found.rivals) do assert(rival.remark ~= "no better than the baseline", rival.name) end
 end)
 
 spec.clean()

@@ -178,6 +178,16 @@ TEST(ResidualMaps, AClearanceAndAStopSayWhereTheyBegin) {
       map_residual(rows_of(0.005, 3, [&](double y, double, double) { return beyond(y) - 0.09 * y - 0.03; }));
   EXPECT_TRUE(has(stop.sentence, "grows with |y| above 5")) << stop.sentence;
   EXPECT_TRUE(has(stop.sentence, " on the positive side")) << stop.sentence;
+  // a play that is small beside the motion: what is left of it is much the same size from the first bins on
+  const ResidualMaps early = map_residual(rows_of(0.005, 3, [&](double y, double, double) {
+    const auto out = [](double x) { return std::max(0.0, x - 0.2); };
+    return out(y) - out(-y) - 0.85 * y;
+  }));
+  EXPECT_TRUE(has(early.sentence, "grows with |y| above 190 mm") || has(early.sentence, "grows with |y| above 200 mm"))
+      << early.sentence;
+  const ResidualMaps jump =
+      map_residual(rows_of(0.005, 3, [](double y, double, double) { return y > 0 ? 1.0 : -1.0; }));
+  EXPECT_TRUE(has(jump.sentence, "jumps with the sign of y")) << jump.sentence;
   const ResidualMaps cubic =
       map_residual(rows_of(0.005, 3, [](double y, double, double) { return y * y * y - 0.42 * y; }));
   EXPECT_FALSE(has(cubic.sentence, "above")) << cubic.sentence;
