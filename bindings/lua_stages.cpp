@@ -125,13 +125,12 @@ void push_slow(lua_State* L, const SlowTime& slow) {
   lua_newtable(L);
   set_column(L, "time", slow.time);
   set_text(L, "sentence", slow.sentence);
-  static constexpr const char* names[] = {"constant", "stiffness", "damping"};
   for (int j = 0; j < 3; ++j) {
     lua_newtable(L);
     set_column(L, "value", slow.value.col(j));
     set_column(L, "std", slow.std.col(j));
     set_boolean(L, "changes", slow.changes[j]);
-    lua_setfield(L, -2, names[j]);
+    lua_setfield(L, -2, SlowTime::names[j]);
   }
 }
 

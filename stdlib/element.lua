@@ -59,16 +59,22 @@ local function check_conditions(where, entry, given)
   end
 end
 
---- A number that the variant does not hold would do nothing.
-local function check_variant(where, entry, given)
-  local held, number = {}, given.variant or 1
-  local parts = { entry.variants[number] }
+--- The names that a variant of an entry holds, its states' rates and bounds among them, as a set.
+function element.symbols_in(entry, variant)
+  local held, parts = {}, { entry.variants[variant] }
   for _, state in ipairs(entry.states) do
     for _, part in ipairs { state.rate, state.min or 0, state.max or 0 } do parts[#parts + 1] = part end
   end
   for _, part in ipairs(parts) do
     for _, symbol in ipairs(core.is_expression(part) and part:symbols() or {}) do held[symbol.name] = true end
   end
+  return held
+end
+
+--- A number that the variant does not hold would do nothing.
+local function check_variant(where, entry, given)
+  local number = given.variant or 1
+  local held = element.symbols_in(entry, number)
   for i, row in ipairs(entry.rows) do
     local own = entry.parameters[i][1]
     if given[own] ~= nil and not held[row.name] then

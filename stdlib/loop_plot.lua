@@ -1,5 +1,6 @@
 -- The loop of an entry as text, for `lunid help effect NAME`: its force over the displacement in a harmonic motion.
 local core = require "lunid.core"
+local element = require "lunid.element"
 local models = require "lunid.models"
 local record_of = require("lunid.records").record
 
@@ -36,14 +37,8 @@ end
 --- The values of the first form's parameters, by the guess in the middle of the list, and the same in words.
 local function values_of(entry)
   local guesses, told = entry.guess and entry.guess(unit_scale, 1) or {}, telling[entry.name] or {}
-  local guess, held, values, words = guesses[(#guesses + 1) // 2] or {}, {}, {}, {}
-  local parts = { entry.variants[1] }
-  for _, state in ipairs(entry.states) do
-    for _, part in ipairs { "rate", "min", "max" } do parts[#parts + 1] = state[part] end
-  end
-  for _, part in ipairs(parts) do
-    for _, symbol in ipairs(core.is_expression(part) and part:symbols() or {}) do held[symbol.name] = true end
-  end
+  local guess, values, words = guesses[(#guesses + 1) // 2] or {}, {}, {}
+  local held = element.symbols_in(entry, 1)
   for i, row in ipairs(entry.rows) do
     local own = entry.parameters[i][1]
     if held[row.name] then

@@ -127,7 +127,7 @@ function types.list(of, least)
       kept[i] = entry
     end
     for key in pairs(value) do  -- what has a name would be lost without a word
-      if type(key) == "string" then return false, ("expected %s, got one with a field '%s'"):format(words, key) end
+      if type(key) == "string" then return false, words .. " and no named fields" end
     end
     if #kept < (least or 0) then return false, words end
     return true, kept

@@ -58,12 +58,6 @@ std::string by_nameless_forces(const Discovery& out) {
   return text;
 }
 
-/// A tie that is another tie's force in another notation: no experiment tells these apart.
-bool is_said_already(const std::vector<Beaten>& rivals, const std::string& name) {
-  const auto at = std::ranges::find_if(rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
-  return at != rivals.end() && same_force_before(rivals, static_cast<std::size_t>(at - rivals.begin()));
-}
-
 /// What would tell an ambiguous class apart, within the force, displacement and band that these records had; of a
 /// Discovery whose verdict, final model and rivals are there.
 void design_next(const Study& study, const SearchResult& found, Discovery& out) {
@@ -75,8 +69,10 @@ void design_next(const Study& study, const SearchResult& found, Discovery& out) 
   if (out.verdict != Verdict::ambiguous || !driven || study.forces.size() > 1) return;
   std::vector<Model> models{out.final};
   std::vector<std::string> names{found.chosen.name()};
-  for (const Rival& rival : out.rivals) {
-    if (!holds_name(found.ties.rivals, rival.name) || is_said_already(found.rivals, rival.name)) continue;
+  for (std::size_t i = 0; i < out.rivals.size(); ++i) {
+    const Rival& rival = out.rivals[i];  // that of found.rivals[i]
+    // No experiment tells one force in two notations apart.
+    if (!holds_name(found.ties.rivals, rival.name) || same_force_before(found.rivals, i)) continue;
     models.push_back(rival.model);
     names.push_back(rival.name);
   }
@@ -267,6 +263,8 @@ class Conclusion {
 
   void tell() {
     const SearchResult& found = round_.found;
+    const std::optional<Place> place = main_place();
+    out_.maps_before = maps_at(study_, found.baseline, found.chosen, place);
     name_steps(found);
     out_.verdict = round_.verdict;
     out_.gap_left_out_before = found.baseline.left_out_gap;
@@ -274,8 +272,6 @@ class Conclusion {
     out_.gap_fit = rms_error(found.chosen.fit) / study_.measured_std();
     out_.baseline = fitted(study_, found.baseline);
     out_.final = fitted(study_, found.chosen);
-    const std::optional<Place> place = main_place();
-    out_.maps_before = maps_at(study_, found.baseline, found.chosen, place);
     if (round_.names()) out_.maps_after = maps_at(study_, found.chosen, found.chosen, place);
     out_.where = words_of(out_.maps_before) + sensor_hint(study_, found.baseline);
     for (const auto& [c, by, remark] : found.rivals)
@@ -336,7 +332,7 @@ class Conclusion {
       named.sentence = effect.sentence;
       named.label = effect.label();
       if (effect.place) named.place = motion_of(*effect.place);
-      named.where = words_of(maps_at(study_, before, found.chosen, effect.place));
+      named.where = words_of(i == 0 ? out_.maps_before : maps_at(study_, before, found.chosen, effect.place));
       named.parameters = own_parameters(found.chosen, added);
       const bool last = i + 1 == found.steps.size();
       named.gap_train =
@@ -390,7 +386,7 @@ class Conclusion {
   }
 
   static std::string words_of(const std::optional<ResidualMaps>& maps) {
-    return maps ? maps->sentence : "the model's force is not finite along the measured motion";
+    return maps ? maps->sentence : no_residual_maps;
   }
 
   /// Where the loop has biased the fit.

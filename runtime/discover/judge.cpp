@@ -186,6 +186,15 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
 
 }  // namespace
 
+std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named) {
+  constexpr double deviations = 3;
+  std::vector<Eigen::Index> out;
+  if (!baseline.ran() || !named.ran()) return out;
+  for (Eigen::Index j = 0; j < baseline.parameters(); ++j)
+    if (baseline.fit.theta[j] > 0 && named.fit.theta[j] < -deviations * named.fit.deviation(j)) out.push_back(j);
+  return out;
+}
+
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
   const auto& table = larger.system->model().parameters;
   const std::vector<Eigen::Index> numbers = numbers_added(larger, smaller);

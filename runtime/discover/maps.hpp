@@ -30,11 +30,15 @@ struct BinnedMap {
 
 /// What no function of y and v explains, as offset, stiffness and damping over parts of the records.
 struct SlowTime {
+  static constexpr const char* names[] = {"constant", "stiffness", "damping"};
   Eigen::VectorXd time;                     ///< middles of the parts [s]
   Eigen::MatrixXd value, std;               ///< parts x (constant, slope in y, slope in v)
   bool changes[3] = {false, false, false};  ///< beyond chance, 5 % over all parts
   std::string sentence;
 };
+
+/// Why a model has no maps.
+constexpr const char* no_residual_maps = "the model's force is not finite along the measured motion";
 
 struct ResidualMaps {
   std::vector<BinnedMap> maps;

@@ -390,9 +390,10 @@ Standing Proposer::score(const Shape& shape, const Parent& parent) const {
 
 namespace {
 
-/// The columns of a shape at one of its guesses, among those of all.
+/// The columns of a shape at one of its guesses, and where they stand among those of all.
 struct Block {
-  Eigen::Index shape, first, size;
+  Eigen::Index shape, first;
+  const Eigen::MatrixXd& columns;
 };
 
 }  // namespace
@@ -401,47 +402,45 @@ Eigen::MatrixXd Proposer::pair_costs(const std::vector<const Shape*>& shapes, co
   std::vector<Block> blocks;
   std::vector<std::vector<Parameter>> tables;
   Eigen::Index width = 0;
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    tables.push_back(table_of_columns(*shapes[s]));
-    for (const Eigen::MatrixXd& full : shapes[s]->columns) {
+  for (const Shape* shape : shapes) {
+    for (const Eigen::MatrixXd& full : shape->columns) {
       if (full.rows() == 0) continue;
-      blocks.push_back({static_cast<Eigen::Index>(s), width, full.cols()});
+      blocks.push_back({static_cast<Eigen::Index>(tables.size()), width, full});
       width += full.cols();
     }
+    tables.push_back(table_of_columns(*shape));
   }
   Eigen::MatrixXd columns(parent.residual.size(), width);
   Eigen::VectorXd whole(width);  // squares of the columns before the parent's are projected out
-  std::size_t next = 0;
-  for (const Shape* shape : shapes)
-    for (const Eigen::MatrixXd& full : shape->columns) {
-      if (full.rows() == 0) continue;
-      const Block& block = blocks[next++];
-      whole.segment(block.first, block.size) = full.colwise().squaredNorm();
-      columns.middleCols(block.first, block.size) = full - parent.basis * (parent.basis.transpose() * full);
-    }
+  for (const auto& [shape, first, full] : blocks) {
+    whole.segment(first, full.cols()) = full.colwise().squaredNorm();
+    columns.middleCols(first, full.cols()) = full - parent.basis * (parent.basis.transpose() * full);
+  }
   const Eigen::MatrixXd gram = columns.transpose() * columns;
   const Eigen::VectorXd right = columns.transpose() * parent.residual;
   const auto count = static_cast<Eigen::Index>(shapes.size());
   Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(count, count, INFINITY);
-  const auto hear = [&](const Block& a, const Block& b) {
-    const bool alone = a.first == b.first;
-    const Eigen::Index size = a.size + (alone ? 0 : b.size);
-    Eigen::VectorXi at(size);
-    at.head(a.size).setLinSpaced(a.size, int(a.first), int(a.first + a.size - 1));
-    if (!alone) at.tail(b.size).setLinSpaced(b.size, int(b.first), int(b.first + b.size - 1));
-    std::vector<Parameter> table = tables[static_cast<std::size_t>(a.shape)];
-    const auto& second = tables[static_cast<std::size_t>(b.shape)];
-    if (!alone) table.insert(table.end(), second.begin(), second.end());
+  const auto hear = [&](std::initializer_list<Block> heard) {
+    std::vector<Eigen::Index> at;
+    std::vector<Parameter> table;
+    for (const auto& [shape, first, full] : heard) {
+      for (Eigen::Index j = 0; j < full.cols(); ++j) at.push_back(first + j);
+      const auto& own = tables[static_cast<std::size_t>(shape)];
+      table.insert(table.end(), own.begin(), own.end());
+    }
     const Eigen::MatrixXd own = gram(at, at);
     const Eigen::VectorXd on = right(at);
-    const Eigen::VectorXd step = bounded_step(of_own_columns(own, whole(at)), on, Eigen::VectorXd::Zero(size), table);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(on.size());
+    const Eigen::VectorXd step = bounded_step(of_own_columns(own, whole(at)), on, none, table);
     const double cost = parent.cost - 2 * on.dot(step) + step.dot(own * step);
-    double& least = costs(a.shape, b.shape);
-    if (cost < least) least = costs(b.shape, a.shape) = cost;
+    const Eigen::Index a = heard.begin()->shape, b = std::prev(heard.end())->shape;
+    if (cost < costs(a, b)) costs(a, b) = costs(b, a) = cost;
   };
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      if (i == j || blocks[i].shape != blocks[j].shape) hear(blocks[i], blocks[j]);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    hear({blocks[i]});
+    for (std::size_t j = 0; j < i; ++j)
+      if (blocks[i].shape != blocks[j].shape) hear({blocks[i], blocks[j]});
+  }
   return costs;
 }
 

@@ -21,9 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int cells = 24, plane_cells = 16, orders = 9, parts = 6, flips = 199;
-constexpr double few = 5;            ///< rows in a bin below which it says nothing
 constexpr double most_taken = 0.15;  ///< share of its noise that a bin's mean may take: about seven blocks
-constexpr double chance = 0.05;
 
 /// What each block of rows adds to linear statistics, and the share of each statistic's weight that it holds.
 struct BlockSums {
@@ -53,7 +51,7 @@ VectorXd flipped_level(const BlockSums& noise, std::uint64_t seed) {
     largest.push_back(most);
   }
   std::sort(largest.begin(), largest.end());
-  return largest[static_cast<std::size_t>((1 - chance) * flips)] * deviations(noise.sums, VectorXd::Zero(bins));
+  return largest[static_cast<std::size_t>((1 - false_alarm) * flips)] * deviations(noise.sums, VectorXd::Zero(bins));
 }
 
 /// Which bin each row lies in, and which bins say something: those of enough rows, from enough blocks.
@@ -72,7 +70,7 @@ Bins bins_of(std::vector<int> of_row, VectorXd centres, Index block) {
   for (Index i = 0; i < n; ++i) out.rows[out[i]] += 1;
   for (Index i = 0; i < n; ++i) out.weights(out[i], i / length) += 1 / out.rows[out[i]];
   for (Index b = 0; b < bins; ++b)
-    out.speaks[static_cast<std::size_t>(b)] = out.rows[b] >= few && out.weights.row(b).squaredNorm() <= most_taken;
+    out.speaks[static_cast<std::size_t>(b)] = out.rows[b] >= few_rows && out.weights.row(b).squaredNorm() <= most_taken;
   return out;
 }
 
@@ -80,7 +78,7 @@ Bins bins_of(std::vector<int> of_row, VectorXd centres, Index block) {
 VectorXd means(const VectorXd& force, const Bins& bins) {
   VectorXd out = VectorXd::Zero(bins.rows.size());
   for (Index i = 0; i < force.size(); ++i) out[bins[i]] += force[i];
-  for (Index b = 0; b < out.size(); ++b) out[b] = bins.rows[b] >= few ? out[b] / bins.rows[b] : 0;
+  for (Index b = 0; b < out.size(); ++b) out[b] = bins.rows[b] >= few_rows ? out[b] / bins.rows[b] : 0;
   return out;
 }
 
@@ -280,7 +278,7 @@ SlowTime slow_time(const ResidualRows& rows) {
     const double mean = weight.dot(out.value.col(j)) / weight.sum();
     double squares = 0;
     for (int k = 0; k < parts; ++k) squares += weight[k] * std::pow(out.value(k, j) - mean, 2);
-    out.changes[j] = f_tail(squares / (parts - 1), parts - 1, freedom) < chance / 3;
+    out.changes[j] = f_tail(squares / (parts - 1), parts - 1, freedom) < false_alarm / 3;
     effect[j] = size[j] * (out.value.col(j).array() - out.value.col(j).mean()).matrix().norm();
     if (out.changes[j]) largest = std::max(largest, effect[j]);
   }

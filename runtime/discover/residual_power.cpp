@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "record/median.hpp"
 #include "record/spectra.hpp"
 #include "statistics/distributions.hpp"
 
@@ -15,20 +16,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double chance = 0.05;
 constexpr int amplitude_cells = 12, fewest_windows = 6, most_windows = 60;
-constexpr double few = 5;                ///< rows in a bin below which it says nothing
 constexpr double median_is_worth = 0.6;  ///< of the degrees of freedom that a mean would have (2/pi)
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  if (x.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
-}
-
-/// The median of a chi-square over its mean (Wilson & Hilferty 1931, PNAS 17, 684).
-double middle_of_chi_square(double freedom) { return std::pow(1 - 2 / (9 * freedom), 3); }
 
 /// The rows of the longest record.
 std::pair<Index, Index> longest_record(const ResidualRows& rows) {
@@ -66,7 +55,7 @@ VectorXd without_lines(const PowerSpectrum& s) {
   for (Index k = 1; k < bins; ++k) {
     const Index from = std::max<Index>(1, k - reach(k, bins)), to = std::min(bins - 1, k + reach(k, bins));
     out[k] = median(std::vector<double>(s.density.data() + from, s.density.data() + to + 1)) /
-             middle_of_chi_square(freedom_of(s));
+             median_over_mean(freedom_of(s));
   }
   return out;
 }
@@ -118,7 +107,7 @@ BinnedMap rms_map(const ResidualRows& rows, const VectorXd& x, double low, doubl
     map.rows[b] += 1;
   }
   for (Index b = 0; b < count; ++b) {
-    const bool seen = map.rows[b] >= few;
+    const bool seen = map.rows[b] >= few_rows;
     map.value[b] = seen ? std::sqrt(map.value[b] / map.rows[b]) : NAN;
     map.level[b] = seen ? noise.level(map.rows[b], count) : NAN;
   }
@@ -155,7 +144,7 @@ VectorXd running_time(const ResidualRows& rows) {
 
 double NoisePower::level(double rows, double bins) const {
   const double own = std::max(1.0, freedom * rows), all = std::max(1.0, median_is_worth * freedom * all_rows);
-  return std::sqrt(mean * f_quantile(chance / bins, own, all));
+  return std::sqrt(mean * f_quantile(false_alarm / bins, own, all));
 }
 
 NoisePower noise_power(const ResidualRows& rows, const VectorXd& noise, double left) {
@@ -169,7 +158,7 @@ NoisePower noise_power(const ResidualRows& rows, const VectorXd& noise, double l
   const double sum = out.density.sum(), squares = std::max(1e-300, out.density.squaredNorm());
   out.freedom = std::min(1.0, 2 * rows.dt * spectrum.frequency[1] * sum * (sum / squares));
   const double of_block = std::max(1.0, out.freedom * static_cast<double>(block));
-  out.mean = powers.middle / middle_of_chi_square(of_block) / left;
+  out.mean = powers.middle / median_over_mean(of_block) / left;
   return out;
 }
 
@@ -205,8 +194,9 @@ BinnedMap frequency_map(const ResidualRows& rows, const NoisePower& noise) {
   map.level.resize(bins - 1);
   for (Index k = 1; k < bins; ++k) {
     const double own = k == bins - 1 ? freedom / 2 : freedom;  // real alone
-    map.level[k - 1] = std::sqrt(seen_coarsely(noise.density, k, ratio) *
-                                 f_quantile(chance / static_cast<double>(bins - 1), own, median_is_worth * freedom));
+    map.level[k - 1] =
+        std::sqrt(seen_coarsely(noise.density, k, ratio) *
+                  f_quantile(false_alarm / static_cast<double>(bins - 1), own, median_is_worth * freedom));
   }
   return map;
 }

@@ -4,6 +4,9 @@
 
 namespace lunid {
 
+constexpr double few_rows = 5;        ///< in a bin, below which it says nothing
+constexpr double false_alarm = 0.05;  ///< of a map that noise alone makes
+
 int bin_of(double x, double low, double high, int count);
 /// Of `count` equal bins from `low` to `high`.
 Eigen::VectorXd centres(double low, double high, int count);

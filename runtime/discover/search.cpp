@@ -189,7 +189,7 @@ class Search {
     // likelier.
     std::stable_sort(alike.begin(), alike.end(),
                      [&](std::size_t a, std::size_t b) { return simplicity(field[a]) < simplicity(field[b]); });
-    std::size_t pick = in_the_usual_words(field, alike);
+    std::size_t pick = in_the_usual_words(result_.baseline, field, alike);
     for (const auto i : alike)
       if (outgrows(study_, field[i], field[pick], result_.grown.tried)) pick = i;
     pick = in_special_form(field, pick);

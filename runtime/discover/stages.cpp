@@ -162,8 +162,7 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
   const Candidate reference = follower(stage, seen);
   if (!place && stage.study.degrees() > 1) place = seen.value_or(Place{});
   out.rows = residual_rows(stage.study, stage.baseline, reference, place);
-  if (!out.rows.force.allFinite())
-    throw InputError("locate: the model's force is not finite along the measured motion");
+  if (!out.rows.force.allFinite()) throw InputError(std::string("locate: ") + no_residual_maps);
   out.maps = map_residual(out.rows);
   if (place) {
     out.place = motion_of(*place);

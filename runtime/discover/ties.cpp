@@ -38,7 +38,8 @@ bool outgrows(const Study& study, const Candidate& general, const Candidate& spe
          corrected(improvement_p_value(special, general), tried) <= study.options->alpha;
 }
 
-std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike) {
+std::size_t in_the_usual_words(const Candidate& baseline, const std::vector<Candidate>& field,
+                               const std::vector<std::size_t>& alike) {
   const Candidate& first = field[alike.front()];
   // What one set has and the other has not, where that is one effect; entries lie in the catalogue's order.
   const auto own = [](const Choices& set, const Choices& other) -> const Effect* {
@@ -54,7 +55,9 @@ std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::v
                          of_first->is_special_case(*of_c);
     if (c.choices.size() != first.choices.size() || !(one_law || same_in_other_words(c, first))) continue;
     const auto [usual, picked] = std::pair(own(c.choices, field[pick].choices), own(field[pick].choices, c.choices));
-    if (usual && picked && usual < picked) pick = i;
+    const auto turned = turned_negative(baseline, c).size(),
+               turned_by_pick = turned_negative(baseline, field[pick]).size();
+    if (usual && picked && (turned != turned_by_pick ? turned < turned_by_pick : usual < picked)) pick = i;
   }
   return pick;
 }

@@ -20,9 +20,11 @@ bool outgrows(const Study& study, const Candidate& general, const Candidate& spe
 /// Sets of as many parameters, and as many forces among them, with the same runs.
 bool same_in_other_words(const Candidate& a, const Candidate& b);
 
-/// Of one force in two notations, alone or beside the same other effects, the one that the catalogue has first.
-/// `alike`: of the field, the simplest first.
-std::size_t in_the_usual_words(const std::vector<Candidate>& field, const std::vector<std::size_t>& alike);
+/// Of one force in two notations, alone or beside the same other effects, the one that turns no parameter of the
+/// baseline negative, a spring that pushes say, and of equals the one that the catalogue has first. `alike`: of the
+/// field, the simplest first.
+std::size_t in_the_usual_words(const Candidate& baseline, const std::vector<Candidate>& field,
+                               const std::vector<std::size_t>& alike);
 
 /// A fault of a channel comes before physics that does the same, also where a larger set that holds the fault rejects
 /// it: a larger one that holds the physics would. Changes `pick`, and adds it to those that are alike.

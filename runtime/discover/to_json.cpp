@@ -159,11 +159,10 @@ json residual_maps(const ResidualMaps& maps) {
                         {"value", table(maps.plane.before)}, {"level", table(maps.plane_level)},
                         {"rows", table(maps.plane.count)},   {"sentence", maps.plane_sentence}};
   json slow = {{"time", list(maps.slow.time)}, {"sentence", maps.slow.sentence}};
-  static constexpr const char* names[] = {"constant", "stiffness", "damping"};
   for (int j = 0; j < 3; ++j)
-    slow[names[j]] = {{"value", list(maps.slow.value.col(j))},
-                      {"std", list(maps.slow.std.col(j))},
-                      {"changes", maps.slow.changes[j]}};
+    slow[SlowTime::names[j]] = {{"value", list(maps.slow.value.col(j))},
+                                {"std", list(maps.slow.std.col(j))},
+                                {"changes", maps.slow.changes[j]}};
   out["slow_time"] = std::move(slow);
   return out;
 }
@@ -179,7 +178,7 @@ json residual_maps(const Discovery& d) {
   if (d.maps_before)
     out["before"] = residual_maps(*d.maps_before);
   else
-    out["before_reason"] = "the model's force is not finite along the measured motion";
+    out["before_reason"] = no_residual_maps;
   if (d.maps_after) out["after"] = residual_maps(*d.maps_after);
   return out;
 }

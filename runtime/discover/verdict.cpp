@@ -283,12 +283,8 @@ namespace {
 
 /// A damper of the baseline itself that feeds the motion beside the names, beyond chance, and did not alone.
 bool feeds_the_motion(const Candidate& baseline, const Candidate& named) {
-  constexpr double deviations = 3;
-  if (!baseline.ran() || !named.ran()) return false;
-  const Model& model = baseline.system->model();
-  for (Eigen::Index j = 0; j < baseline.parameters(); ++j) {
-    const double value = named.fit.theta[j], deviation = named.fit.deviation(j);
-    if (!(value < -deviations * deviation) || !(baseline.fit.theta[j] > 0)) continue;
+  for (const Eigen::Index j : turned_negative(baseline, named)) {
+    const Model& model = baseline.system->model();
     const Expr of = model.pool->parameter(model.parameters[static_cast<std::size_t>(j)].name);
     for (int i = 0; i < model.degrees(); ++i)
       if (derivative(model.coordinate(i).restoring, of) == model.pool->channel(model.channel('v', i))) return true;

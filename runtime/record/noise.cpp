@@ -5,22 +5,13 @@
 #include <numbers>
 #include <vector>
 
+#include "record/median.hpp"
 #include "record/noise_sum.hpp"
 #include "record/record.hpp"
 #include "record/spectrum.hpp"
 
 namespace lunid {
 namespace {
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  if (x.size() % 2) return *middle;
-  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
-}
-
-/// Median over mean of a chi-square variable of `dof` degrees of freedom (Wilson & Hilferty 1931).
-double median_over_mean(double dof) { return std::pow(1 - 2 / (9 * dof), 3); }
 
 /// The step of a quantised signal: the least distance of two different values, where nearly all distances are
 /// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no

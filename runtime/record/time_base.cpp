@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "expr/digits.hpp"
-#include "record/middle_value.hpp"
+#include "record/median.hpp"
 
 namespace lunid {
 namespace {

@@ -1,7 +1,7 @@
 #include <ranges>
 
 #include "expr/digits.hpp"
-#include "record/middle_value.hpp"
+#include "record/median.hpp"
 #include "simulate/first_states.hpp"
 #include "simulate/fit_problem.hpp"
 #include "simulate/fit_steps.hpp"

@@ -1,11 +1,11 @@
 #include "statistics/correlation.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "expr/error.hpp"
 #include "record/autoregression.hpp"
+#include "record/median.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/moments.hpp"
 
@@ -48,17 +48,12 @@ TestResult ljung_box(std::span<const double> x, int lags, int fitted) {
 }
 
 TestResult runs_test(std::span<const double> x) {
-  std::vector<double> sorted(x.begin(), x.end());
-  if (sorted.empty()) return {};
-  const std::size_t half = sorted.size() / 2;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half), sorted.end());
-  double median = sorted[half];
-  if (sorted.size() % 2 == 0)
-    median = 0.5 * (median + *std::max_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half)));
+  if (x.empty()) return {};
+  const double middle = median({x.begin(), x.end()});
   double above = 0, below = 0, runs = 0;
   int last = 0;
   for (double value : x) {
-    const int side = value > median ? 1 : value < median ? -1 : 0;
+    const int side = value > middle ? 1 : value < middle ? -1 : 0;
     if (side == 0) continue;
     (side > 0 ? above : below) += 1;
     runs += side != last;

@@ -147,7 +147,7 @@ figures.define({
   example = [[lunid.figure.where_it_fails(found):save "where.png"]],
 }, function(given)
   local fields = require("lunid.pictures").where_it_fails(given.discovery)
-  if not fields then figures.fail("where_it_fails", "the model's force is not finite along the measured motion") end
+  if not fields then figures.fail("where_it_fails", given.discovery.data.residual_maps.before_reason) end
   return fields
 end)
 

@@ -32,6 +32,12 @@ spec.case("a value out of range", function()
   line_3("lunid.stlsq { threshold = 2 }", "study.lua:3: stlsq: threshold: expected > 0 and < 1, got 2")
 end)
 
+spec.case("a name within a list, which would do nothing", function()
+  line_3("lunid.model { mass = 1, restoring = { y, weight = 2 } }",
+    "study.lua:3: model: restoring: expected a list of expressions or numbers (1 or more) and no named fields, "
+      .. "got a table { weight = }")
+end)
+
 spec.case("a value of another type", function()
   line_3("lunid.lasso { lambda = {} }",
     "study.lua:3: lasso: lambda: expected a number > 0 or 'cross-validate', got an empty table")

@@ -220,6 +220,9 @@ spec.case("the page draws its figures itself, from numbers that lie inside, and 
   spec.equal(pictures, 6)  -- for where scripts are off
   spec.equal(captions, 6)
   assert(not page:find("https?://") and not page:find('src="[^d]') and not page:find "<link", "the page asks for something")
+  local first = page:match '<script type="application/json">(.-)</script>'
+  spec.contains(first, '"title":"slow time, baseline"')
+  spec.contains(first, '"label":"noise alone, 95 %"')
   spec.contains(page, '"title":"whole record"')
   spec.contains(page, '"label":"measured"')
   spec.contains(page, "document.querySelectorAll(\".lunid-figure\")")
@@ -256,6 +259,21 @@ spec.case("where nothing is named there is one model, not two", function()
   local rows = numbers("nothing", "residual_map")
   spec.equal(rows[#rows][1], "1")
   assert(not io.open(spec.folder .. "/nothing/figures/named_force.png"))
+end)
+
+spec.case("a baseline whose run explodes is said to, and no gap is nan or inf", function()
+  local found = discover(c*v - 1e6*y, { "linear_stiffness", "cubic_stiffness" }, "explodes")
+  local text, page = tostring(found), read "explodes/report.html":gsub("<script.->.-</script>", ""):gsub("base64,[^\"]*", "")
+  for _, word in ipairs { "%f[%w]nan%f[%W]", "%f[%w]inf%f[%W]" } do
+    assert(not text:find(word), text)
+    local at = page:find(word)
+    assert(not at, at and "the page shows " .. page:sub(at - 20, at + 20))
+  end
+  spec.contains(text, "gap  train none (the run explodes) -> ")
+  spec.contains(text, "left-out blocks of train none (the run explodes) -> ")
+  spec.contains(text, "the restoring force drives y away from rest at any displacement")
+  assert(not text:find "e%-31", text)
+  for _, rival in ipairs(found.rivals) do assert(rival.remark ~= "no better than the baseline", rival.name) end
 end)
 
 spec.clean()

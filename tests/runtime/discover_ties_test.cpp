@@ -47,6 +47,9 @@ struct Field {
     c.fit.residual = {e};
     c.fit.cost = e.squaredNorm();
     c.fit.rows = rows;
+    const Eigen::Index parameters = c.parameters();
+    c.fit.theta.setOnes(parameters);
+    c.fit.covariance.setIdentity(parameters, parameters);
     c.innovations = e;
     c.likelihood_cost = e.squaredNorm();
   }
@@ -96,10 +99,21 @@ TEST(Ties, OfOneRunAreSaidInTheWordsThatTheCatalogueHasFirst) {
     Field::left_by(c, residual(0));
     return c;
   };
-  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 1u);
-  EXPECT_EQ(in_the_usual_words({both(rare, beside), both(beside, usual)}, {0, 1}), 1u);
-  EXPECT_EQ(in_the_usual_words({both(usual, beside), both(beside, rare)}, {0, 1}), 0u);
-  EXPECT_EQ(in_the_usual_words({both(rare, other), both(beside, usual)}, {0, 1}), 0u);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {rare, usual}, {0, 1}), 1u);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {both(rare, beside), both(beside, usual)}, {0, 1}), 1u);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {both(usual, beside), both(beside, rare)}, {0, 1}), 0u);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {both(rare, other), both(beside, usual)}, {0, 1}), 0u);
+}
+
+/// A spring that saturates, on one that pushes, runs as the sine of a pendulum does.
+TEST(Ties, OfOneRunAreSaidInTheWordsThatLeaveTheBaselineItsSigns) {
+  Field f;
+  Candidate usual = f.with("usual", "stiffness", residual(0));
+  const Candidate rare = f.with("rare", "stiffness", residual(0));
+  usual.fit.theta[0] = -10;
+  ASSERT_GT(f.baseline.fit.theta[0], 0);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {rare, usual}, {0, 1}), 0u);
+  EXPECT_EQ(in_the_usual_words(f.baseline, {usual, rare}, {0, 1}), 1u);
 }
 
 /// Elastic slip and play: their fits may end in neighbouring minima.
@@ -107,10 +121,10 @@ TEST(Ties, OfOneLawInTwoNotationsAreSaidInTheUsualOneWhereTheirFitsEndedApart) {
   Field field;
   const Candidate usual = field.with("slip", "friction", residual(3)),
                   rare = field.with("play", "friction", residual(2));
-  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 0u);
+  EXPECT_EQ(in_the_usual_words(field.baseline, {rare, usual}, {0, 1}), 0u);
   field.effects[0].special_case_of = {"play"};
   field.effects[1].special_case_of = {"slip"};
-  EXPECT_EQ(in_the_usual_words({rare, usual}, {0, 1}), 1u);
+  EXPECT_EQ(in_the_usual_words(field.baseline, {rare, usual}, {0, 1}), 1u);
 }
 
 /// A larger set may reject the fault and the physics that does the same alike: the fault still comes first, and is
