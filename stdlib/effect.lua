@@ -199,7 +199,7 @@ return schema.define({
     { "repeats", types.boolean, default = false, help = "may stand several times at one place, as stops on either side; the "
       .. "names of the second end in _b" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
-      .. "and of force_rate, the rate of that; affine in F" },
+      .. "of force_rate, the rate of that, and of y and v (a coil that leaves its field: \"F*(1 - b*y^2)\"); affine in F" },
     { "delay", text_or_expression, unit = "s", help = "by which the force acts later than its channel says" },
     { "formula", types.either(types.string, types.list(types.string, 1)),
       help = "as an engineer writes it, one for all forms or one for each; else the text of each contribution" },

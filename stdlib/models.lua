@@ -88,7 +88,8 @@ models.model = schema.define({
         .. "what came before a record is predicted from its rows, a formula's force follows the formula" },
     { "measures", maps, help = "what displacements, velocities and accelerations show in a record where it is not their true value: "
       .. "{ y = y + b }; fits and gaps compare with that, runs give the true motion" },
-    { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, affine in F" },
+    { "acts", maps, help = "the force that acts where it is not what its channel shows: { F = g*F }, or { F = F*(1 - b*y^2) } of a "
+      .. "coil that leaves its field; affine in F" },
     { "states", types.list(types.expression), default = {},
       help = "internal states that the restoring force does not name" },
     { "interpolation", types.choice { "hold", "linear", "cubic", "band_limited" },

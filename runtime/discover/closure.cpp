@@ -23,6 +23,7 @@ struct Feature {
   Expr force;
   std::string words;
   std::optional<InternalState> state = {};  ///< that the force is a function of
+  bool acts = false;                        ///< beside the force that is recorded, on its side of the equation
 };
 
 /// With two digits, for an equation that is read.
@@ -30,6 +31,11 @@ double rounded(double size) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1e", size);
   return size > 0 ? std::strtod(text, nullptr) : 1;
+}
+
+/// A recorded force on the one coordinate that there is, in some record.
+bool drives_what_it_moves(const Study& study, const Model& model) {
+  return !study.imposed && model.degrees() == 1 && !model.delay.valid() && !are_free(study, study.full);
 }
 
 std::vector<Feature> generic_forces(const Study& study, const Model& model, const std::optional<Place>& place) {
@@ -42,27 +48,33 @@ std::vector<Feature> generic_forces(const Study& study, const Model& model, cons
   auto abs = [&](Expr x) { return pool.apply(Op::abs, {x}); };
   const Expr z = pool.state("closure_memory");
   const InternalState memory{z, (w - z) * pool.constant(rounded(study.omega)), 0, {}, {}};
-  return {{pool.constant(1), "constant"},
-          {u, "linear in y"},
-          {w, "linear in v"},
-          {pow(u, 2), "even in y"},
-          {pow(u, 3), "odd in y, growing with |y|"},
-          {pow(u, 4), "even in y"},
-          {pow(u, 5), "odd in y, growing with |y|"},
-          {tanh(4.0 * u), "odd in y, saturating"},
-          {pow(w, 2), "even in v"},
-          {pow(w, 3), "odd in v, growing with |v|"},
-          {pow(w, 5), "odd in v, growing with |v|"},
-          {tanh(4.0 * w), "odd in v, saturating"},
-          {u * w, "a product of y and v"},
-          {pow(u, 2) * w, "damping that depends on y"},
-          {abs(u) * w, "damping that depends on y"},
-          {u * pow(w, 2), "stiffness that depends on v"},
-          {u * abs(w), "stiffness that depends on v"},
-          {pow(u, 3) * w, "a product of y and v"},
-          {z, "memory of the velocity", memory},
-          {slow * u, "stiffness that changes with time"},
-          {slow * w, "damping that changes with time"}};
+  std::vector<Feature> out{{pool.constant(1), "constant"},
+                           {u, "linear in y"},
+                           {w, "linear in v"},
+                           {pow(u, 2), "even in y"},
+                           {pow(u, 3), "odd in y, growing with |y|"},
+                           {pow(u, 4), "even in y"},
+                           {pow(u, 5), "odd in y, growing with |y|"},
+                           {tanh(4.0 * u), "odd in y, saturating"},
+                           {pow(w, 2), "even in v"},
+                           {pow(w, 3), "odd in v, growing with |v|"},
+                           {pow(w, 5), "odd in v, growing with |v|"},
+                           {tanh(4.0 * w), "odd in v, saturating"},
+                           {u * w, "a product of y and v"},
+                           {pow(u, 2) * w, "damping that depends on y"},
+                           {abs(u) * w, "damping that depends on y"},
+                           {u * pow(w, 2), "stiffness that depends on v"},
+                           {u * abs(w), "stiffness that depends on v"},
+                           {pow(u, 3) * w, "a product of y and v"},
+                           {z, "memory of the velocity", memory},
+                           {slow * u, "stiffness that changes with time"},
+                           {slow * w, "damping that changes with time"}};
+  if (drives_what_it_moves(study, model)) {
+    const Expr force = pool.channel("F");
+    for (const auto& [factor, words] : {std::pair{u, "y"}, {pow(u, 2), "y"}, {w, "v"}, {pow(w, 2), "v"}})
+      out.push_back({force * factor, std::string("a drive whose force depends on ") + words, {}, true});
+  }
+  return out;
 }
 
 /// Whitened residual and whitened columns of length one [model's own parameters and first states | generic forces], all
@@ -144,6 +156,13 @@ struct Generic {
   double left = INFINITY;  ///< squared error beside them
 };
 
+/// On the one coordinate.
+void add_acting_force(Model& model, Expr force) {
+  if (model.acts.empty()) model.acts.push_back({"F", model.pool->channel("F")});
+  Expr& acting = model.acts.front().map;
+  acting = acting + force;
+}
+
 /// Of all generic forces, or of those that are listed.
 Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place,
                    const std::vector<std::size_t>* listed = nullptr) {
@@ -159,11 +178,15 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
     if (state && std::ranges::none_of(model.states, is_there)) model.states.push_back(*state);
     std::string name = "closure_" + std::to_string(j + 1);
     while (model.find(name)) name += "_more";
-    add_force(model, place, model.pool->parameter(name) * out.features[j].force);
+    const Expr force = model.pool->parameter(name) * out.features[j].force;
+    if (out.features[j].acts)
+      add_acting_force(model, force);
+    else
+      add_force(model, place, force);
     Parameter row;
     row.name = name;
     row.value = 0;
-    row.unit = units.force;
+    row.unit = out.features[j].acts ? "" : units.force;
     model.parameters.push_back(row);
   }
   out.closure.system = std::make_shared<const System>(complete(std::move(model)));
@@ -272,6 +295,8 @@ std::shared_ptr<const System> with_further_forces(const Study& study, const Cand
 }
 
 bool is_in_force(const Model& model, Expr symbol) {
+  for (const auto& [channel, map] : model.acts)
+    if (depends_on(map, symbol)) return true;
   for (int i = 0; i < model.degrees(); ++i)
     if (depends_on(model.coordinate(i).restoring, symbol)) return true;
   return false;
@@ -291,6 +316,7 @@ std::optional<Model> without_force(const Model& model, const std::string& coeffi
   const Expr gone = pool.parameter(coefficient);
   out.restoring = without_summands_of(out.restoring, gone);
   for (Coordinate& row : out.further) row.restoring = without_summands_of(row.restoring, gone);
+  for (auto& [channel, map] : out.acts) map = without_summands_of(map, gone);
   std::erase_if(out.parameters, [&](const Parameter& row) { return row.name == coefficient; });
   const auto loses = [&](Expr symbol) { return is_in_force(model, symbol) && !is_in_force(out, symbol); };
   for (const Parameter& row : out.parameters)

@@ -5,18 +5,20 @@
 namespace lunid {
 namespace {
 
-/// A*x + B, A and B of t and parameters alone; an empty A where it is not that.
+/// A*x + B; an empty A where it is not that.
 struct Line {
   Expr slope, rest;
 };
 
-Line line_in(Pool& pool, Expr f, Expr x) {
+/// A and B of parameters and the channels of these quantities.
+Line line_in(Pool& pool, Expr f, Expr x, std::string_view quantities) {
   const Expr slope = derivative(f, x);
   const std::pair<Expr, Expr> zero[] = {{x, pool.constant(0)}};
   const Expr rest = substitute(f, zero);
   for (const Expr part : {slope, rest})
     for (const Expr& symbol : symbols(part))
-      if (symbol.kind() != SymbolKind::parameter && symbol.name() != "t") return {};
+      if (symbol.kind() != SymbolKind::parameter && quantities.find(symbol.name()[0]) == std::string_view::npos)
+        return {};
   return slope.is_constant(0) ? Line{} : Line{slope, rest};
 }
 
@@ -38,7 +40,7 @@ Expr undone(const Line& line, Expr shown) {
 /// their factor alone, a factor that does not change. An empty slope where it cannot.
 Line undoable(const Model& model, const ChannelMap& measured) {
   const Expr own = model.pool->channel(measured.channel);
-  const Line line = line_in(*model.pool, measured.map, own);
+  const Line line = line_in(*model.pool, measured.map, own, "t");
   const bool integrated = measured.channel[0] != 'y';
   return integrated && line.slope.valid() && depends_on(line.slope, model.pool->channel("t")) ? Line{} : line;
 }
@@ -67,10 +69,19 @@ std::vector<std::pair<Expr, Expr>> undo_measures(const Model& model) {
   return out;
 }
 
+namespace {
+
+/// Of a force that acts, along a motion that is known.
+Line line_of(const Model& model, const std::string& channel, Expr map) {
+  return line_in(*model.pool, map, model.pool->channel(channel), "tyv");
+}
+
+}  // namespace
+
 Expr undo_acts(const Model& model, int coordinate, Expr acting) {
   for (const auto& [channel, map] : model.acts) {
     if (channel != model.channel('F', coordinate)) continue;
-    const Line line = line_in(*model.pool, map, model.pool->channel(channel));
+    const Line line = line_of(model, channel, map);
     if (!line.slope.valid()) continue;
     return undone(line, acting);
   }
@@ -81,7 +92,7 @@ bool can_be_undone(const Model& model) {
   for (const ChannelMap& measured : model.measures)
     if (!undoable(model, measured).slope.valid()) return false;
   for (const auto& [channel, map] : model.acts)
-    if (!line_in(*model.pool, map, model.pool->channel(channel)).slope.valid()) return false;
+    if (!line_of(model, channel, map).slope.valid()) return false;
   return true;
 }
 

@@ -26,7 +26,7 @@ std::vector<Part> parts_of(const Model& model) {
   }
   if (model.delay.valid()) parts.push_back({model.delay, "delay", ""});
   for (const auto& [channel, map] : model.measures) parts.push_back({map, "measures: " + channel, "yvat"});
-  for (const auto& [channel, map] : model.acts) parts.push_back({map, "acts: " + channel, "Ftr"});
+  for (const auto& [channel, map] : model.acts) parts.push_back({map, "acts: " + channel, "Ftryv"});
   for (const InternalState& z : model.states) {
     const std::string name = "state '" + z.symbol.name() + "'";
     parts.push_back({z.rate, name + ": rate", "yvaFtb"});

@@ -63,8 +63,9 @@ struct Model {
   /// What the channels of the motion show in a record, where it is not their true value: {"y", y + b}. Of t, all y v a
   /// z, and parameters.
   std::vector<ChannelMap> measures;
-  /// The forces that act, where they are not what their channels show: {"F", g*F}. Of t, parameters, the channel, in
-  /// which it is affine, and force_rate, the channel's time derivative (where one coordinate is driven).
+  /// The forces that act, where they are not what their channels show: {"F", g*F}, or {"F", F*(1 - b*y^2)} of a coil
+  /// that leaves its field. Of t, y v, parameters, the channel, in which it is affine, and force_rate, the channel's
+  /// time derivative (where one coordinate is driven).
   std::vector<ChannelMap> acts;
   std::vector<Parameter> parameters;
   bool imposed_motion = false;

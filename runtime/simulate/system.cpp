@@ -224,7 +224,8 @@ void System::compile_forces(const std::vector<InertiaRow>& rows, const std::vect
     const auto undone = undo_measures(model);
     for (int i = 0; i < degrees_; ++i) {
       Expr& force = whole[static_cast<std::size_t>(i)];
-      force = undo_acts(model, i, undone.empty() ? force : substitute(force, undone));
+      force = undo_acts(model, i, force);
+      if (!undone.empty()) force = substitute(force, undone);
     }
   }
   force_ = Tape(whole, inputs);

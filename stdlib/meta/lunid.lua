@@ -127,7 +127,7 @@ function lunid.state(fields) end
 ---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
 ---@field any_motion? boolean # what it measures of y holds of v or a too, where one of these was recorded
 ---@field repeats? boolean # may stand several times at one place, as stops on either side; the names of the second end in _b
----@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, and of force_rate, the rate of that; affine in F
+---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, of force_rate, the rate of that, and of y and v (a coil that leaves its field: "F*(1 - b*y^2)"); affine in F
 ---@field delay? any # by which the force acts later than its channel says
 ---@field formula? any # as an engineer writes it, one for all forms or one for each; else the text of each contribution
 ---@field parameters table # rows { "k", min =, max =, unit =, fixed = }; a fixed one stays at its first guess; a form has those that it holds
@@ -507,7 +507,7 @@ function record:summary(fields) end
 ---@field forces? table # the coordinates that a force acts on, such as { 1 }; else all
 ---@field delay? number|lunid.expression # the forces act so much later than they are recorded; a number or a parameter, >= 0; what came before a record is predicted from its rows, a formula's force follows the formula
 ---@field measures? lunid.table # what displacements, velocities and accelerations show in a record where it is not their true value: { y = y + b }; fits and gaps compare with that, runs give the true motion
----@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, affine in F
+---@field acts? lunid.table # the force that acts where it is not what its channel shows: { F = g*F }, or { F = F*(1 - b*y^2) } of a coil that leaves its field; affine in F
 ---@field states? table # internal states that the restoring force does not name
 ---@field interpolation? "hold"|"linear"|"cubic"|"band_limited" # what recorded forces do between their rows, where neither the call nor the record says it; else straight lines. Models that discover returns have what was found
 ---@field motion? "free"|"imposed" # 'imposed': the measured motion drives the model; the mass may then be 0

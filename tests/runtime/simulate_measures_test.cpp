@@ -44,6 +44,7 @@ TEST(Measures, SlopesAreThoseOfWhatIsShown) {
       {measuring(model_of("1", "k*y + c*v + q*y^3"), {{"a", "g*a + b + h*y*v"}}), {4, 0.3, 0.4, 1.2, 0.1, 0.2}},
       {measuring(model_of("1", "k*y + c*v", {{"x", "(a - x)/tau", "", ""}}), {{"a", "x"}}), {4, 0.3, 0.2}},
       {measuring(model_of("1", "k*y + c*v"), {}, {{"F", "g*F + tau*force_rate"}}), {4, 0.3, 1.1, 0.15}},
+      {measuring(model_of("1", "k*y + c*v"), {}, {{"F", "F*(1 - b*y^2 + h*v)"}}), {4, 0.3, 0.2, 0.1}},
   };
   for (const auto& [model, theta] : cases) {
     const System system(model);
@@ -137,6 +138,41 @@ TEST(Measures, AreUndoneWhereTheMotionIsImposed) {
     EXPECT_NEAR(force[i], (2 * a[i] + 5 * std::pow(y[i], 3) + 0.7 * v[i] - 0.4) / 0.8, 1e-12);
 }
 
+/// A coil that leaves its field: the current that makes the motion, of a motion that is read with a factor.
+TEST(Measures, AForceThatDependsOnTheMotionIsUndoneAlongIt) {
+  const System system(measuring(model_of("2", "k*y", {}, true), {{"y", "g*y"}}, {{"F", "F*(1 - b*y^2) + d*v"}}));
+  const std::vector<double> theta = theta_of(system, {{"k", 5}, {"g", 1.3}, {"b", 0.3}, {"d", 0.2}});
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(50, 0, 4.9);
+  const Eigen::VectorXd y = t.array().sin(), v = t.array().cos(), a = -t.array().sin();
+  const Record record("r", 0, 0.1, {channel("y", 1.3 * y), channel("v", 1.3 * v), channel("a", 1.3 * a)});
+  const Eigen::VectorXd force = imposed_force(system, theta, record);
+  for (Eigen::Index i = 0; i < 50; ++i)
+    EXPECT_NEAR(force[i], (2 * a[i] + 5 * y[i] - 0.2 * v[i]) / (1 - 0.3 * y[i] * y[i]), 1e-12);
+}
+
+/// With 1 + b*y as the force's factor the motion is that of a spring k - b*F.
+TEST(Measures, AForceThatDependsOnTheMotionDrivesIt) {
+  const System acting(measuring(model_of("1", "k*y + c*v"), {}, {{"F", "F*(1 + b*y)"}}));
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = 4;
+  const std::vector<double> theta = theta_of(acting, {{"k", 4}, {"c", 0.3}, {"b", 0.4}});
+  const lunid::Run run = simulate(acting, theta, drive(), Eigen::Vector2d(0.2, 0), options);
+  const auto rate = [](double t, const Eigen::Vector2d& x) {
+    const double force = 3 * std::cos(1.7 * t) + std::sin(0.6 * t);
+    return Eigen::Vector2d(x[1], force * (1 + 0.4 * x[0]) - 4 * x[0] - 0.3 * x[1]);
+  };
+  Eigen::Vector2d x(0.2, 0);
+  const double dt = 0.001;
+  for (int i = 0; i < 4000; ++i) {  // Runge and Kutta's steps, with the force's formula
+    const double t = i * dt;
+    const Eigen::Vector2d a = rate(t, x), b = rate(t + dt / 2, x + dt / 2 * a), c = rate(t + dt / 2, x + dt / 2 * b),
+                          d = rate(t + dt, x + dt * c);
+    x += dt / 6 * (a + 2 * b + 2 * c + d);
+  }
+  EXPECT_NEAR(shown(acting, theta, run, "y")[200], x[0], 2e-6);
+}
+
 /// An accelerometer's factor is that of its integrals, its offset is not: they have lost their slow part.
 TEST(Measures, AreUndoneOfAnAccelerometer) {
   const System system(measuring(model_of("2", "k*y + c*v", {}, true), {{"a", "g*a + b"}}));
@@ -209,8 +245,8 @@ TEST(Measures, Faults) {
             "model: measures: y: cannot hold the channel 'F' (it may hold y v a t)");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"F", "F^2"}})),
             "model: acts: F: expected a force that is affine in F, got F^2");
-  EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"F", "F + y"}})),
-            "model: acts: F: cannot hold the channel 'y' (it may hold F t force_rate)");
+  EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"F", "F + a"}})),
+            "model: acts: F: cannot hold the channel 'a' (it may hold F t force_rate y v)");
   EXPECT_EQ(fault_in(measuring(model_of("1", "y"), {}, {{"y", "y"}})),
             "model: acts: expected a force of the model, got 'y'");
 }
