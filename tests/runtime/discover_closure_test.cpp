@@ -21,7 +21,7 @@ struct Beside {
 
   /// Of the force that is recorded.
   template <class PhysicsOf>
-    requires std::invocable<PhysicsOf, std::function<double(double)>>
+  requires std::invocable<PhysicsOf, std::function<double(double)>>
   explicit Beside(const PhysicsOf& physics_of) {
     const auto record = [&](double force, int seed) {
       const auto push = truth::multisine(0.2, 2.2, 20, static_cast<std::uint64_t>(seed));

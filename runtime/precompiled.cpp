@@ -1,0 +1,2 @@
+#define LUNID_INSTANCE template
+#include "precompiled.hpp"
