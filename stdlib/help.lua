@@ -3,6 +3,7 @@ require "lunid.symbols"  -- the first that the manual tells of
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local element = require "lunid.element"
+local first_guesses = require "lunid.first_guesses"
 local solvers = require "lunid.solvers"
 local schema = require "lunid.schema"
 local simulation = require "lunid.simulation"
@@ -59,12 +60,13 @@ local function explain_effect(entry)
   print("\n" .. help.signature(element.definition(entry)))
   for _, row in ipairs(entry.parameters) do
     local bounds = (row.min and (", at least %g"):format(row.min) or "") .. (row.max and (", at most %g"):format(row.max) or "")
-    print(("  %-14s %s%s%s"):format(row[1], row.unit or "no unit", bounds, row.fixed and ", held at its value" or ""))
+    print(("  %-14s %s%s%s"):format(row[1], row.unit and row.unit ~= "" and row.unit or "no unit", bounds, row.fixed and ", held at its value" or ""))
   end
   local function line(words, list)
     if #list > 0 then print(("  %s: %s"):format(words, table.concat(list, ", "))) end
   end
   line("with", entry.requires)
+  print("  " .. table.concat(first_guesses.lines(entry), "\n  "))
   local loop = require("lunid.loop_plot").text(entry)
   if loop then print("\n  " .. loop:gsub("\n", "\n  ")) end
   print("\n  shows as: " .. entry.signature)

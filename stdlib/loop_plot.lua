@@ -3,16 +3,12 @@ local core = require "lunid.core"
 local element = require "lunid.element"
 local models = require "lunid.models"
 local record_of = require("lunid.records").record
+local unit_scale = require("lunid.first_guesses").rig
 
 local loop_plot = {}
 
 local across, down = 41, 11     -- characters
 local cycles, rows = 20, 128    -- periods, rows of each
-
---- A rig of 1 kg on 1 N/m that swings by 1 m at 1 rad/s: what guesses are read off.
-local unit_scale = { y_max = 1, y_min = -1, y_std = 0.7, v_max = 1, v_std = 0.7, force_std = 0.7, residual_std = 0.7,
-  omega = 1, stiffness = 1, interval = 2 * math.pi / rows, duration = 2 * math.pi * cycles, lines = { 3 },
-  modulations = { 2 } }
 
 --- Values of entries whose guesses show little of what they are.
 local telling = {

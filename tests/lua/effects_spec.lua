@@ -302,6 +302,27 @@ spec.case("help explains an effect", function()
   spec.equal(spec.lunid "help effect smith_to", "no help on 'smith_to', did you mean 'smith_toe'?\n")
 end)
 
+spec.case("help shows from where discovery starts: of one rig, with the scales that the guesses are read off", function()
+  spec.contains(spec.lunid "help bouc_wen", [[
+  first guesses, read off the records' y_max and y_min (here: 1 kg on 1 N/m swings by 1 m at 1 rad/s):
+    zy 0.06, 0.2, 0.6 m; rho 0.5, 0.9; n 1, 2
+    a record can show zy from 0.0002 to 2 m; rho from 0.1 to 100
+    form 2: zy 0.6, 2 m; rho 1, 3; n 1
+    form 2: a record can show zy from 0.2 to 20 m; rho from 0.1 to 100
+    solved for: k
+]])
+  spec.contains(spec.lunid "help sinusoidal_stiffness", "\n    p 0.7, 1.5, 3 ... 48 1/m\n")  -- 33 of them
+  spec.contains(spec.lunid "help one_sided_stop", "\n    g 0, 0.3, 0.6, 0.84 m\n")
+  spec.contains(spec.lunid "help force_gain", "  g              no unit\n  first guesses, whatever the records:\n    g -1, 1\n\n")
+  spec.contains(spec.lunid "help coulomb_friction", "    form 2: vr 0.01, 0.05, 0.2 m/s\n")
+  spec.contains(spec.lunid "help linear_stiffness", "  first guesses: it needs none, its parameters are solved for\n")
+  for _, name in ipairs(names) do
+    local said, code = spec.lunid("help effect " .. name)
+    assert(code == 0 and said:find "\n  first guesses", name .. ": no first guesses")
+    spec.equal(said:match "[^\n]*first guesses.-\n\n":find(" \n", 1, true), nil)
+  end
+end)
+
 --- The rows of the plot in `lunid help NAME`, without labels; none where there is no plot.
 local function plot_of(name)
   local said, rows = spec.lunid("help effect " .. name), {}
