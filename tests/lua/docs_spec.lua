@@ -1,15 +1,9 @@
 -- docs/language.md and the editor stubs say what the schemas say: every constructor, every field, nothing else.
+local shown = require "shown"
 local spec = require "spec"
 
-local function read(path)
-  local file = assert(io.open(path))
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
-local manual = read "docs/language.md"
-local stubs = read "stdlib/meta/lunid.lua"
+local manual = shown.read "docs/language.md"
+local stubs = shown.read "stdlib/meta/lunid.lua"
 
 --- Constructors and their fields, out of the stubs, which are compared with the schemas first.
 local function documented()
@@ -50,28 +44,6 @@ spec.case("the manual describes no constructor that there is not", function()
   for _, constructor in ipairs(documented()) do known[constructor.name] = true end
   for name in manual:gmatch "\n### `([%w_.:]+)`" do
     assert(known[name:gsub("^lunid%.", "")], "no such constructor: " .. name)
-  end
-end)
-
---- Lines of the first fenced block after `mark`.
-local function block_after(text, mark)
-  local from = select(2, assert(text:find(mark, 1, true)))
-  local lines = {}
-  for line in text:match("\n```\n(.-)\n```", from):gmatch "[^\n]+" do lines[#lines + 1] = line end
-  return lines
-end
-
---- A line with "#" for each number: the last digits are the machine's.
-local function form(line) return (line:gsub("%d[%d.]*", "#"):gsub("e%-?#", "e#"):gsub("lunid%-out", "OUT")) end
-
-spec.case("README shows what the demo prints", function()
-  local said = spec.shell(("cd - >/dev/null && '%s' discover tests/data/spring_multisine.csv "
-    .. '--test tests/data/spring_sweep.csv --mass 49 --restoring "k*y + c*v" --out "%s/OUT" 2>&1'):format(spec.executable,
-    spec.folder))
-  local printed = {}
-  for line in said:gmatch "[^\n]+" do printed[form((line:gsub(spec.folder .. "/", "")))] = true end
-  for _, line in ipairs(block_after(read "README.md", "The demo prints")) do
-    assert(printed[form(line)], ("README has a line that the demo does not print: %s\n%s"):format(line, said))
   end
 end)
 
