@@ -20,7 +20,7 @@ local function write(cell)
     local lost = i > 900 and i <= 902 or i > 1700 and i <= 1740
     local spike = (i == 501 or i == 2203) and 0.5 or 0  -- mm
     local shown = i == 1201 and cell or ("%.6f"):format(1e3*w[i] + spike)
-    if not lost then file:write(("%.9f,%.5f,%s\n"):format((i - 1)/600, F[i], shown)) end
+    if not lost then file:write(("%.6f,%.5f,%s\n"):format((i - 1)/600, F[i], shown)) end
   end
   file:close()
 end

@@ -118,6 +118,25 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
   return gaps;
 }
 
+/// The even base of stamps between which whole rows are missing, as even_base() has it; nullopt when the stamps are not
+/// roundings of it. The median step alone is a rounded one: rows that lie between stamps would all be interpolated.
+std::optional<TimeBase> even_base_with_gaps(std::span<const double> t, std::span<const double> resolution,
+                                            double step) {
+  std::vector<Corner> all{{0, t[0], half_of(t[0], resolution[0])}};
+  double centre = 0, mean = 0, square = 0, moment = 0;
+  for (std::size_t i = 1; i < t.size(); ++i)
+    all.push_back({all.back().row + std::round((t[i] - t[i - 1]) / step), t[i], half_of(t[i], resolution[i])});
+  const double n = static_cast<double>(t.size());
+  for (const Corner& c : all) centre += c.row / n, mean += (c.t - t[0]) / n;
+  for (const Corner& c : all) {
+    square += (c.row - centre) * (c.row - centre);
+    moment += (c.row - centre) * (c.t - t[0] - mean);
+  }
+  const double slope = moment / square;
+  const TimeBase line{t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(all.back().row) + 1, false};
+  return even_base(t[0], all, all, resolution.back(), line);
+}
+
 }  // namespace
 
 TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
@@ -165,6 +184,11 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
       throw InputError(text + where + "; set resample = true (--resample) to interpolate, or cut the file there",
                        {path, lines[row]}, Fault::data);
     warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated");
+    if (const auto base = even_base_with_gaps(t, resolution, step)) {
+      even.t0 = base->t0;
+      even.dt = base->dt;
+      even.rows = base->rows;
+    }
     return even;
   }
   if (found.rms < 0.02 * line.dt && found.largest < 0.5 * line.dt) {

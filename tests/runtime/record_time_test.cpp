@@ -101,6 +101,22 @@ TEST(Time, AGapIsFilledWhenAsked) {
   EXPECT_EQ(record.warnings()[0], "line 202: gap: 2 rows are missing before t = 2.02 s: interpolated");
 }
 
+/// The median of rounded steps is no step of the recorder: on its grid every row would lie between two of the file, and
+/// be interpolated.
+TEST(Time, RowsBesideGapsStayTheRowsOfTheFile) {
+  for (const auto& [dt, format] : {std::pair{1.0 / 600, "%.6f"}, {1.0 / 600, "%.9f"}, {0.0016384, "%.6f"}}) {
+    std::vector<double> t = even(4000, dt, 0.3);
+    t.erase(t.begin() + 1700, t.begin() + 1740);
+    t.erase(t.begin() + 900);
+    const TextFile file(with_stamps(t, format));
+    const Record record = read_csv(file.path(), {{}, true});
+    EXPECT_EQ(record.rows(), 4000) << format;
+    EXPECT_NEAR(record.dt(), dt, 1e-12 * dt) << format;
+    EXPECT_NEAR(record.time(3999), 0.3 + 3999 * dt, 2e-6) << format;
+    EXPECT_EQ(record.pieces().size(), 2u) << format;
+  }
+}
+
 /// Rows 202 to 211, 230 and 240 to 399 are lost: between the gaps nothing is invented.
 TEST(Time, PiecesOfARecordHoldNoRowThatWasMissing) {
   std::vector<double> t = even(600, 0.01);
