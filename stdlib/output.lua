@@ -53,6 +53,19 @@ function output.shown(path)
   return current.out .. "/" .. current.folder .. path
 end
 
+--- Whether the run has written that file, by either of its names, but it is not there before the run ends; what an
+--- earlier run has left there is none of it.
+function output.is_gathered(path)
+  if not current then return false end
+  local out, inside = current.out .. "/", nil
+  if path:sub(1, #out) == out then
+    inside = path:sub(#out + 1)
+  elseif is_relative(path) and not core.kind_of(path) then
+    inside = current.folder .. path
+  end
+  return inside ~= nil and core.kind_of(current.partial .. "/" .. inside) == "file"
+end
+
 function output.write(path, text)
   core.write_text(output.place(path), text)
   return output.shown(path)

@@ -15,6 +15,10 @@ function records.find(path)
     local beside = records.folder .. "/" .. path
     if records.folder ~= "" and core.kind_of(beside) then return beside end
   end
+  if output.is_gathered(path) then
+    core.raise(("'%s' is in the out directory when the study has ended: use what was saved, or to read it at once save it "
+      .. "elsewhere, under an absolute path"):format(path), "study")
+  end
   return path
 end
 

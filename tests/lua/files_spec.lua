@@ -107,5 +107,21 @@ else
   print(("SKIPPED: no measured records at %s"):format(tostring(data)))
 end
 
+spec.case("what a study has saved is not there before it ends, and what an earlier run left is not taken for it", function()
+  local study = [[
+local lunid = require "lunid"
+local record = lunid.record { dt = 0.01, channels = { { "y", { 1, 2, 4, 7, 5, 3, 2, 1 } } } }
+local path = record:save "part.csv"
+]]
+  for _ = 1, 2 do
+    spec.contains(spec.study(study .. "lunid.read(path)\n"), "study.lua:4: 'study-out/part.csv' is in the out directory when "
+      .. "the study has ended: use what was saved, or to read it at once save it elsewhere, under an absolute path\n")
+    spec.contains(spec.study(study .. "lunid.read 'part.csv'\n"), "study.lua:4: 'part.csv' is in the out directory when")
+    spec.write("part.csv", "t,y\n" .. ("%g,1\n"):rep(8):format(0, 1, 2, 3, 4, 5, 6, 7))  -- one that was there is an input
+    spec.contains(spec.study(study .. "print(lunid.read('part.csv').rows)\n"), "8\n")
+    os.remove(spec.folder .. "/part.csv")
+  end
+end)
+
 spec.clean()
 spec.finish()
