@@ -48,7 +48,8 @@ void warn_of_collinear(const Eigen::MatrixXd& gram, Eigen::Index j, const std::v
     if (left < 1e-12)
       throw InputError("discover: the data do not excite parameters '" + a + "' and '" + b +
                            "' separately: their terms are one column on this record; fix one of them, or use a record "
-                           "with another frequency or amplitude",
+                           "with another frequency or amplitude (a name that is no signal, as y v a t are, is taken "
+                           "for a parameter)",
                        {}, Fault::data);
     if (left < 2e-3)
       warnings.push_back(

@@ -190,15 +190,16 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::snprintf(text, sizeof text, ": on data %s%s, %.0f %% of what the noise allows is closed",
                   study.test_is_known ? "that the fit knows" : "not used in the fit", part,
                   100 * std::clamp(share, 0.0, 1.0));
+    char open[60] = "";
+    if (last.floor > 0 && last.value > 1.5 * last.floor)
+      std::snprintf(open, sizeof open, " (%.2g times what noise alone leaves stays open)", last.value / last.floor);
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
     if (!std::isfinite(out.baseline_test.value))
       return said + ": the baseline cannot be run on the test record, the final model can";
-    if (left.material)
-      said += std::string(text) + "; a small repeatable force is left" + in_brackets(left.closure.words());
-    else
-      said += text;
+    said += std::string(text) + open;
+    if (left.material) said += "; a small repeatable force is left" + in_brackets(left.closure.words());
     return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
   }
   if (out.verdict == Verdict::nothing_missing && !found.reading.empty()) {

@@ -320,6 +320,11 @@ std::string sentence_of(const ExperimentDesign& design) {
   const std::string apart = "predicted separation " + number(best.separation, 3) +
                             " standard deviations of the noise, " + "expected z " + number(best.expected_z, 3);
   if (best.decides()) return what + beyond + " would decide: " + apart;
+  constexpr double hardly = 0.1;
+  if (best.expected_z < hardly)
+    return "no excitation of this family" + beyond +
+           " tells them apart: they move alike; what would is another channel, "
+           "or a number known beforehand (weigh the mass, calibrate the gauge)";
   return "none within these limits of force, displacement and band" + beyond + " would surely decide; nearest is " +
          what + ": " + apart + ", where 4 is needed";
 }

@@ -148,11 +148,21 @@ class Grower {
       }
       if (best) take_from_force(*best, parents);
     }
-    const auto plainest = std::min_element(sorted.begin(), sorted.end(), [](const Candidate& a, const Candidate& b) {
-      return a.force_misfit < b.force_misfit;
-    });
-    if (std::isfinite(plainest->force_misfit)) take_from_force(*plainest, parents);
+    if (const Candidate* plain = plainest(sorted)) take_from_force(*plain, parents);
     return parents;
+  }
+
+  /// Of those that explain nearly as much of the force as any, one with the fewest parameters: friction before its
+  /// rounded and its Stribeck form, which sit at their limits beside what is added.
+  static const Candidate* plainest(const std::vector<Candidate>& sets) {
+    constexpr double nearly = 1.05;
+    const auto least = std::ranges::min_element(sets, {}, &Candidate::force_misfit);
+    const Candidate* out = nullptr;
+    for (const Candidate& c : sets)
+      if (std::isfinite(c.force_misfit) && c.force_misfit < nearly * least->force_misfit &&
+          (!out || std::pair(c.added(), c.force_misfit) < std::pair(out->added(), out->force_misfit)))
+        out = &c;
+    return out;
   }
 
   static void take_from_force(const Candidate& c, std::vector<Candidate>& parents) {

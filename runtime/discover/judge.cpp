@@ -186,8 +186,7 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
 
 }  // namespace
 
-std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named) {
-  constexpr double deviations = 3;
+std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named, double deviations) {
   std::vector<Eigen::Index> out;
   if (!baseline.ran() || !named.ran()) return out;
   for (Eigen::Index j = 0; j < baseline.parameters(); ++j)

@@ -53,8 +53,8 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 /// its own fit ended there, whatever the p-value says.
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
-/// Parameters of the baseline that are positive by its own fit and, beyond chance, negative beside the names.
-std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named);
+/// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names.
+std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named, double deviations = 3);
 
 /// How many of the numbers that its entries brought are as far from zero as chance brings them with at least this
 /// probability, or are not seen at all.

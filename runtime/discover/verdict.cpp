@@ -8,6 +8,7 @@
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "discover/locate.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/statistics.hpp"
 
@@ -282,14 +283,25 @@ bool surely_lowers(const Study& study, double p_value, const std::vector<FreeRun
 namespace {
 
 /// A damper of the baseline itself that feeds the motion beside the names, beyond chance, and did not alone.
-bool feeds_the_motion(const Candidate& baseline, const Candidate& named) {
-  for (const Eigen::Index j : turned_negative(baseline, named)) {
+bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double deviations = 3) {
+  for (const Eigen::Index j : turned_negative(baseline, named, deviations)) {
     const Model& model = baseline.system->model();
     const Expr of = model.pool->parameter(model.parameters[static_cast<std::size_t>(j)].name);
     for (int i = 0; i < model.degrees(); ++i)
       if (derivative(model.coordinate(i).restoring, of) == model.pool->channel(model.channel('v', i))) return true;
   }
   return false;
+}
+
+/// A friction that does more work on the motion than it takes from it, along the first training record.
+const Effect* friction_that_drives(const Study& study, const Candidate& named) {
+  for (const Choice& choice : named.choices) {
+    if (choice.effect->family != "friction") continue;
+    const PlacedForce force = force_of_effect(study, named, *choice.effect, 0);
+    const Eigen::VectorXd v = motion_at(study.smooth.front(), choice.effect->place, 'v');
+    if (force.named.dot(v) < 0) return choice.effect;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -323,14 +335,20 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   const bool patchwork = names > 1 && unexplained > at_the_floor && !all_closed;
   if (patchwork && followed)
     return "fitted the training records down to their noise by several forces, but not the test record";
-  if ((last.value > 1.5 * last.floor || left.material) && feeds_the_motion(round.found.baseline, round.found.chosen))
-    return "left something open, and made the baseline's own damping negative";
+  const double deviations = last.value > 3 * last.floor ? 2 : 3;
+  if (last.value > 1.5 * last.floor || left.material) {
+    if (feeds_the_motion(round.found.baseline, round.found.chosen, deviations))
+      return "left something open, and made the baseline's own damping negative";
+    if (const Effect* friction = friction_that_drives(study, round.found.chosen))
+      return "left something open, and has a " + friction->name + " that drives the motion";
+  }
   if (names == 1 && followed && last.value > 3 * last.floor &&
       far_from_the_floor(beyond_parameters(study, round.found.chosen, last), little_open))
     return "fitted the training records down to their noise, but not the test record";
   if (last.value > 1.5 * last.floor && closed < 0.8) return "left a good part of the gap on the test record open";
   if (names > 2 && last.value > at_the_floor && left.material)
     return "left a repeatable force beside several: they follow another one";
+  if (names > 2 && last.value > 3 * last.floor && !all_closed) return "left far more than noise on the test record";
   if (!left.seen || !(unexplained > (left.material ? 1.5 : 3) * last.floor)) return "";
   if (left.whole && !all_closed) return "left a force that is repeatable";
   if (closed >= most_closed(round.found.chosen.choices))

@@ -51,6 +51,8 @@ constexpr std::array rows{
     Row{"rpm", turn / 60, "rad/s"},
     Row{"V", 1, "V", all},
     Row{"A", 1, "A", all},
+    Row{"C", 1, "C", all},
+    Row{"Wb", 1, "Wb", all},
     Row{"Pa", 1, "Pa", all},
     Row{"bar", 1e5, "Pa", "m"},
     Row{"J", 1, "J", all},

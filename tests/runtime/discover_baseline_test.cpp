@@ -111,7 +111,9 @@ TEST(DiscoveryTakes, ATermThatIsFixedBesideOneLikeIt) {
   Model model = complete(baseline("k*y + kh*y + c*v", 49));
   EXPECT_EQ(message([&] { find(model, records); }),
             "discover: the data do not excite parameters 'k' and 'kh' separately: their terms are one column on this "
-            "record; fix one of them, or use a record with another frequency or amplitude");
+            "record; fix one of them, or use a record with another frequency or amplitude (a name that is no signal, "
+            "as y v a t are, "
+            "is taken for a parameter)");
   const double wanted = 49 * std::pow(2 * M_PI * 20, 2);  // of both
   Parameter& known = *model.find("kh");
   known.value = 0.25 * wanted;
