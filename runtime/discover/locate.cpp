@@ -146,6 +146,16 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
   return list;
 }
 
+Eigen::VectorXd named_force(const Study& study, const Candidate& final, const Effect& effect, std::size_t index) {
+  Eigen::VectorXd unnamed = final.fit.theta;
+  const auto& table = final.system->model().parameters;
+  for (std::size_t j = 0; j < table.size(); ++j)
+    for (const Parameter& own : effect.parameters)
+      if (own.name == table[j].name && final.linear[j]) unnamed[static_cast<Eigen::Index>(j)] = 0;
+  const Record& smooth = study.smooth[index];
+  return force_at(force_beyond(final, unnamed, smooth), smooth.rows(), effect.place);
+}
+
 PlacedForce force_of_effect(const Study& study, const Candidate& final, const Effect& effect, std::size_t index) {
   const Record& smooth = study.smooth[index];
   PlacedForce out;
@@ -153,13 +163,7 @@ PlacedForce force_of_effect(const Study& study, const Candidate& final, const Ef
   out.t = times_of(smooth);
   out.y = motion_at(smooth, effect.place, 'y');
   out.v = motion_at(smooth, effect.place, 'v');
-  Eigen::VectorXd unnamed = final.fit.theta;
-  const auto& table = final.system->model().parameters;
-  for (std::size_t j = 0; j < table.size(); ++j)
-    for (const Parameter& own : effect.parameters)
-      if (own.name == table[j].name && final.linear[j]) unnamed[static_cast<Eigen::Index>(j)] = 0;
-  const Eigen::VectorXd named = force_beyond(final, unnamed, smooth);
-  out.named = force_at(named, smooth.rows(), effect.place);
+  out.named = named_force(study, final, effect, index);
   out.left = force_at(residual_force(study, final, final, index), smooth.rows(), effect.place);
   return out;
 }

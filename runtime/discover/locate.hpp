@@ -31,6 +31,9 @@ std::vector<Comparison> compare(const Study& study, const Candidate& before, con
                                 const Record& record, std::span<const FreeRun> baseline, std::span<const FreeRun> final,
                                 const std::string& role);
 
+/// The force of a named effect alone along a smoothed training record, at its place.
+Eigen::VectorXd named_force(const Study& study, const Candidate& final, const Effect& effect, std::size_t index);
+
 /// The named force, and what the rest of the final model leaves, at the place of an effect along a training record.
 PlacedForce force_of_effect(const Study& study, const Candidate& final, const Effect& effect, std::size_t index);
 

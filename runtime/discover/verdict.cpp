@@ -295,11 +295,11 @@ bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double 
 
 /// A friction that does more work on the motion than it takes from it, along the first training record.
 const Effect* friction_that_drives(const Study& study, const Candidate& named) {
+  if (!named.ran()) return nullptr;
   for (const Choice& choice : named.choices) {
     if (choice.effect->family != "friction") continue;
-    const PlacedForce force = force_of_effect(study, named, *choice.effect, 0);
-    const Eigen::VectorXd v = motion_at(study.smooth.front(), choice.effect->place, 'v');
-    if (force.named.dot(v) < 0) return choice.effect;
+    const Eigen::VectorXd force = named_force(study, named, *choice.effect, 0);
+    if (force.dot(motion_at(study.smooth.front(), choice.effect->place, 'v')) < 0) return choice.effect;
   }
   return nullptr;
 }

@@ -251,6 +251,49 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   EXPECT_EQ(feeds(-3.1, 0.6, 0.025, "k*y + c*v", true),
             "left something open, and made the baseline's own damping negative");
   EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*y^3"), "");
+  EXPECT_EQ(feeds(-3.1, 1.3, 0.035, "k*y + c*v"), "");
+  EXPECT_EQ(feeds(-3.1, 1.3, 0.07, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
+}
+
+/// Magnets that leave their plate were a rounded friction and one that turns round with |y|.
+TEST(Verdict, TakesBackAFrictionThatDrivesTheMotion) {
+  const auto with_friction = [](double Fc, double test) {
+    DiscoverOptions options;
+    Study study;
+    study.options = &options;
+    const Model model = testing::baseline("k*y", 1);
+    Effect friction = testing::entry(*model.pool, "friction", "friction_Fc*sign(v)", {testing::row("friction_Fc")});
+    friction.family = "friction";
+    std::vector<double> y, v;
+    for (int i = 0; i < 100; ++i) y.push_back(std::sin(0.3 * i)), v.push_back(0.3 * std::cos(0.3 * i));
+    study.full.emplace_back("driven", 0, 1,
+                            std::vector<Channel>{testing::channel("y", "m", y), testing::channel("v", "m/s", v),
+                                                 testing::channel("a", "m/s^2", y), testing::channel("F", "N", y)});
+    study.smooth = study.full;
+    Round round;
+    round.found.baseline = compile(study, complete(model), {});
+    round.found.chosen = compile(study, complete(model), {{&friction, 0}});
+    round.found.baseline.fit.theta = Eigen::VectorXd::Ones(1);
+    round.found.chosen.fit.theta = Eigen::Vector2d(1, Fc);
+    round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
+    round.left.gap.value = round.left.gap.floor = 0.02;
+    FreeRun before, after;
+    before.rows = after.rows = 1000;
+    before.variance = after.variance = 1;
+    before.floor_squares = after.floor_squares = 0.02 * 0.02;
+    before.squares = 1;
+    after.squares = test * test;
+    return refuted(study, round, 0.001, {before}, {after});
+  };
+  EXPECT_EQ(with_friction(-0.1, 0.035), "left something open, and has a friction that drives the motion");
+  EXPECT_EQ(with_friction(0.1, 0.035), "");
+  EXPECT_EQ(with_friction(-0.1, 0.025), "");
+}
+
+TEST(Verdict, AsksOfThreeNamesThatTheyLeaveLittle) {
+  EXPECT_EQ(verdict_on(3, 0.036, 0.07, 0.02), "left far more than noise on the test record");
+  EXPECT_EQ(verdict_on(2, 0.036, 0.07, 0.02), "");
+  EXPECT_EQ(verdict_on(3, 0.036, 0.055, 0.02), "");
 }
 
 /// An exponential spring was a stop, a quadratic spring, a cubic one and a clearance.
