@@ -15,10 +15,13 @@ Line line_in(Pool& pool, Expr f, Expr x, std::string_view quantities) {
   const Expr slope = derivative(f, x);
   const std::pair<Expr, Expr> zero[] = {{x, pool.constant(0)}};
   const Expr rest = substitute(f, zero);
+  const auto may_hold = [&](const Expr& symbol) {
+    const bool is_channel = symbol.kind() == SymbolKind::channel;
+    return symbol.kind() == SymbolKind::parameter ||
+           (is_channel && quantities.find(symbol.name()[0]) != quantities.npos);
+  };
   for (const Expr part : {slope, rest})
-    for (const Expr& symbol : symbols(part))
-      if (symbol.kind() != SymbolKind::parameter && quantities.find(symbol.name()[0]) == std::string_view::npos)
-        return {};
+    if (!std::ranges::all_of(symbols(part), may_hold)) return {};
   return slope.is_constant(0) ? Line{} : Line{slope, rest};
 }
 

@@ -222,6 +222,9 @@ TEST(Measures, SaysWhatCanBeUndone) {
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"y", "min(y, b)"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y", {{"x", "y - x", "", ""}}), {{"y", "x"}})));
   EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {}, {{"F", "F + g*force_rate"}})));
+  EXPECT_TRUE(can_be_undone(measuring(model_of("1", "y"), {}, {{"F", "F*(1 - b*y^2)"}})));
+  EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y"), {{"y", "y*(1 + b*v)"}})));
+  EXPECT_FALSE(can_be_undone(measuring(model_of("1", "y", {{"tz", "y - tz", "", ""}}), {{"y", "y + tz"}})));
 }
 
 /// The motion of a base drives the force of an imposed motion too.
