@@ -91,10 +91,10 @@ TEST(Discovery, NamesNothingWhereNothingIsMissing) {
 }
 
 /// Mass 1, k = 1, a cubic spring that moves the motion by a few percent, in noise of 5 %.
-Discovery slightly_hard(double minimum_gain) {
+Discovery slightly_hard(double minimum_gain, double k3 = 0.01, double alpha = 0.01) {
   truth::Physics physics;
   physics.zeta = 0.05;
-  physics.k3 = 0.01;
+  physics.k3 = k3;
   const auto record = [&](std::uint64_t seed) {
     const truth::Motion motion =
         truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.03, {}, 1600, testing::spacing, 24);
@@ -103,6 +103,7 @@ Discovery slightly_hard(double minimum_gain) {
   const Model model = baseline("k*y + c*v", 1);
   DiscoverOptions options;
   options.minimum_gain = minimum_gain;
+  options.alpha = alpha;
   return discover(model, small_catalogue(*model.pool), {record(3)}, {record(4)}, options);
 }
 
@@ -114,6 +115,18 @@ TEST(Discovery, SaysWhatIsLessThanTheLeastGainAndNamesItWhereLessIsAsked) {
   const Discovery asked = slightly_hard(0.005);
   ASSERT_EQ(asked.effects.size(), 1u) << asked.sentence;
   EXPECT_EQ(asked.effects[0].name, "cubic_stiffness");
+}
+
+/// Of the stiffer spring p is 4e-6, corrected for what was tried, of the softer one between the two levels.
+TEST(Discovery, NamesByTheLevelOfFalseAlarmsThatIsAskedFor) {
+  const Discovery named = slightly_hard(0, 0.0055), strict = slightly_hard(0, 0.0055, 1e-6);
+  ASSERT_EQ(named.effects.size(), 1u) << named.sentence;
+  EXPECT_EQ(named.effects[0].name, "cubic_stiffness");
+  EXPECT_TRUE(named.effects[0].p_value > 1e-6 && named.effects[0].p_value < 0.01) << named.effects[0].p_value;
+  EXPECT_EQ(strict.verdict, Verdict::nothing_missing) << strict.sentence;
+  const std::string beyond = "lowers it beyond chance", no = "lowers the left-out gap beyond chance";
+  EXPECT_NE(slightly_hard(0, 0.004, 0.01).sentence.find(no), std::string::npos);
+  EXPECT_NE(slightly_hard(0, 0.004, 0.2).sentence.find(beyond), std::string::npos);
 }
 
 /// m*a + c*v + k*y + k3*y^3 = F with m = 1, k = 1, c = 0.06 from rest by RK4 at a 24th of a sample; F(t, row) is the
