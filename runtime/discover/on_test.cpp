@@ -209,10 +209,13 @@ class OnTest {
     if (leave_the_common(tested, round, fault, stand)) return;
     SearchResult& found = round.found;
     const std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
+    // Where the model follows the training records, these lack what the test record shows; else it lacks it anyway.
+    const bool followed = round.left.gap.value < 1.5 * round.left.gap.floor;
     const std::string what_stands =
-        stand > 0 ? "only " + steps.back().model.name() + " stands"
-                  : "the name is withdrawn. The training records may not show what the test record does: train on one "
-                    "like it as well";
+        stand > 0  ? "only " + steps.back().model.name() + " stands"
+        : followed ? "the name is withdrawn. The training records may not show what the test record does: train on one "
+                     "like it as well"
+                   : "the name is withdrawn";
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
     withdraw(round, Beaten::By::test, not_confirmed);
