@@ -192,17 +192,41 @@ Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
 
 /// With so many substeps that twice as many say the same: states that follow at once are stiff along a given motion.
 /// Those of many states are taken with one, their slopes with two.
+namespace {
+
+constexpr int most_substeps = 8;
+
+bool are_alike(const Eigen::VectorXd& coarse, const Eigen::VectorXd& fine) {
+  constexpr double share = 0.02;
+  return coarse.allFinite() && fine.allFinite() && (fine - coarse).norm() <= share * fine.norm();
+}
+
+/// The fewest substeps over a piece of a record that do as twice as many: too few for the fastest of many states make
+/// numbers that grow, finite for long.
+int substeps_over(const Record& piece, const System& system, const Eigen::VectorXd& theta) {
+  Eigen::VectorXd coarse = imposed_force(system, view(theta), piece, nullptr, 1);
+  for (int substeps = 1; substeps < most_substeps; substeps *= 2) {
+    const Eigen::VectorXd fine = imposed_force(system, view(theta), piece, nullptr, 2 * substeps);
+    if (are_alike(coarse, fine)) return substeps;
+    coarse = fine;
+  }
+  return most_substeps;
+}
+
+}  // namespace
+
 int Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force) const {
-  constexpr int most_substeps = 8;
-  constexpr double alike = 0.02;
-  const bool once = system.model().states.empty() || many_states(system.model().states.size());
-  bool finite = evaluate(system, theta, force, nullptr, 1);
-  if (once && finite) return 1;
-  for (int substeps = 2; substeps <= most_substeps; substeps *= 2) {
+  constexpr Eigen::Index piece = 256;  // rows: the whole of many states costs more than one run is worth
+  const bool many = many_states(system.model().states.size()), once = many || system.model().states.empty();
+  const Record& first = data_.front().record;
+  int substeps = many ? substeps_over(first.slice(0, std::min(piece, first.rows())), system, theta) : 1;
+  bool finite = evaluate(system, theta, force, nullptr, substeps);
+  if (once && finite) return substeps;
+  while (substeps < most_substeps) {
+    substeps *= 2;
     const Eigen::VectorXd before = std::move(force);
-    const bool known = finite;
     finite = evaluate(system, theta, force, nullptr, substeps);
-    if (finite && (once || (known && (force - before).norm() <= alike * force.norm()))) return substeps;
+    if (finite && (once || are_alike(before, force))) return substeps;
   }
   return finite ? most_substeps : 0;
 }

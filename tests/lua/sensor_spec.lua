@@ -262,7 +262,7 @@ spec.case("messages", function()
   end
   refused("model: measures: expected a table { channel = expression }, got an expression", { measures = y })
   refused("model: measures: expected a displacement, velocity or acceleration of the model, got 'F'", { measures = { F = y } })
-  refused("model: acts: F: cannot hold the channel 'y' (it may hold F t force_rate)", { acts = { F = y + lunid.force } })
+  refused("model: acts: F: cannot hold the channel 'a' (it may hold F t force_rate y v)", { acts = { F = lunid.acceleration + lunid.force } })
 end)
 
 spec.clean()

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "discover/baseline.hpp"
 #include "discover/propose.hpp"
@@ -95,6 +96,34 @@ TEST(Proposer, RunsStiffStatesWithTheirOwnSteps) {
   EXPECT_NEAR(found.own[2], 0.2, 0.02);
   EXPECT_NEAR(found.own[3], 0.4, 0.04);
   EXPECT_EQ(found.own[4], 0.4);
+}
+
+/// The fastest of many states is too fast for one step to a sample: its numbers grow beyond all squares and stay
+/// finite.
+TEST(Proposer, RunsManyStatesWithStepsThatAreStable) {
+  constexpr int count = 6;
+  const auto rate_of = [](int i) { return 27.8 * std::pow(2.0, i + 1 - count); };  // the fastest a little too fast
+  truth::Law law;
+  law.states = count;
+  law.force = [](double, double, double, const double* z) { return 0.3 * std::accumulate(z, z + count, 0.0); };
+  law.rate = [=](double, double, double v, const double* z, double* rate) {
+    for (int i = 0; i < count; ++i) rate[i] = v - rate_of(i) * z[i];
+  };
+  const Case relaxations(law);
+  Pool& pool = *relaxations.model.pool;
+  std::vector<InternalState> states;
+  for (int i = 0; i < count; ++i) {
+    const Expr z = pool.state("z" + std::to_string(i));
+    states.push_back({z, pool.channel("v") - pool.constant(rate_of(i)) * z, 0, {}, {}});
+  }
+  Effect effect = testing::entry(pool, "relaxations", "q*(z0 + z1 + z2 + z3 + z4 + z5)", {testing::row("q")});
+  effect.states = std::move(states);
+  Shape shape;
+  const Standing found = relaxations.best(effect, shape);
+  ASSERT_EQ(found.own.size(), 1);
+  EXPECT_TRUE(found.shown);
+  EXPECT_GT(found.substeps, 1);
+  EXPECT_NEAR(found.own[0], 0.3, 0.03);
 }
 
 /// What a baseline cannot have is no company for a guess: the fit would begin at the bound, with the rest as it was
