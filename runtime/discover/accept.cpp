@@ -83,14 +83,26 @@ Channel no_force(const std::string& name, const Record& record) {
   return force;
 }
 
+/// To half from the first quarter to the last, or by a tenth and never up from one eighth to the next.
+bool falls(std::span<const double> y) {
+  const std::size_t quarter = y.size() / 4, eighth = y.size() / 8;
+  const double first = standard_deviation(y.first(quarter)), last = standard_deviation(y.last(quarter));
+  if (last < 0.5 * first) return true;
+  double before = INFINITY;
+  for (std::size_t at = 0; at + eighth <= y.size(); at += eighth) {
+    const double now = standard_deviation(y.subspan(at, eighth));
+    if (!(now < before)) return false;
+    before = now;
+  }
+  return last < 0.9 * first;
+}
+
 bool dies_away(const Study& study, const Record& record) {
   if (record.rows() < 30) return false;
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string channel = measured_channel(record, suffix_of(study, i));
     if (!record.has(channel)) return false;
-    const auto y = record[channel];
-    const std::size_t quarter = y.size() / 4;
-    if (!(standard_deviation(y.last(quarter)) < 0.5 * standard_deviation(y.first(quarter)))) return false;
+    if (!falls(record[channel])) return false;
   }
   return true;
 }

@@ -18,9 +18,9 @@ using testing::record_of;
 using testing::small_catalogue;
 
 /// A free decay of the truth (k = 1, zeta = 0.02, k3 = 0.1) from x0, 1 % noise; y alone, in `unit`.
-Record decay(double x0, std::uint64_t seed, const std::string& unit) {
+Record decay(double x0, std::uint64_t seed, const std::string& unit, double zeta = 0.02) {
   truth::Physics physics;
-  physics.zeta = 0.02;
+  physics.zeta = zeta;
   physics.k3 = 0.1;
   const double spacing = 2 * M_PI / 30;
   truth::Motion motion = truth::integrate(physics, truth::none(), 0, {x0, 0, 0}, 700, spacing, 24);
@@ -42,6 +42,16 @@ TEST(DiscoveryTakes, AFreeDecayWithoutAForceInOtherUnits) {
   EXPECT_NEAR(k3.value, 0.1, 4 * k3.std);
   EXPECT_EQ(k3.unit, "N m/rad^3");  // no force, but an angle: moments
   EXPECT_GE(d.naming.of("cubic_stiffness"), 90);
+}
+
+/// Of a light damping half of the motion is left at the end; what never grows is a decay all the same.
+TEST(DiscoveryTakes, AFreeDecayOfLightDamping) {
+  const Model model = baseline("k*y + c*v", 1);
+  const Discovery d =
+      discover(model, small_catalogue(*model.pool), {decay(2, 1, "m", 0.003)}, {decay(1.4, 2, "m", 0.003)});
+  EXPECT_TRUE(testing::warns(d, "decay 1 has no force and its motion dies away: taken for a free decay, F = 0"));
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
 }
 
 /// A cubic spring and Coulomb friction that hold the mass fast after two periods: 40 rows of motion before 1500 of
