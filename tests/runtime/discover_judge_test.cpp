@@ -176,8 +176,9 @@ TEST(Judge, KeepsBothWhereTheyDifferByLittle) {
 }
 
 /// The verdict on names whose free run leaves these parts of the training and of the test motion, where the baseline
-/// left 1.25 of this.
-std::string verdict_on(int names, double train, double test, double floor, bool leaves_a_force = false) {
+/// left this part.
+std::string verdict_on(int names, double train, double test, double floor, bool leaves_a_force = false,
+                       double baseline = 1.25) {
   DiscoverOptions options;
   Study study;
   study.options = &options;
@@ -195,7 +196,7 @@ std::string verdict_on(int names, double train, double test, double floor, bool 
   before.rows = after.rows = 1000;
   before.variance = after.variance = 1;
   before.floor_squares = after.floor_squares = floor * floor;
-  before.squares = 1.25 * 1.25;
+  before.squares = baseline * baseline;
   after.squares = test * test;
   return refuted(study, round, 0.001, {before}, {after});
 }
@@ -203,6 +204,9 @@ std::string verdict_on(int names, double train, double test, double floor, bool 
 TEST(Verdict, AsksMoreOfSeveralNamesThanOfOne) {
   EXPECT_EQ(verdict_on(1, 0.18, 0.19, 0.01), "");
   EXPECT_EQ(verdict_on(2, 0.18, 0.19, 0.01), "left much of the gap on the test record open");
+  EXPECT_EQ(verdict_on(1, 0.1, 0.1, 0.01, false, 0.37), "");  // 93 % of the excess closed
+  EXPECT_EQ(verdict_on(2, 0.1, 0.1, 0.01, false, 0.37), "left much of the gap on the test record open");
+  EXPECT_EQ(verdict_on(2, 0.1, 0.1, 0.01, false, 0.5), "");
 }
 
 TEST(Verdict, TakesNoNameBackForASmallForceBesideThoseThatCloseNearlyAll) {
