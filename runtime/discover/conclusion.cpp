@@ -192,7 +192,8 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
                   100 * std::clamp(share, 0.0, 1.0));
     char open[60] = "";
     if (last.floor > 0 && last.value > 1.5 * last.floor)
-      std::snprintf(open, sizeof open, " (%.2g times what noise alone leaves stays open)", last.value / last.floor);
+      std::snprintf(open, sizeof open, " (%.*f times what noise alone leaves stays open)",
+                    last.value < 10 * last.floor ? 1 : 0, last.value / last.floor);
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
