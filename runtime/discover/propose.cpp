@@ -190,8 +190,6 @@ Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
   return receptance_.motion_of(force, data_, degrees_);
 }
 
-/// With so many substeps that twice as many say the same: states that follow at once are stiff along a given motion.
-/// Those of many states are taken with one, their slopes with two.
 namespace {
 
 constexpr int most_substeps = 8;
@@ -215,6 +213,8 @@ int substeps_over(const Record& piece, const System& system, const Eigen::Vector
 
 }  // namespace
 
+/// With so many substeps that twice as many say the same: states that follow at once are stiff along a given motion. Of
+/// many states a piece of the first record says how many.
 int Proposer::evaluate(const System& system, const Eigen::VectorXd& theta, Eigen::VectorXd& force) const {
   constexpr Eigen::Index piece = 256;  // rows: the whole of many states costs more than one run is worth
   const bool many = many_states(system.model().states.size()), once = many || system.model().states.empty();

@@ -314,17 +314,16 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (!surely_lowers(study, p_value, before, after)) return "did not lower the gap on the test record";
   // Far above the floor with a good part of the motion still open, of several names a smaller one: they patch
   // something else.
-  const auto count = static_cast<double>(std::max<std::size_t>(1, round.found.chosen.choices.size()));
-  const double part = 0.2 / count;
+  const std::size_t names = round.found.chosen.choices.size();
+  const double part = 0.2 / static_cast<double>(names);
   const bool far =
       leaves_motion_open(study, last) && last.value - last.floor > part * (at_most_all(first.value) - last.floor);
   const double closed = closed_share(first.value, last.value, last.floor);
-  if (far || (last.value > 3 * last.floor && closed < 1 - 0.1 / count) ||
+  if (far || (last.value > 3 * last.floor && closed < 1 - 0.5 * part) ||
       (last.value > 1.5 * last.floor && closed < 0.5))
     return "left much of the gap on the test record open";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
   // all that is above the floor counts.
-  const std::size_t names = round.found.chosen.choices.size();
   const double at_the_floor =
       names > 2 ? std::max(1.1 * last.floor, last.floor + 3 * last.floor_std) : 1.5 * last.floor;
   const bool follows_a_curve = springs_among(round.found.chosen.choices) > 1 && left.material;

@@ -175,6 +175,17 @@ TEST(Judge, KeepsBothWhereTheyDifferByLittle) {
   EXPECT_FALSE(fits_worse(c.study, c.other, c.best));
 }
 
+/// Whether names stand where the baseline leaves a part of the test motion, they another, and noise alone the floor.
+std::string refuted_on(const Study& study, const Round& round, double baseline, double test, double floor) {
+  FreeRun before, after;
+  before.rows = after.rows = 1000;
+  before.variance = after.variance = 1;
+  before.floor_squares = after.floor_squares = floor * floor;
+  before.squares = baseline * baseline;
+  after.squares = test * test;
+  return refuted(study, round, 0.001, {before}, {after});
+}
+
 /// The verdict on names whose free run leaves these parts of the training and of the test motion, where the baseline
 /// left this part.
 std::string verdict_on(int names, double train, double test, double floor, bool leaves_a_force = false,
@@ -192,13 +203,7 @@ std::string verdict_on(int names, double train, double test, double floor, bool 
   round.left.gap.floor = floor;
   round.left.seen = round.left.material = round.left.whole = leaves_a_force;
   round.left.closure.system = compile(study, complete(testing::baseline("k*y", 1)), {}).system;
-  FreeRun before, after;
-  before.rows = after.rows = 1000;
-  before.variance = after.variance = 1;
-  before.floor_squares = after.floor_squares = floor * floor;
-  before.squares = baseline * baseline;
-  after.squares = test * test;
-  return refuted(study, round, 0.001, {before}, {after});
+  return refuted_on(study, round, baseline, test, floor);
 }
 
 TEST(Verdict, AsksMoreOfSeveralNamesThanOfOne) {
@@ -241,13 +246,7 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
     round.found.chosen.choices.push_back({&catalogue[0], 0});
     round.left.gap.value = round.left.gap.floor = 0.02;
     round.left.material = material;
-    FreeRun before, after;
-    before.rows = after.rows = 1000;
-    before.variance = after.variance = 1;
-    before.floor_squares = after.floor_squares = 0.02 * 0.02;
-    before.squares = 1;
-    after.squares = test * test;
-    return refuted(study, round, 0.001, {before}, {after});
+    return refuted_on(study, round, 1, test, 0.02);
   };
   EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
   EXPECT_EQ(feeds(-3.1, 2, 0.035, "k*y + c*v"), "");
@@ -281,13 +280,7 @@ TEST(Verdict, TakesBackAFrictionThatDrivesTheMotion) {
     round.found.chosen.fit.theta = Eigen::Vector2d(1, Fc);
     round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
     round.left.gap.value = round.left.gap.floor = 0.02;
-    FreeRun before, after;
-    before.rows = after.rows = 1000;
-    before.variance = after.variance = 1;
-    before.floor_squares = after.floor_squares = 0.02 * 0.02;
-    before.squares = 1;
-    after.squares = test * test;
-    return refuted(study, round, 0.001, {before}, {after});
+    return refuted_on(study, round, 1, test, 0.02);
   };
   EXPECT_EQ(with_friction(-0.1, 0.035), "left something open, and has a friction that drives the motion");
   EXPECT_EQ(with_friction(0.1, 0.035), "");
@@ -350,13 +343,7 @@ TEST(Verdict, TakesTwoSpringsBackThatLeaveARepeatableForceHoweverMuchTheyClose) 
     round.left.gap.value = 0.02;
     round.left.gap.floor = 0.003;
     round.left.seen = round.left.material = round.left.whole = repeatable;
-    FreeRun before, after;
-    before.rows = after.rows = 1000;
-    before.variance = after.variance = 1;
-    before.floor_squares = after.floor_squares = 0.003 * 0.003;
-    before.squares = 0.6 * 0.6;
-    after.squares = 0.02 * 0.02;
-    return refuted(study, round, 0.001, {before}, {after});
+    return refuted_on(study, round, 0.6, 0.02, 0.003);
   };
   EXPECT_EQ(judged(gap, true), "left a force that is repeatable");
   EXPECT_EQ(judged(gap, false), "");
