@@ -101,12 +101,7 @@ template <class Read>
 auto call_entry(const Reference& function, const std::string& effect, const char* field, const RecordScales& scales,
                 int variant, Read read) {
   lua_State* L = function.state();
-  const int top = lua_gettop(L);
-  struct Restore {
-    lua_State* L;
-    int top;
-    ~Restore() { lua_settop(L, top); }
-  } restore{L, top};
+  const StackTop restore(L);
   function.push();
   push_scales(L, scales);
   lua_pushinteger(L, variant + 1);
@@ -239,13 +234,41 @@ void set_rows(lua_State* L, const char* field, const Eigen::MatrixXd& values) {
 
 namespace {
 
+/// `function({ name =, gap =, model = })` at `index`: whether a set may be named.
+std::function<bool(const FittedSet&)> read_criterion(lua_State* L, int index) {
+  if (lua_getfield(L, index, "criterion") == LUA_TNIL) {
+    lua_pop(L, 1);
+    return {};
+  }
+  return [function = std::make_shared<const Reference>(L)](const FittedSet& set) {
+    lua_State* state = function->state();
+    const StackTop restore(state);
+    function->push();
+    lua_newtable(state);
+    set_text(state, "name", set.name);
+    set_number(state, "gap", set.gap);
+    push<Model>(state, set.model);
+    lua_setfield(state, -2, "model");
+    const bool good = lua_pcall(state, 1, 1, 0) == LUA_OK;
+    const std::string where = "discover: criterion: of " + set.name + ": ";
+    if (!good) {
+      const char* said = lua_tostring(state, -1);
+      throw InputError(where + (said ? said : describe(state, -1)));
+    }
+    if (!lua_isnil(state, -1) && !lua_isboolean(state, -1))
+      throw InputError(where + "expected the function to return true or false, got " + describe(state, -1));
+    return lua_isnil(state, -1) || lua_toboolean(state, -1) != 0;
+  };
+}
+
 /// discover(model, {effects}, {train records}, {test records}, options)
 int run_discovery(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> train = read_records(L, 3), test = read_records(L, 4);
   check_table(L, 5);
-  const DiscoverOptions options = read_discover_options(L, 5);
+  DiscoverOptions options = read_discover_options(L, 5);
+  options.criterion = read_criterion(L, 5);
   const ProgressLine line;
   push<Discovery>(L, discover(model, catalogue, train, test, options));
   return 1;

@@ -64,14 +64,6 @@ class LuaFunction final : public ExternalFunction {
   }
 
  private:
-  /// Restores the stack, whatever comes.
-  struct Stack {
-    explicit Stack(lua_State* L) : L(L), top(lua_gettop(L)) {}
-    ~Stack() { lua_settop(L, top); }
-    lua_State* L;
-    int top;
-  };
-
   [[noreturn]] void refuse(const char* field, const double* x, const std::string& got, int expected) const {
     throw located(std::string(field) + ": expected " +
                       (expected == 1 ? "a number" : std::to_string(expected) + " numbers") + ", got " + got + " at " +
@@ -84,7 +76,7 @@ class LuaFunction final : public ExternalFunction {
       throw located("was called by another thread than that of the study, which alone may run Lua", words(), place_);
     Runtime& owner = runtime(L_);
     if (owner.cancelled()) throw InputError("interrupted", {}, Fault::interrupted);
-    const Stack stack(L_);
+    const StackTop restore(L_);
     if (!lua_checkstack(L_, arity() + 4)) throw located("too many calls inside one another", words(), place_);
     lua_rawgeti(L_, LUA_REGISTRYINDEX, reference);
     for (int i = 0; i < arity(); ++i) lua_pushnumber(L_, x[i]);
@@ -94,11 +86,11 @@ class LuaFunction final : public ExternalFunction {
       if (owner.cancelled()) throw InputError("interrupted", {}, Fault::interrupted);
       throw located(lua_type(L_, -1) == LUA_TSTRING ? lua_tostring(L_, -1) : describe(L_, -1), words(), place_);
     }
-    const int count = lua_gettop(L_) - stack.top;
+    const int count = lua_gettop(L_) - restore.top();
     if (count != expected)
       refuse(field, x, count == 0 ? "nothing" : std::to_string(count) + (count == 1 ? " value" : " values"), expected);
     for (int i = 0; i < expected; ++i) {
-      const int at = stack.top + 1 + i;
+      const int at = restore.top() + 1 + i;
       if (lua_type(L_, at) != LUA_TNUMBER) refuse(field, x, describe(L_, at), expected);
       results[i] = lua_tonumber(L_, at);
       if (std::isnan(results[i])) refuse(field, x, "what is not a number (nan)", expected);

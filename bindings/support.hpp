@@ -19,6 +19,20 @@ class Runtime;
 /// The Runtime that owns this state.
 Runtime& runtime(lua_State* L);
 
+/// Sets the stack back to its height of now, whatever comes.
+class StackTop {
+ public:
+  explicit StackTop(lua_State* L) : L_(L), top_(lua_gettop(L)) {}
+  ~StackTop() { lua_settop(L_, top_); }
+  StackTop(const StackTop&) = delete;
+  StackTop& operator=(const StackTop&) = delete;
+  int top() const { return top_; }
+
+ private:
+  lua_State* L_;
+  int top_;
+};
+
 /// How a bound type is called: `key` is its metatable's name in the registry, `words` what messages say ("a record").
 /// Specialised beside each type in types.hpp.
 template <class T>

@@ -59,6 +59,8 @@ local definition = {
     { "max_effects", types.integer { min = 1, max = 20 }, default = 4, help = "named one after another" },
     { "blocks", types.integer { min = 3, max = 100 }, default = 6, help = "left-out blocks of the training records" },
     { "holdout", types.number { above = 0, max = 0.9 }, default = 0.3, help = "part held out when no test is given" },
+    { "criterion", types.callable, help = "function(set) of your own: false keeps it from being named; a set has name, gap (of its "
+        .. "fit) and model, as those of `lunid.rank`" },
     { "out", types.string, help = "folder for report, model, JSON and figures, below the run's out directory" },
   },
   returns = "discovery",

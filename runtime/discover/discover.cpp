@@ -56,7 +56,7 @@ class Spine {
     conclude(
         study_, catalogue_, round, runs, tried_,
         [this](const std::string& stage, double fraction) { progress(stage, fraction); }, out_);
-    warn_of_untried(round.found);
+    say_what_was_left_aside(round.found);
     progress("done", 1.0);
     return std::move(out_);
   }
@@ -282,12 +282,22 @@ class Spine {
     return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
   }
 
-  void warn_of_untried(const SearchResult& found) {
-    std::string list;
-    for (const auto& name : found.grown.left_aside) list += (list.empty() ? "" : ", ") + name;
-    if (!list.empty())
-      out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " + list);
+  void say_what_was_left_aside(const SearchResult& found) {
+    const auto list_of = [](std::span<const std::string> names) {
+      std::string list;
+      for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
+      return list;
+    };
+    if (!found.grown.left_aside.empty())
+      out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " +
+                              list_of(found.grown.left_aside));
     if (!untested_.empty()) out_.warnings.push_back(untested_);
+    constexpr std::size_t shown = 5;
+    const std::span<const std::string> refused = found.refused;
+    if (refused.empty()) return;
+    const std::size_t more = refused.size() - std::min(shown, refused.size());
+    out_.warnings.push_back("refused by the criterion: " + list_of(refused.first(refused.size() - more)) +
+                            (more > 0 ? " and " + std::to_string(more) + " more" : ""));
   }
 
   const DiscoverOptions& options_;
@@ -339,7 +349,13 @@ Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, 
   check_baseline(frame.model());
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<Effect> entries = frame.seen(catalogue);
-  Discovery out = frame.as_given(Spine(frame.model(), entries, frame.seen(train), frame.seen(test), options).run());
+  DiscoverOptions seen = options;
+  if (options.criterion)
+    seen.criterion = [&](FittedSet set) {
+      set.model = frame.as_given(set.model);
+      return options.criterion(set);
+    };
+  Discovery out = frame.as_given(Spine(frame.model(), entries, frame.seen(train), frame.seen(test), seen).run());
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

@@ -19,6 +19,13 @@ enum class Verdict { explained, nothing_missing, ambiguous, unknown_effect };
 /// As everybody sees it: "nothing-missing", ...
 const char* to_string(Verdict verdict);
 
+/// A fitted set of effects, as a criterion of the user's own sees it.
+struct FittedSet {
+  std::string name;  ///< "coulomb_friction + constant_force"
+  double gap = 0;    ///< of its fit to the training records
+  Model model;       ///< as it was fitted
+};
+
 struct DiscoverOptions {
   double alpha = 0.01;         ///< false-alarm level of the whole search, 0 < alpha < 0.5
   double minimum_gain = 0.05;  ///< least relative drop of the left-out gap for which an effect is named, 0..1
@@ -29,6 +36,9 @@ struct DiscoverOptions {
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
   std::function<void(const std::string& stage, double fraction)> progress;
+  /// Of the user's own, asked from the thread that calls discover(): false for a set that is never to be named. What
+  /// it throws ends the search. Empty: none.
+  std::function<bool(const FittedSet& set)> criterion;
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.

@@ -208,6 +208,7 @@ class OnTest {
   void take_back(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
     if (leave_the_common(tested, round, fault, stand)) return;
     SearchResult& found = round.found;
+    while (stand > 0 && !may_be_named(study_, found.steps[stand - 1].model)) --stand;
     const std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));
     // Where the model follows the training records, these lack what the test record shows; else it lacks it anyway.
     const bool followed = round.left.gap.value < 1.5 * round.left.gap.floor;

@@ -50,8 +50,17 @@ class Search {
     for (std::size_t i = first; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
   }
 
+  /// Remembers what the user's criterion refuses.
+  bool may_be_named(const Candidate& c) {
+    const bool may = lunid::may_be_named(study_, c);
+    const std::string name = c.name();
+    if (!may && std::ranges::find(result_.refused, name) == result_.refused.end()) result_.refused.push_back(name);
+    return may;
+  }
+
   void decide() {
-    const auto& sets = result_.grown.sets;
+    auto& sets = result_.grown.sets;
+    std::erase_if(sets, [&](const Candidate& c) { return !may_be_named(c); });
     const Candidate& baseline = result_.baseline;
     const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
     result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
@@ -63,7 +72,7 @@ class Search {
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
-    std::erase_if(field, [](const Candidate& c) { return c.degenerate(); });
+    std::erase_if(field, [&](const Candidate& c) { return c.degenerate() || !may_be_named(c); });
     if (field.empty()) {
       run_left_out(study_, result_.baseline);
       result_.chosen = result_.baseline;
@@ -126,7 +135,7 @@ class Search {
 
   /// Where a fault of a channel alone does what an effect of a larger set does alone, it is heard in that one's place
   /// too: constant_force beside another effect may be the displacement's offset. By value: the field grows.
-  void hear_faults_in_place(Candidate whole, std::vector<Candidate>& field) const {
+  void hear_faults_in_place(Candidate whole, std::vector<Candidate>& field) {
     constexpr double alike = 0.05;  // in squared error
     if (whole.choices.size() < 2) return;
     for (const Candidate& physics : result_.grown.sets) {
@@ -141,7 +150,7 @@ class Search {
   }
 
   /// A set that was part of a larger one may do with a simpler form of an entry, which the larger one did not.
-  void hear_special_cases(const Candidate& whole, std::vector<Candidate>& field) const {
+  void hear_special_cases(const Candidate& whole, std::vector<Candidate>& field) {
     const auto& sets = result_.grown.sets;
     for (const Choice& old : whole.choices)
       for (const Candidate& alone : sets) {
@@ -154,7 +163,7 @@ class Search {
 
   /// `as_in`: the fitted set from which `other` has its values.
   void hear_in_place(const Choice& old, const Choice& other, const Candidate& as_in, const Candidate& whole,
-                     std::vector<Candidate>& field) const {
+                     std::vector<Candidate>& field) {
     Choices set = whole.choices;
     std::erase(set, old);
     if (holds(set, other.effect) || !goes_with(set, other)) return;
@@ -163,7 +172,7 @@ class Search {
     Candidate c = compile(study_, model_, set);
     c.starts = {values_of(c, {&as_in, &whole})};
     c.fit = fit_near(study_, c, c.starts.front(), 20, whole.fit.substeps);
-    if (c.ran() && !c.degenerate()) field.push_back(std::move(c));
+    if (c.ran() && !c.degenerate() && may_be_named(c)) field.push_back(std::move(c));
   }
 
   /// The best single effect at the other places where it was fitted.
@@ -248,7 +257,7 @@ class Search {
       judge_from(judged, field);
       if (std::optional<Candidate> simpler = simpler_than(field, chosen)) chosen = std::move(*simpler);
     }
-    if (!chosen.choices.empty() && !explains_most(chosen)) chosen = result_.baseline;
+    if (!chosen.choices.empty() && (!explains_most(chosen) || !may_be_named(chosen))) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
     if (named) order_steps(field, chosen);
     if (named) {
@@ -523,6 +532,12 @@ class Search {
 };
 
 }  // namespace
+
+bool may_be_named(const Study& study, const Candidate& c) {
+  const auto& criterion = study.options->criterion;
+  if (!criterion || c.choices.empty() || !c.ran()) return true;
+  return criterion({c.name(), rms_error(c.fit) / study.measured_std(), fitted(study, c)});
+}
 
 const Beaten* same_force_before(const std::vector<Beaten>& rivals, std::size_t i) {
   for (std::size_t j = 0; j < i; ++j)

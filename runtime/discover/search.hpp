@@ -39,6 +39,7 @@ struct SearchResult {
   std::vector<Beaten> rivals;        ///< best first
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
+  std::vector<std::string> refused;  ///< sets that the user's criterion refused, best first
   std::vector<std::string> as_read;  ///< sets that are no better than a force that is read otherwise (between_samples)
   /// Where nothing is named: the single effect that lowers the left-out gap beyond chance, by less than the least gain.
   std::optional<Candidate> faint;
@@ -46,6 +47,9 @@ struct SearchResult {
   /// named; else empty.
   std::string reading;
 };
+
+/// Whether the user's criterion (DiscoverOptions) lets a set stand; true where there is none.
+bool may_be_named(const Study& study, const Candidate& c);
 
 /// Searches the catalogue for what `baseline` (fitted) lacks. `known`: what a search of a part of this catalogue has
 /// grown on the same study. Changes the pool: main thread only; fits run on threads.

@@ -17,14 +17,18 @@ constexpr const char* mend_time =
     "; delete the rows that are out of order, or where all are evenly spaced give their rate in place of the time: "
     "rate = HZ (--rate HZ)";
 
-/// Least-squares line t = t0 + i*dt.
-TimeBase fit_line(std::span<const double> t) {
-  const double n = static_cast<double>(t.size()), centre = (n - 1) / 2;
-  double mean = 0, slope = 0;
-  for (double value : t) mean += (value - t[0]) / n;
-  for (std::size_t i = 0; i < t.size(); ++i) slope += (static_cast<double>(i) - centre) * (t[i] - t[0] - mean);
-  slope /= n * (n * n - 1) / 12;
-  return {t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(t.size()), false};
+/// Least-squares line t[i] = t0 + row(i)*dt; the last row is row(t.size() - 1).
+template <class Row>
+TimeBase fit_line(std::span<const double> t, const Row& row) {
+  const double n = static_cast<double>(t.size());
+  double centre = 0, mean = 0, square = 0, moment = 0;
+  for (std::size_t i = 0; i < t.size(); ++i) centre += row(i) / n, mean += (t[i] - t[0]) / n;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    square += (row(i) - centre) * (row(i) - centre);
+    moment += (row(i) - centre) * (t[i] - t[0] - mean);
+  }
+  const double dt = moment / square;
+  return {t[0] + mean - dt * centre, dt, static_cast<Eigen::Index>(row(t.size() - 1)) + 1, false};
 }
 
 struct Deviation {
@@ -123,17 +127,9 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
 std::optional<TimeBase> even_base_with_gaps(std::span<const double> t, std::span<const double> resolution,
                                             double step) {
   std::vector<Corner> all{{0, t[0], half_of(t[0], resolution[0])}};
-  double centre = 0, mean = 0, square = 0, moment = 0;
   for (std::size_t i = 1; i < t.size(); ++i)
     all.push_back({all.back().row + std::round((t[i] - t[i - 1]) / step), t[i], half_of(t[i], resolution[i])});
-  const double n = static_cast<double>(t.size());
-  for (const Corner& c : all) centre += c.row / n, mean += (c.t - t[0]) / n;
-  for (const Corner& c : all) {
-    square += (c.row - centre) * (c.row - centre);
-    moment += (c.row - centre) * (c.t - t[0] - mean);
-  }
-  const double slope = moment / square;
-  const TimeBase line{t[0] + mean - slope * centre, slope, static_cast<Eigen::Index>(all.back().row) + 1, false};
+  const TimeBase line = fit_line(t, [&](std::size_t i) { return all[i].row; });
   return even_base(t[0], all, all, resolution.back(), line);
 }
 
@@ -146,7 +142,7 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
   for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
   const double step = middle_value(steps);
 
-  const TimeBase line = fit_line(t);
+  const TimeBase line = fit_line(t, [](std::size_t i) { return static_cast<double>(i); });
   const Deviation found = deviation(t, line);
   // Stamps as coarse as the step: a lone 0 or 2 steps is a repeated or lost row. Four or more that all lie on
   // one line are rounding: lost rows would have to be evenly spaced.

@@ -1376,6 +1376,7 @@ function lunid.thesis_validation(fields) end
 ---@field max_effects? integer # named one after another
 ---@field blocks? integer # left-out blocks of the training records
 ---@field holdout? number # part held out when no test is given
+---@field criterion? function # function(set) of your own: false keeps it from being named; a set has name, gap (of its fit) and model, as those of `lunid.rank`
 ---@field out? string # folder for report, model, JSON and figures, below the run's out directory
 ---@param fields lunid.discover.fields
 ---@return lunid.discovery

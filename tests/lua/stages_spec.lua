@@ -58,6 +58,31 @@ spec.case("rank: sets by their left-out gap; a criterion may reject and order th
   spec.contains(tostring(chosen), "rejected by the criterion")
 end)
 
+spec.case("discover: what a criterion of one's own refuses is not named, in no set, and said", function()
+  local asked = {}
+  local found = lunid.discover { model = baseline, train = train, test = lunid.read "../data/spring_sweep.csv",
+    catalogue = { "cubic_stiffness", "quadratic_stiffness", "coulomb_friction" },
+    criterion = function(set)
+      asked[set.name] = set
+      local k3 = set.model.parameters.cubic_stiffness_k3
+      return not k3 or k3.value < 0
+    end }
+  assert(asked.cubic_stiffness and asked.cubic_stiffness.gap < 0.05, "the cubic spring was not asked about")
+  spec.near(asked.cubic_stiffness.model.parameters.cubic_stiffness_k3.value/1.161e10, 1, 0.02)
+  spec.equal(found.verdict, "unknown-effect")
+  spec.equal(spec.names_of(found), "")
+  for _, rival in ipairs(found.rivals) do assert(not rival.name:match "cubic", rival.name) end
+  spec.contains(table.concat(found.warnings, "\n"), "refused by the criterion: cubic_stiffness")
+  local function discover_by(criterion)
+    return spec.message_of(function()
+      lunid.discover { model = baseline, train = train, catalogue = { "cubic_stiffness" }, criterion = criterion }
+    end)
+  end
+  spec.equal(discover_by(function() return 1 end),
+    "discover: criterion: of cubic_stiffness: expected the function to return true or false, got 1")
+  spec.contains(discover_by(function(set) return set.gaps < 1 end), "attempt to compare nil with number")
+end)
+
 spec.case("stages say what is wrong with their fields", function()
   spec.equal(spec.message_of(function() lunid.rank { model = baseline, record = train, sets = { "cubic_stifness" } } end),
     "rank: sets: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
