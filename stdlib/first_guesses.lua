@@ -2,9 +2,13 @@
 -- are read off a record.
 local first_guesses = {}
 
---- What a record of a rig of 1 kg on 1 N/m says that swings by 1 m at 1 rad/s, over 20 periods of 128 rows.
+--- Periods of the record below, and rows of each.
+first_guesses.periods, first_guesses.rows = 20, 128
+
+--- What a record of a rig of 1 kg on 1 N/m says that swings by 1 m at 1 rad/s.
 first_guesses.rig = { y_max = 1, y_min = -1, y_std = 0.7, v_max = 1, v_std = 0.7, shown_max = 1, shown_min = -1, shown_std = 0.7,
-  force_std = 0.7, residual_std = 0.7, omega = 1, stiffness = 1, interval = 2*math.pi/128, duration = 40*math.pi,
+  force_std = 0.7, residual_std = 0.7, omega = 1, stiffness = 1, interval = 2*math.pi/first_guesses.rows,
+  duration = 2*math.pi*first_guesses.periods,
   lines = { 3 }, modulations = { 2 } }
 
 --- Its scales; what is looked at is remembered in `seen`.

@@ -3,12 +3,12 @@ local core = require "lunid.core"
 local element = require "lunid.element"
 local models = require "lunid.models"
 local record_of = require("lunid.records").record
-local unit_scale = require("lunid.first_guesses").rig
+local first_guesses = require "lunid.first_guesses"
 
 local loop_plot = {}
 
 local across, down = 41, 11     -- characters
-local cycles, rows = 20, 128    -- periods, rows of each
+local unit_scale, cycles, rows = first_guesses.rig, first_guesses.periods, first_guesses.rows
 
 --- Values of entries whose guesses show little of what they are.
 local telling = {

@@ -518,10 +518,10 @@ class Search {
     if (!not_rejected(study_, chosen, c, result_.grown.tried))
       return "fits better, but not all of its effects earn their place";
     if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
-      return "not better by what its extra parameters cost";
-    const std::string times = number(rms_error(c.fit) / rms_error(chosen.fit), 3);
-    return (fits_worse(study_, c, chosen) ? "fits worse: leaves " : "fits no better: leaves ") + times +
-           " times as much";
+      return "likelier than " + chosen.name() + " by less than its extra parameters cost";
+    const double times = rms_error(c.fit) / rms_error(chosen.fit);
+    return (fits_worse(study_, c, chosen) ? "fits worse: leaves " : "fits no better beyond chance: leaves ") +
+           number(times, 3) + " times what " + chosen.name() + " leaves";
   }
 
   const Study& study_;
