@@ -52,10 +52,6 @@ class Problem {
     run_options_.solver = options.solver == Solver::automatic ? Solver::fixed : options.solver;
     run_options_.substeps = substeps;
     run_options_.cancelled = options.cancelled;
-    // A motion that chatters between its samples is not what was measured; it would be followed for minutes.
-    Eigen::Index longest = 0;
-    for (const FitData& d : data) longest = std::max(longest, d.record.rows());
-    run_options_.max_events = static_cast<int>(std::min<Eigen::Index>(1000 + longest, run_options_.max_events));
     for (const FitData& d : data) outputs_.push_back(outputs_of(system.model(), d.record, options.channels));
   }
 
@@ -183,6 +179,7 @@ class Problem {
       if (!error.allFinite()) return fail(normal, "the model's force is not finite");
       return true;
     }
+    limit_events(segment.count);
     const std::vector<Output>& outputs = outputs_[static_cast<std::size_t>(segment.record)];
     if (derivatives) {
       std::vector<int> wanted;
@@ -212,6 +209,15 @@ class Problem {
       error = difference(data.record, segment, outputs, parameters, r);
     }
     return true;
+  }
+
+  /// A motion that chatters between its samples is not what was measured; it would be followed for minutes. Of a run
+  /// of so many rows: each switch twice a row, and no more than one a row in a long one.
+  void limit_events(Eigen::Index rows) {
+    const auto switches =
+        static_cast<Eigen::Index>(system_.dynamics().surfaces.size() + system_.dynamics().bounds.size());
+    const Eigen::Index most = std::min(100 + 2 * rows * switches, 1000 + rows);
+    run_options_.max_events = static_cast<int>(std::min<Eigen::Index>(most, SimulateOptions().max_events));
   }
 
   /// Measured - model, weighted, channel after channel.
