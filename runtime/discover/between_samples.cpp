@@ -7,6 +7,7 @@
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
+#include "discover/proposal_fits.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -57,6 +58,31 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
   }
   read(best);
   return 1 - cost / first;
+}
+
+double part_above_noise(const Study& study, const Candidate& model) {
+  return 1 - std::pow(study.sensor_noise() / rms_error(model.fit), 2);
+}
+
+std::optional<BetweenSamples> far_better_reading(const Study& study, const Candidate& model) {
+  constexpr std::array smooth_kinds{Interpolation::linear, Interpolation::cubic, Interpolation::band_limited};
+  constexpr double least = 0.1, part_of_what_is_open = 0.5;  // of the squared error
+  if (study.imposed || study.between.kind == Interpolation::hold || !force_varies(study)) return {};
+  std::optional<BetweenSamples> best;
+  const double first = squared_error(model.fit);
+  double cost = first * (1 - std::max(least, part_of_what_is_open * part_above_noise(study, model)));
+  Study other = study;
+  for (const Interpolation kind : smooth_kinds) {
+    if (kind == study.between.kind) continue;
+    read_force(other, {kind, study.between.alike});
+    // Short runs first: where small differences grow, the present values are no start under another reading.
+    const FitResult fit =
+        fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 40, 1e-4, model.fit.substeps));
+    if (!(squared_error(fit) < cost)) continue;
+    cost = squared_error(fit);
+    best = other.between;
+  }
+  return best;
 }
 
 namespace {

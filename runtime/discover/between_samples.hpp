@@ -29,6 +29,14 @@ using ReadForce = std::function<const Study&(BetweenSamples)>;
 /// drop of the squared error.
 double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read);
 
+/// Part of a model's squared error that is not the sensor's noise.
+double part_above_noise(const Study& study, const Candidate& model);
+
+/// The reading under which a model that follows the motion nearly, but not down to the noise, leaves far less: a search
+/// that goes on would patch the wrong one with ever more names. Not a held force, in place of another or the other way
+/// round: it comes half a sample late, which an effect of its own may do.
+std::optional<BetweenSamples> far_better_reading(const Study& study, const Candidate& model);
+
 /// A part of the force that a controller holds while the rest goes on: held less straight, -kappa y - delta v is to
 /// second order in the sampling interval dt the force kappa dt/2 v + (delta dt/2 + kappa dt^2/12) a. As an entry it is
 /// a change of the mass of either sign, by (omega dt)^2/12 + omega dt/10 at most (kappa up to the stiffness that holds

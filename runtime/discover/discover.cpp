@@ -174,11 +174,18 @@ class Spine {
       progress(stage, from + (until - from) * fraction);
     };
     Round round;
-    round.found = search(study_, model_, baseline_, part, known, step);
+    const auto search_again = [&] {
+      fit(study_, baseline_, full_fit(study_, 40));
+      round.found = search(study_, model_, baseline_, part, {}, false, step);
+    };
+    round.found = search(study_, model_, baseline_, part, known, true, step);
+    if (const std::optional<BetweenSamples> reading = round.found.grown.reading) {
+      ground_.read_force(*reading);
+      search_again();
+    }
     const BetweenSamples before = study_.between;
     if (reads_otherwise(ground_, round.found)) {
-      fit(study_, baseline_, full_fit(study_, 40));
-      round.found = search(study_, model_, baseline_, part, {}, step);
+      search_again();
     } else if (study_.between != before) {
       judge_again(study_, round.found);
     }

@@ -12,11 +12,6 @@ namespace lunid {
 
 namespace {
 
-/// Part of the squared error that is not the sensor's noise.
-double open(const Study& study, const Candidate& model) {
-  return 1 - std::pow(study.sensor_noise() / rms_error(model.fit), 2);
-}
-
 /// The force is left as this model would have it read. Whether that is worth a new search: by what the error drops, and
 /// below `error`.
 bool reading_shows_beside(Ground& ground, const Candidate& model, double error) {
@@ -25,7 +20,7 @@ bool reading_shows_beside(Ground& ground, const Candidate& model, double error) 
     ground.read_force(between);
     return ground.study;
   });
-  return gain > std::max(least_gain, part_of_what_is_open * open(ground.study, model)) &&
+  return gain > std::max(least_gain, part_of_what_is_open * part_above_noise(ground.study, model)) &&
          (1 - gain) * squared_error(model.fit) < error;
 }
 
@@ -61,7 +56,7 @@ bool reads_otherwise(Ground& ground, const SearchResult& found) {
   constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
   const double error = squared_error(found.chosen.fit);
   if (reading_shows_beside(ground, found.chosen, error)) return true;
-  if (!(open(ground.study, found.chosen) > left_open)) return false;
+  if (!(part_above_noise(ground.study, found.chosen) > left_open)) return false;
   const BetweenSamples chosen = ground.study.between;
   const std::vector<Candidate>& sets = found.grown.sets;
   for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {

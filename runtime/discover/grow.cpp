@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "discover/between_samples.hpp"
 #include "discover/contest.hpp"
 #include "discover/judge.hpp"
 #include "discover/level_fits.hpp"
@@ -19,11 +20,12 @@ constexpr double explained = 0.999;    // of the squared error, by an entry of m
 class Grower {
  public:
   Grower(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
-         const Grown& known, const std::function<void(const std::string&, double)>& progress)
+         const Grown& known, bool ask_reading, const std::function<void(const std::string&, double)>& progress)
       : study_(study),
         model_(model),
         baseline_(baseline),
         known_(known),
+        ask_reading_(ask_reading),
         progress_(progress),
         offers_(study, model, baseline, catalogue, known, out_),
         fits_(study, model, baseline, offers_, known, out_) {}
@@ -38,6 +40,8 @@ class Grower {
       progress_("propose and fit, " + std::to_string(size) + (size == 1 ? " effect" : " effects"), 0.15 + 0.12 * size);
       std::vector<Candidate> level = add_one(parents, size);
       if (level.empty()) break;
+      if (ask_reading_ && nearly_follows(level.front()))
+        if ((out_.reading = far_better_reading(study_, level.front()))) return std::move(out_);
       const bool better = worth_growing(best, level.front());
       const bool masked = size == 1 && may_mask_a_pair(level);
       for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
@@ -54,6 +58,13 @@ class Grower {
   }
 
  private:
+  /// It closes nearly all that the baseline leaves, but is not down to the noise.
+  bool nearly_follows(const Candidate& c) const {
+    constexpr double nearly = 0.9;
+    return c.ran() && !c.degenerate() && is_above_noise(study_, c) &&
+           closed_share(baseline_.ran() ? gap(baseline_) : INFINITY, gap(c), study_.noise_gap()) > nearly;
+  }
+
   /// Growing goes on while the error falls visibly and is not yet what the sensor alone leaves.
   bool worth_growing(const Candidate& before, const Candidate& after) const {
     if (!after.ran()) return false;
@@ -175,6 +186,7 @@ class Grower {
   const Model& model_;
   const Candidate& baseline_;
   const Grown& known_;
+  const bool ask_reading_;
   const std::function<void(const std::string&, double)>& progress_;
   Grown out_;
   Offers offers_;
@@ -185,8 +197,8 @@ class Grower {
 }  // namespace
 
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
-           const Grown& known, const std::function<void(const std::string&, double)>& progress) {
-  return Grower(study, model, baseline, catalogue, known, progress).run();
+           const Grown& known, bool ask_reading, const std::function<void(const std::string&, double)>& progress) {
+  return Grower(study, model, baseline, catalogue, known, ask_reading, progress).run();
 }
 
 }  // namespace lunid

@@ -1,6 +1,7 @@
 #pragma once
 // Sets of effects grown from the baseline, one entry at a time: proposed on the force, fitted on the trajectory.
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,16 +11,18 @@
 namespace lunid {
 
 struct Grown {
-  std::vector<Candidate> sets;          ///< fitted, none of them degenerate, least cost first
-  std::vector<Candidate> at_limits;     ///< the degenerate ones: of some entry of theirs a simpler one is meant
-  std::vector<std::string> left_aside;  ///< entries that this record cannot show beside the baseline, with the reason
+  std::vector<Candidate> sets;            ///< fitted, none of them degenerate, least cost first
+  std::vector<Candidate> at_limits;       ///< the degenerate ones: of some entry of theirs a simpler one is meant
+  std::vector<std::string> left_aside;    ///< entries that this record cannot show beside the baseline, with the reason
+  std::optional<BetweenSamples> reading;  ///< growing ended early: the force is to be read so (far_better_reading)
   int tried = 0;  ///< start points over which a p-value is to be corrected, those of known sets too
 };
 
 /// Grows sets of up to max_effects entries from `baseline` (fitted) while the free runs get better. `known`: sets of
 /// entries of this catalogue that have been grown already (fitted); they are not proposed again, and grow further with
-/// the rest. Changes the pool: main thread only; proposals and fits run on threads.
+/// the rest. `ask_reading`: growing ends where the force is to be read otherwise between its samples. Changes the pool:
+/// main thread only; proposals and fits run on threads.
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
-           const Grown& known, const std::function<void(const std::string&, double)>& progress);
+           const Grown& known, bool ask_reading, const std::function<void(const std::string&, double)>& progress);
 
 }  // namespace lunid

@@ -26,8 +26,9 @@ class Search {
     result_.baseline = baseline;
   }
 
-  SearchResult run(const Grown& known) {
-    result_.grown = grow(study_, model_, result_.baseline, catalogue_, known, progress_);
+  SearchResult run(const Grown& known, bool ask_reading) {
+    result_.grown = grow(study_, model_, result_.baseline, catalogue_, known, ask_reading, progress_);
+    if (result_.grown.reading) return std::move(result_);
     progress_("compare", 0.7);
     decide();
     return std::move(result_);
@@ -553,9 +554,9 @@ std::string tie_remark(const std::vector<Beaten>& rivals, std::size_t i, const C
 }
 
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
-                    std::span<const Effect> catalogue, const Grown& known,
+                    std::span<const Effect> catalogue, const Grown& known, bool ask_reading,
                     const std::function<void(const std::string&, double)>& progress) {
-  return Search(study, model, baseline, catalogue, progress).run(known);
+  return Search(study, model, baseline, catalogue, progress).run(known, ask_reading);
 }
 
 }  // namespace lunid

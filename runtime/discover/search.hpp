@@ -52,9 +52,10 @@ struct SearchResult {
 bool may_be_named(const Study& study, const Candidate& c);
 
 /// Searches the catalogue for what `baseline` (fitted) lacks. `known`: what a search of a part of this catalogue has
-/// grown on the same study. Changes the pool: main thread only; fits run on threads.
+/// grown on the same study. `ask_reading`: the search may end early with nothing but Grown::reading. Changes the pool:
+/// main thread only; fits run on threads.
 SearchResult search(const Study& study, const Model& model, const Candidate& baseline,
-                    std::span<const Effect> catalogue, const Grown& known,
+                    std::span<const Effect> catalogue, const Grown& known, bool ask_reading,
                     const std::function<void(const std::string&, double)>& progress);
 
 }  // namespace lunid

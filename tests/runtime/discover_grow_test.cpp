@@ -48,7 +48,7 @@ TEST(Grow, SeeksFewerParametersThanThoseOfAnEffectThatLeavesTheNoise) {
       entry(pool, "cubic", "cubic_a*y^3", {row("cubic_a")}), entry(pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),
       entry(pool, "even", "even_a*y^2", {row("even_a")}),
       entry(pool, "all", "all_a*y^3 + all_b*y^5 + all_c*abs(v)*v", {row("all_a"), row("all_b"), row("all_c", 0)})};
-  const Grown found = grow(given.study, given.model, given.baseline, catalogue, {}, silent);
+  const Grown found = grow(given.study, given.model, given.baseline, catalogue, {}, false, silent);
   EXPECT_TRUE(find_in(found.sets, {{&catalogue[0], 0}, {&catalogue[1], 0}}));
   EXPECT_TRUE(find_in(found.sets, {{&catalogue[3], 0}}));
   for (const Candidate& c : found.sets) EXPECT_TRUE(c.added() < 3 || c.choices.size() == 1) << c.name();
