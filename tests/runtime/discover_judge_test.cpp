@@ -417,7 +417,7 @@ TEST(Naming, EndsWhereASetIsItsOwnRival) {
   const Study study = prepare(model, {record}, {record}, options);
   std::vector<std::string> warnings;
   const Candidate baseline = fit_baseline(study, model, warnings);
-  SearchResult found = search(study, model, baseline, catalogue, {}, [](const std::string&, double) {});
+  SearchResult found = search(study, model, baseline, catalogue, {}, false, [](const std::string&, double) {});
   ASSERT_EQ(found.chosen.name(), "cubic_stiffness");
   found.rivals.push_back({found.chosen, Beaten::By::training, ""});
   EXPECT_EQ(bootstrap_naming(study, found, 20).of("cubic_stiffness"), 20);
