@@ -78,7 +78,7 @@ std::optional<BetweenSamples> far_better_reading(const Study& study, const Candi
     // Short runs first: where small differences grow, the present values are no start under another reading.
     const FitResult fit =
         fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 40, 1e-4, model.fit.substeps));
-    if (!(squared_error(fit) < cost)) continue;
+    if (!std::isfinite(fit.cost) || !(squared_error(fit) < cost)) continue;
     cost = squared_error(fit);
     best = other.between;
   }

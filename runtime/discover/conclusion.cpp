@@ -190,10 +190,12 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     std::snprintf(text, sizeof text, ": on data %s%s, %.0f %% of what the noise allows is closed",
                   study.test_is_known ? "that the fit knows" : "not used in the fit", part,
                   100 * std::clamp(share, 0.0, 1.0));
-    char open[60] = "";
+    char open[160] = "";
     if (last.floor > 0 && last.value > 1.5 * last.floor)
-      std::snprintf(open, sizeof open, " (%.*f times what noise alone leaves stays open)",
-                    last.value < 10 * last.floor ? 1 : 0, last.value / last.floor);
+      std::snprintf(
+          open, sizeof open, " (%.*f times what noise alone leaves stays open%s)", last.value < 10 * last.floor ? 1 : 0,
+          last.value / last.floor,
+          left.seen ? "" : ", in which no force of the motion is seen: noise that is not white, or a disturbance");
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
