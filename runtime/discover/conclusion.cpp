@@ -192,10 +192,9 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
                   100 * std::clamp(share, 0.0, 1.0));
     char open[160] = "";
     if (last.floor > 0 && last.value > 1.5 * last.floor)
-      std::snprintf(
-          open, sizeof open, " (%.*f times what noise alone leaves stays open%s)", last.value < 10 * last.floor ? 1 : 0,
-          last.value / last.floor,
-          left.seen ? "" : ", in which no force of the motion is seen: noise that is not white, or a disturbance");
+      std::snprintf(open, sizeof open, " (%.*f times what noise alone leaves stays open%s)",
+                    last.value < 10 * last.floor ? 1 : 0, last.value / last.floor,
+                    left.seen ? "" : ", in which generic forces of the motion see nothing");
     std::string said = names;
     for (const Choices& tie : found.ties.rivals) said += " or " + name_of(tie);
     if (!found.ties.rivals.empty()) said += " (this record cannot tell them apart)";
