@@ -96,6 +96,14 @@ Ranges read_ranges(lua_State* L, const std::string& effect) {
   return ranges;
 }
 
+/// Calls the user's function below so many arguments; its one result is on top. An error of its is thrown behind
+/// `where`.
+void call(lua_State* L, int arguments, const std::string& where) {
+  if (lua_pcall(L, arguments, 1, 0) == LUA_OK) return;
+  const char* said = lua_tostring(L, -1);
+  throw InputError(where + (said ? said : describe(L, -1)));
+}
+
 /// Calls `function(scale, variant)` of an entry and reads what it returns. The stack is as before, also when it throws.
 template <class Read>
 auto call_entry(const Reference& function, const std::string& effect, const char* field, const RecordScales& scales,
@@ -105,10 +113,7 @@ auto call_entry(const Reference& function, const std::string& effect, const char
   function.push();
   push_scales(L, scales);
   lua_pushinteger(L, variant + 1);
-  if (lua_pcall(L, 2, 1, 0) != LUA_OK) {
-    const char* said = lua_tostring(L, -1);
-    throw InputError("effect " + effect + ": " + field + ": " + (said ? said : describe(L, -1)));
-  }
+  call(L, 2, "effect " + effect + ": " + field + ": ");
   return read(L, effect);
 }
 
@@ -249,12 +254,8 @@ std::function<bool(const FittedSet&)> read_criterion(lua_State* L, int index) {
     set_number(state, "gap", set.gap);
     push<Model>(state, set.model);
     lua_setfield(state, -2, "model");
-    const bool good = lua_pcall(state, 1, 1, 0) == LUA_OK;
     const std::string where = "discover: criterion: of " + set.name + ": ";
-    if (!good) {
-      const char* said = lua_tostring(state, -1);
-      throw InputError(where + (said ? said : describe(state, -1)));
-    }
+    call(state, 1, where);
     if (!lua_isnil(state, -1) && !lua_isboolean(state, -1))
       throw InputError(where + "expected the function to return true or false, got " + describe(state, -1));
     return lua_isnil(state, -1) || lua_toboolean(state, -1) != 0;
