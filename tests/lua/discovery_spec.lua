@@ -110,6 +110,17 @@ spec.case("cogging of many waves over the motion", function()
   spec.near(found.effects[1].parameters.p.value, 9, 0.02)
 end)
 
+-- Neither a sine nor a cosine of y comes near, and two of them have each a wave of their own.
+spec.case("cogging whose rest lies between two of its places", function()
+  local of = { name = "cogging_phase", rest = function(x, u) return x + 0.2*u + 0.3*math.sin(5*x + 0.7) end,
+    catalogue = { "sinusoidal_stiffness", "cubic_stiffness", "clearance", "saturating_stiffness", "constant_force" } }
+  local found = found_in(of, 0.01, { tones(0.4, 3), 2500, 0.15, 3 }, { tones(0.3, 5), 2000, 0.15, 4 })
+  spec.equal(spec.names_of(found), "sinusoidal_stiffness")
+  local own = found.effects[1].parameters
+  spec.near(own.p.value, 5, 0.02)
+  spec.near(math.atan(own.kc.value, own.k.value), 0.7, 0.05)
+end)
+
 -- More parameters than are needed follow the same motion: Bouc and Wen's hysteresis without loss.
 spec.case("a curved spring beside drag is no hysteresis", function()
   local of = {

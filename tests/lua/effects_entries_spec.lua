@@ -135,7 +135,7 @@ end)
 -- ---- units ----
 
 -- Of entries whose second form has a parameter that the first has not.
-local further_samples = { coulomb_friction = { Fc = 1.5, vr = 0.3 } }
+local further_samples = { coulomb_friction = { Fc = 1.5, vr = 0.3 }, sinusoidal_stiffness = { k = 5, p = 60, kc = 2 } }
 
 --- A unit such as "N s^p/m" in other units of length, time and force, by the language itself.
 local function size_of(unit, base, at)
@@ -256,7 +256,7 @@ spec.case("every entry without memory is its formula", function()
           shaft_rate = math.cos(i) }
         local expected = by_hand[name](samples[name], m)
         spec.near(force:at(m), expected, 1e-12 * (1 + math.abs(expected)))
-        if #entry.variants > 1 and name ~= "sinusoidal_stiffness" and not further_samples[name] and not entry.maps[1].channel then  -- the mirror image: f(-y, -v) = -f(y, v)
+        if #entry.variants > 1 and not further_samples[name] and not entry.maps[1].channel then  -- the mirror image: f(-y, -v) = -f(y, v)
           local given = { variant = 2 }
           for key, value in pairs(samples[name]) do given[key] = value end
           local mirrored = entry(given)
@@ -276,6 +276,15 @@ spec.case("friction that is rounded at rest is the second form, whose speed the 
   spec.equal(tostring(effects.coulomb_friction { Fc = 2 }), "coulomb_friction_Fc*sign(v)")
   spec.contains(spec.message_of(function() effects.coulomb_friction { Fc = 2, vr = 0.3 } end),
     "effects.coulomb_friction: vr: variant 1, Fc*sign(v), has no vr")
+end)
+
+spec.case("a force that repeats over the displacement is a sine, a cosine or both", function()
+  local cosine = effects.sinusoidal_stiffness { k = 5, p = 60, variant = 2 }
+  local both = effects.sinusoidal_stiffness { k = 3, kc = -4, p = 60, variant = 3 }
+  for _, y in ipairs { -0.05, 0, 0.01, 0.03 } do
+    spec.near(cosine:at { y = y }, 5 * math.cos(60 * y), 1e-12)
+    spec.near(both:at { y = y }, 5 * math.sin(60 * y - math.atan(4, 3)), 1e-12)
+  end
 end)
 
 spec.case("the further forms of a faulty channel", function()
