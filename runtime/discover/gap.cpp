@@ -93,25 +93,37 @@ void add_drawn_states(const Study& study, const Nominal& at, double share, std::
   }
 }
 
+Eigen::VectorXd left_of(const FreeRun& run, const Record& record) {
+  const Eigen::Map<const Eigen::VectorXd> measured(record[run.output].data(), record.rows());
+  return measured.tail(run.rows) - run.model.tail(run.rows);
+}
+
 /// Of an output. Its own spectrum takes what is sharp in the motion (a blow, friction that turns round, in an
 /// acceleration) for noise too; what a run leaves of it bounds the noise as well, and counts where it is clearly less.
-double noise_beside(const FreeRun& run, const Record& record) {
+double quietest_noise(const FreeRun& run, const Record& record) {
   constexpr double clearly = 0.8;
   constexpr Eigen::Index enough = 1000;  // rows: the lowest band of a short residual is low by chance
   const Channel& channel = record.channel(run.output);
   if (run.rows < enough) return channel.noise;
-  const Eigen::Map<const Eigen::VectorXd> measured(record[run.output].data(), record.rows());
-  const Eigen::VectorXd left = measured.tail(run.rows) - run.model.tail(run.rows);
+  const Eigen::VectorXd left = left_of(run, record);
   if (!left.allFinite()) return channel.noise;
   const double level = noise_level(view(left));
   return level < clearly * channel.noise ? level : channel.noise;
+}
+
+/// The same, of noise that has a colour.
+double noise_of(const Study& study, const FreeRun& run, const Record& record) {
+  const double quietest = quietest_noise(run, record);
+  if (!study.noise_has_colour) return quietest;
+  const Eigen::VectorXd left = left_of(run, record), model = run.model.tail(run.rows);
+  return left.allFinite() ? std::max(quietest, noise_beside(view(left), view(model))) : quietest;
 }
 
 void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
   const StateEstimate& state = at.state;
   std::vector<double> noise;
   for (FreeRun& o : out) {
-    noise.push_back(noise_beside(o, at.data.record));
+    noise.push_back(noise_of(study, o, at.data.record));
     o.floor_squares = noise.back() * noise.back() * static_cast<double>(o.rows);
   }
   const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
@@ -301,7 +313,7 @@ bool lower_noise(Study& study, const Candidate& candidate) {
   for (std::size_t r = 0; r < study.full.size(); ++r)
     for (const FreeRun& run :
          free_run(study, *candidate.system, candidate.fit.theta, study.full[r], candidate.fit.substeps, false)) {
-      const double known = study.full[r].channel(run.output).noise, noise = noise_beside(run, study.full[r]);
+      const double known = study.full[r].channel(run.output).noise, noise = quietest_noise(run, study.full[r]);
       if (!(noise < known)) continue;
       lowered = true;
       for (Record* record : {&study.full[r], &study.train[r].record}) {

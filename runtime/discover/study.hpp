@@ -38,10 +38,11 @@ struct Study {
   Model model;                              ///< the baseline
   std::vector<std::string> forces = {"F"};  ///< what drives it: F, or F1 ... of the driven coordinates
 
-  bool test_is_known = false;  ///< its rows, or some of them, are among the training records
-  std::string measured = "y";  ///< what the records hold of the motion: y, or v or a alone
-  double slow = 0;             ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
-  double motion_noise = 0;     ///< [N] rms: what noise of a prescribed motion makes of the baseline's force
+  bool test_is_known = false;     ///< its rows, or some of them, are among the training records
+  std::string measured = "y";     ///< what the records hold of the motion: y, or v or a alone
+  double slow = 0;                ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
+  bool noise_has_colour = false;  ///< of the outputs: what a run leaves beside its own band is noise too
+  double motion_noise = 0;        ///< [N] rms: what noise of a prescribed motion makes of the baseline's force
 
   int degrees() const { return model.pool ? model.degrees() : 1; }
   std::string channel(char quantity, int coordinate) const;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "record/median.hpp"
@@ -46,23 +47,44 @@ double noise_by_differences(std::span<const double> x) {
   return std::isfinite(lowest) ? lowest : 0;
 }
 
+constexpr Eigen::Index least_for_a_spectrum = 64;  // rows
+
+/// Segments of the spectra that noise is read off.
+Eigen::Index segment_for(Eigen::Index rows) { return std::clamp<Eigen::Index>(power_of_two_below(rows / 6), 32, 1024); }
+
+/// Degrees of freedom of a bin: 2 for each independent segment (half-overlapping Hann segments: 36/19 of the number of
+/// disjoint ones, Welch 1967).
+double freedom_of_a_bin(const Spectrum& spectrum, double samples) {
+  return std::max(2.0, 2 * 36.0 / 19 * samples / static_cast<double>(spectrum.length) - 1);
+}
+
+/// Broad bands of a spectrum, without its first and last bin.
+struct Bands {
+  Bands(const Eigen::VectorXd& density, Eigen::Index most)
+      : count(std::clamp<Eigen::Index>(density.size() / 8, 2, most)), inner(density.size() - 2) {}
+  Eigen::Index first(Eigen::Index b) const { return 1 + b * inner / count; }
+  std::span<const double> of(const Eigen::VectorXd& density, Eigen::Index b) const {
+    return {density.data() + first(b), density.data() + first(b + 1)};
+  }
+  Eigen::Index count, inner;
+};
+
+double median_of(std::span<const double> x) { return median({x.begin(), x.end()}); }
+double mean_of(std::span<const double> x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+
 /// The lowest level over broad bands of the spectrum; bands that differ from the lowest by no more than
 /// chance are pooled with it, because the lowest of several equals would be too low.
 double floor_of(const Spectrum& spectrum, double samples) {
-  const Eigen::Index bins = spectrum.density.size();
-  const Eigen::Index bands = std::clamp<Eigen::Index>(bins / 8, 2, 8);
-  // Degrees of freedom of a bin: 2 for each independent segment (half-overlapping Hann segments: 36/19 of the
-  // number of disjoint ones, Welch 1967).
-  const double dof = std::max(2.0, 2 * 36.0 / 19 * samples / static_cast<double>(spectrum.length) - 1);
+  const Bands bands(spectrum.density, 8);
+  const double lower = median_over_mean(freedom_of_a_bin(spectrum, samples));
   std::vector<double> levels;
-  for (Eigen::Index b = 0; b < bands; ++b) {
-    const Eigen::Index first = 1 + b * (bins - 2) / bands, last = 1 + (b + 1) * (bins - 2) / bands;
-    levels.push_back(median({spectrum.density.data() + first, spectrum.density.data() + last}) / median_over_mean(dof));
-  }
+  for (Eigen::Index b = 0; b < bands.count; ++b) levels.push_back(median_of(bands.of(spectrum.density, b)) / lower);
   const double lowest = *std::min_element(levels.begin(), levels.end());
   // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's
   // efficiency 2/pi.
-  const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(bands) / samples);
+  const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(bands.count) / samples);
   double sum = 0, count = 0;
   for (double level : levels) {
     if (level > lowest * (1 + 4 * scatter)) continue;
@@ -75,8 +97,7 @@ double floor_of(const Spectrum& spectrum, double samples) {
 }  // namespace
 
 NoiseSum::NoiseSum(Eigen::Index rows) : rows_(rows) {
-  constexpr Eigen::Index least = 64;  // of rows for a spectrum
-  if (rows >= least) spectrum_.emplace(rows, std::clamp<Eigen::Index>(power_of_two_below(rows / 6), 32, 1024));
+  if (rows >= least_for_a_spectrum) spectrum_.emplace(rows, segment_for(rows));
 }
 
 void NoiseSum::add(std::span<const double> piece) {
@@ -101,6 +122,25 @@ double noise_level(std::span<const double> x) {
   NoiseSum sum(static_cast<Eigen::Index>(x.size()));
   sum.add(x);
   return sum.level();
+}
+
+double noise_beside(std::span<const double> left, std::span<const double> model) {
+  constexpr double next_to_none = 0.3;  // of the power that is left
+  const auto rows = static_cast<Eigen::Index>(left.size());
+  if (rows < least_for_a_spectrum) return 0;
+  const Spectrum of_left = welch(left, segment_for(rows)), of_model = welch(model, segment_for(rows));
+  const Bands bands(of_left.density, 16);
+  const double lower = median_over_mean(freedom_of_a_bin(of_left, static_cast<double>(rows)));
+  std::vector<double> powers;
+  double highest = 0;
+  for (Eigen::Index b = 0; b < bands.count; ++b) {
+    powers.push_back(mean_of(bands.of(of_left.density, b)));
+    if (mean_of(bands.of(of_model.density, b)) < next_to_none * powers.back())
+      highest = std::max(highest, median_of(bands.of(of_left.density, b)) / lower);
+  }
+  double sum = 0;
+  for (const double power : powers) sum += std::min(power, highest);
+  return std::sqrt(sum / static_cast<double>(bands.count));
 }
 
 double dominant_frequency(std::span<const double> x, double dt) {

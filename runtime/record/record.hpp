@@ -133,6 +133,10 @@ SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int
 /// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad
 /// bands, taken over the whole bandwidth. 0 for a constant signal.
 double noise_level(std::span<const double> x);
+/// Standard deviation of noise of any colour, from what a model leaves of a signal and what it makes of it, of the same
+/// rows: the spectrum of the former, of which no band counts for more than the highest of those where the model has
+/// next to no power. 0 where it has power in all bands.
+double noise_beside(std::span<const double> left, std::span<const double> model);
 /// This record with smoothed `v` and `a` added where absent (marked derived); the same for each numbered coordinate (y1
 /// v1 a1, y2 ...) and for a base (yb vb ab). Needs one of them: has_motion().
 Record derive_motion(const Record& record);

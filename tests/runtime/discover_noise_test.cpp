@@ -72,6 +72,39 @@ TEST(Noise, OfAShortRecordStays) {
   EXPECT_FALSE(lower_noise(f.study, f.candidate));
 }
 
+/// The displacement of x'' + 0.08 x' + x = F with noise of a tenth behind a filter of its sensor (means of two
+/// rows, four times over).
+Record behind_a_filter(double low, double high, std::uint64_t seed, double& noise) {
+  constexpr std::size_t rows = 3000;
+  truth::Physics physics;
+  physics.zeta = 0.04;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(low, high, 12, seed), 1.2, {0, 0, 0}, rows, testing::spacing, 48);
+  Philox random(seed, 3);
+  std::vector<double> filtered(rows + 4);
+  for (double& value : filtered) value = random.normal();
+  for (int pass = 0; pass < 4; ++pass)
+    for (std::size_t i = 0; i + 1 < filtered.size(); ++i) filtered[i] = 0.5 * (filtered[i] + filtered[i + 1]);
+  filtered.resize(rows);
+  noise = 0.1 * moments::standard_deviation(motion.x);
+  const double by = noise / moments::standard_deviation(filtered);
+  std::vector<double> y = motion.x;
+  for (std::size_t i = 0; i < rows; ++i) y[i] += by * filtered[i];
+  return Record("filtered", 0, testing::spacing,
+                {testing::channel("F", "N", motion.force), testing::channel("y", "m", y)});
+}
+
+TEST(Noise, OfAColourIsMoreThanItsQuietestBand) {
+  double noise = 0;
+  const Record train = behind_a_filter(0.3, 1.8, 5, noise), test = behind_a_filter(0.4, 1.6, 9, noise);
+  DiscoverOptions options;
+  const Model model = baseline("k*y + c*v", 1);
+  const Discovery found = discover(model, testing::small_catalogue(*model.pool), {train}, {test}, options);
+  EXPECT_EQ(found.verdict, Verdict::nothing_missing) << found.sentence;
+  EXPECT_LT(found.final_test.value, 1.3 * found.final_test.floor);
+  EXPECT_GT(found.final_test.value, 0.8 * found.final_test.floor);
+}
+
 /// The exact force of 4 y + 0.3 v along sums of tones, and a displacement with a hundredth of noise.
 Record prescribed(double part, std::uint64_t seed) {
   constexpr int rows = 1500;

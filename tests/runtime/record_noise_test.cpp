@@ -55,6 +55,43 @@ TEST(NoiseLevel, UnderAnOffsetAndADrift) {
   expect_level([](double i) { return 50 + 1e-3 * i + std::sin(2 * M_PI * i / 40); }, 6400, 0.10, "drift");
 }
 
+/// White noise of unit deviation behind a moving mean of `width` samples, which leaves the upper bands quiet, of unit
+/// deviation again.
+std::vector<double> smoothed(int rows, int width, unsigned seed) {
+  const std::vector<double> white = noisy([](double) { return 0.0; }, rows + width, 1, seed);
+  std::vector<double> x(static_cast<std::size_t>(rows));
+  for (int pass = 0; pass < width; ++pass)
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += white[i + static_cast<std::size_t>(pass)] / std::sqrt(width);
+  return x;
+}
+
+TEST(NoiseBeside, AModelIsAllOfItWhateverItsColour) {
+  constexpr int rows = 6400;
+  std::vector<double> model(rows);
+  for (std::size_t i = 0; i < model.size(); ++i) model[i] = 30 * std::sin(2 * M_PI * static_cast<double>(i) / 400);
+  for (int width : {1, 4}) {
+    const std::vector<double> left = smoothed(rows, width, 5);
+    EXPECT_NEAR(noise_beside(left, model), 1, 0.15) << width;
+    if (width > 1) EXPECT_LT(noise_level(left), 0.5) << "the quietest band alone";
+  }
+}
+
+TEST(NoiseBeside, AModelLeavesOutWhatTheModelMissesInItsOwnBand) {
+  constexpr int rows = 6400;
+  std::vector<double> model(rows), left = smoothed(rows, 4, 6);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    model[i] = 30 * std::sin(2 * M_PI * static_cast<double>(i) / 400);
+    left[i] += 5 * std::cos(2 * M_PI * static_cast<double>(i) / 400);
+  }
+  EXPECT_NEAR(noise_beside(left, model), 1, 0.25);
+}
+
+TEST(NoiseBeside, AModelThatFillsAllBandsIsNotKnown) {
+  const std::vector<double> left = smoothed(6400, 1, 7);
+  EXPECT_EQ(noise_beside(left, smoothed(6400, 1, 8)), 0);
+  EXPECT_EQ(noise_beside(std::vector<double>(20, 1.0), std::vector<double>(20, 0.0)), 0) << "too short for a spectrum";
+}
+
 TEST(NoiseLevel, OfAShortRecord) {
   // 400 samples: a quarter of the band holds 100 degrees of freedom, 14 % in power, less the median's loss.
   expect_level([](double i) { return std::sin(2 * M_PI * i / 40); }, 400, 0.25, "400 rows");
