@@ -117,11 +117,15 @@ bool is_loose_series(const Choices& names, const Gap& train, double closed) {
   return springs_among(names) > 1 && train.value > 1.5 * train.floor && closed < most_closed(names);
 }
 
-bool far_from_the_floor(const Gap& gap, double least) { return !(gap.value < std::max(3 * gap.floor, least)); }
+bool far_from_the_floor(const Gap& gap, double least, double times) {
+  return !(gap.value < std::max(times * gap.floor, least));
+}
 
 bool leaves_motion_open(const Study& study, const Gap& gap) {
   const bool decays = !study.imposed && are_free(study, study.full) && are_free(study, study.test);
-  return far_from_the_floor(gap, decays ? little_open : much_open);
+  // A floor that was read off what is left itself holds what a force outside the catalogue makes beside the motion's
+  // band.
+  return far_from_the_floor(gap, decays ? little_open : much_open, study.noise_has_colour ? 1.5 : 3);
 }
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {

@@ -42,8 +42,8 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,
                           bool floor = true);
 
-/// Three floors and more, and no less than `least`.
-bool far_from_the_floor(const Gap& gap, double least);
+/// So many floors and more, and no less than `least`.
+bool far_from_the_floor(const Gap& gap, double least, double times = 3);
 
 /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
 /// Less is enough in free decays, where no force is there to be known badly.

@@ -58,16 +58,27 @@ double freedom_of_a_bin(const Spectrum& spectrum, double samples) {
   return std::max(2.0, 2 * 36.0 / 19 * samples / static_cast<double>(spectrum.length) - 1);
 }
 
-/// Broad bands of a spectrum, without its first and last bin.
-struct Bands {
-  Bands(const Eigen::VectorXd& density, Eigen::Index most)
-      : count(std::clamp<Eigen::Index>(density.size() / 8, 2, most)), inner(density.size() - 2) {}
-  Eigen::Index first(Eigen::Index b) const { return 1 + b * inner / count; }
-  std::span<const double> of(const Eigen::VectorXd& density, Eigen::Index b) const {
-    return {density.data() + first(b), density.data() + first(b + 1)};
-  }
-  Eigen::Index count, inner;
-};
+/// Bands of a spectrum, without its first and last bin: the first bin of each, and the end of the last.
+using Bands = std::vector<Eigen::Index>;
+
+Bands even_bands(Eigen::Index bins, Eigen::Index count) {
+  Bands out;
+  for (Eigen::Index b = 0; b <= count; ++b) out.push_back(1 + b * (bins - 2) / count);
+  return out;
+}
+
+/// Two to an octave, none wider than a sixteenth of the spectrum.
+Bands bands_by_octave(Eigen::Index bins) {
+  const Eigen::Index widest = std::max<Eigen::Index>(1, (bins - 2) / 16);
+  Bands out{1};
+  while (out.back() < bins - 1)
+    out.push_back(std::min(bins - 1, out.back() + std::clamp<Eigen::Index>(2 * out.back() / 5, 1, widest)));
+  return out;
+}
+
+std::span<const double> part_of(const Eigen::VectorXd& density, const Bands& bands, std::size_t b) {
+  return {density.data() + bands[b], density.data() + bands[b + 1]};
+}
 
 double median_of(std::span<const double> x) { return median({x.begin(), x.end()}); }
 double mean_of(std::span<const double> x) {
@@ -77,21 +88,23 @@ double mean_of(std::span<const double> x) {
 /// The lowest level over broad bands of the spectrum; bands that differ from the lowest by no more than
 /// chance are pooled with it, because the lowest of several equals would be too low.
 double floor_of(const Spectrum& spectrum, double samples) {
-  const Bands bands(spectrum.density, 8);
+  const Eigen::Index bins = spectrum.density.size(), count = std::clamp<Eigen::Index>(bins / 8, 2, 8);
+  const Bands bands = even_bands(bins, count);
   const double lower = median_over_mean(freedom_of_a_bin(spectrum, samples));
   std::vector<double> levels;
-  for (Eigen::Index b = 0; b < bands.count; ++b) levels.push_back(median_of(bands.of(spectrum.density, b)) / lower);
+  for (std::size_t b = 0; b + 1 < bands.size(); ++b)
+    levels.push_back(median_of(part_of(spectrum.density, bands, b)) / lower);
   const double lowest = *std::min_element(levels.begin(), levels.end());
   // Relative scatter of a band's level: chi-square with the band's degrees of freedom, the median's
   // efficiency 2/pi.
-  const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(bands.count) / samples);
-  double sum = 0, count = 0;
+  const double scatter = std::sqrt(std::numbers::pi / 2 * 2 * static_cast<double>(count) / samples);
+  double sum = 0, pooled = 0;
   for (double level : levels) {
     if (level > lowest * (1 + 4 * scatter)) continue;
     sum += level;
-    ++count;
+    ++pooled;
   }
-  return sum / count;
+  return sum / pooled;
 }
 
 }  // namespace
@@ -129,18 +142,20 @@ double noise_beside(std::span<const double> left, std::span<const double> model)
   const auto rows = static_cast<Eigen::Index>(left.size());
   if (rows < least_for_a_spectrum) return 0;
   const Spectrum of_left = welch(left, segment_for(rows)), of_model = welch(model, segment_for(rows));
-  const Bands bands(of_left.density, 16);
+  const Bands bands = bands_by_octave(of_left.density.size());
   const double lower = median_over_mean(freedom_of_a_bin(of_left, static_cast<double>(rows)));
   std::vector<double> powers;
   double highest = 0;
-  for (Eigen::Index b = 0; b < bands.count; ++b) {
-    powers.push_back(mean_of(bands.of(of_left.density, b)));
-    if (mean_of(bands.of(of_model.density, b)) < next_to_none * powers.back())
-      highest = std::max(highest, median_of(bands.of(of_left.density, b)) / lower);
+  for (std::size_t b = 0; b + 1 < bands.size(); ++b) {
+    const std::span<const double> here = part_of(of_left.density, bands, b);
+    powers.push_back(mean_of(here));
+    if (mean_of(part_of(of_model.density, bands, b)) < next_to_none * powers.back())
+      highest = std::max(highest, median_of(here) / lower);
   }
   double sum = 0;
-  for (const double power : powers) sum += std::min(power, highest);
-  return std::sqrt(sum / static_cast<double>(bands.count));
+  for (std::size_t b = 0; b < powers.size(); ++b)
+    sum += std::min(powers[b], highest) * static_cast<double>(bands[b + 1] - bands[b]);
+  return std::sqrt(sum / static_cast<double>(bands.back() - bands.front()));
 }
 
 double dominant_frequency(std::span<const double> x, double dt) {
