@@ -157,8 +157,8 @@ local function gap_section(data)
       number(data.final.gap_test, data.final.cause), number(floor.gap_test, floor.reason) },
     { "rows of the training record that the fit did not see", number(data.left_out.gap_before, data.left_out.reason),
       number(data.left_out.gap_after, data.left_out.reason), "" } }) .. outputs_table(data)
-    .. ('<p class="small">%s. Noise alone is what a perfect model would leave (standard deviation %s).</p>'):format(
-      escape(data.method.gap), number(floor.std))
+    .. ('<p class="small">%s. Noise alone is what a perfect model would leave (known to %s); the level of the noise is read off %s.</p>'):format(
+      escape(data.method.gap), number(floor.std), escape(floor.read_off))
 end
 
 local function effect_section(effect)

@@ -310,6 +310,7 @@ class Conclusion {
                            ? "white residual"
                            : "autoregressive residual of order " + std::to_string(found.whitening.ar.size()) +
                                  " on means of " + std::to_string(found.whitening.average) + " rows";
+    out_.noise_has_colour = study_.noise_has_colour;
     if (out_.verdict == Verdict::unknown_effect && found.chosen.ran()) {
       progress_("fit forces without a name", 0.98);
       out_.unknown = unknown_force(study_, round_, place, out_.map, out_.final_test);

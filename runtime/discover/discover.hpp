@@ -201,7 +201,8 @@ struct Discovery {
   std::optional<UnknownForce> unknown;  ///< of an unknown effect
   std::optional<ClosedLoop> loop;       ///< of records from a closed loop
   std::string interpolation, solver, noise_model;
-  double check_error = 0;  ///< largest difference of the fast path to SUNDIALS, over std(y)
+  bool noise_has_colour = false;  ///< the floors are of what the final run leaves beside its own band
+  double check_error = 0;         ///< largest difference of the fast path to SUNDIALS, over std(y)
   std::string check_solver;
   double seconds = 0;
 };

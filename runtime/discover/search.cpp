@@ -522,7 +522,8 @@ class Search {
       return "likelier than " + chosen.name() + " by less than its extra parameters cost";
     const double times = rms_error(c.fit) / rms_error(chosen.fit);
     return (fits_worse(study_, c, chosen) ? "fits worse: leaves " : "fits no better beyond chance: leaves ") +
-           number(times, 3) + " times what " + chosen.name() + " leaves";
+           (std::abs(times - 1) < 0.005 ? "as much as " : number(times, 3) + " times what ") + chosen.name() +
+           " leaves";
   }
 
   const Study& study_;

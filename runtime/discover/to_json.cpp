@@ -262,7 +262,9 @@ json to_json(const Discovery& d) {
   }
   out["noise_floor"] = {{"gap_train", number(d.final_train.floor)},
                         {"gap_test", number(d.final_test.floor)},
-                        {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))}};
+                        {"std", number(std::max(d.final_train.floor_std, d.final_test.floor_std))},
+                        {"read_off", d.noise_has_colour ? "what the final run leaves beside the band of its own motion"
+                                                        : "the quietest band of the spectrum"}};
   if (!std::isfinite(d.final_train.floor) || !std::isfinite(d.final_test.floor))
     out["noise_floor"]["reason"] = "the final model's run stopped early";
   for (const auto& o : d.outputs) {

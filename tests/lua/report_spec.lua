@@ -71,6 +71,8 @@ spec.case("the page holds the verdict and the gaps of discovery.json", function(
     data.noise_floor.gap_train, data.noise_floor.gap_test, data.left_out.gap_before, data.left_out.gap_after } do
     spec.contains(page, ("<td class=\"n\">%.3g</td>"):format(gap))
   end
+  spec.equal(data.noise_floor.read_off, "the quietest band of the spectrum")
+  spec.contains(page, "read off " .. data.noise_floor.read_off)
 end)
 
 spec.case("the maps of the residual, each with its level, are drawn, said and written", function()

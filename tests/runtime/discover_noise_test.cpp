@@ -103,6 +103,7 @@ TEST(Noise, OfAColourIsMoreThanItsQuietestBand) {
   EXPECT_EQ(found.verdict, Verdict::nothing_missing) << found.sentence;
   EXPECT_LT(found.final_test.value, 1.3 * found.final_test.floor);
   EXPECT_GT(found.final_test.value, 0.8 * found.final_test.floor);
+  EXPECT_TRUE(found.noise_has_colour);
 }
 
 /// The exact force of 4 y + 0.3 v along sums of tones, and a displacement with a hundredth of noise.
