@@ -148,6 +148,18 @@ double gap_of(const TrajectoryFit& fit) {
   return std::sqrt(squares / variance);
 }
 
+/// Names of the parameters that others make up for.
+std::vector<std::string> unidentifiable(const TrajectoryFit& fit) {
+  const FitLayout layout = layout_of(fit);
+  std::vector<std::string> names;
+  for (int place = 0; place < layout.size(); ++place) {
+    const auto i = static_cast<std::size_t>(layout.parameter(place));
+    const std::string& name = fit.system->model().parameters[i].name;
+    if (!fit.result.identifiable(place) && std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
   const FitResult& r = fit.result;
   lua_newtable(L);
@@ -175,6 +187,12 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
     lua_pushnumber(L, fit.checked);
     lua_setfield(L, -2, "checked");
   }
+  lua_newtable(L);
+  for (const std::string& name : unidentifiable(fit)) {
+    push_text(L, name);
+    lua_rawseti(L, -2, static_cast<lua_Integer>(lua_rawlen(L, -2)) + 1);
+  }
+  lua_setfield(L, -2, "unidentifiable");
 }
 
 /// The correlations between what was fitted, as rows; 0 where there is no deviation.
@@ -284,7 +302,13 @@ int to_string(lua_State* L) {
     if (static_cast<std::size_t>(place) < r.at_bound.size() && r.at_bound[static_cast<std::size_t>(place)])
       all += " (at its bound)";
     if (parameter.fixed) all += " (fixed)";
+    if (!r.identifiable(place)) all += " (not identifiable)";
   }
+  std::string together;
+  for (const std::string& name : unidentifiable(fit)) together += (together.empty() ? "" : ", ") + name;
+  if (!together.empty())
+    all += "\n  note: other values of " + together +
+           ", together, make the same motion on these records: fix one of them, or take a record under a known force";
   constexpr double worth_saying = 1e-4;
   if (fit.checked > worth_saying) {
     std::snprintf(

@@ -100,6 +100,18 @@ void warn_of_bounds(const Candidate& baseline, const Candidate& c, Discovery& ou
                              number(c.fit.theta[static_cast<Eigen::Index>(i)], 4));
 }
 
+void warn_of_unidentifiable(const Candidate& c, Discovery& out) {
+  const auto& table = c.system->model().parameters;
+  std::string names;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!c.fit.identifiable(static_cast<Eigen::Index>(i))) names += (names.empty() ? "" : ", ") + table[i].name;
+  if (!names.empty())
+    out.warnings.push_back(
+        names +
+        " are not identifiable and have no intervals: other values of these, together, make the same motion on the "
+        "training records. Give one of them as a number, or train under a force that is known");
+}
+
 /// The unit that was left out where this is what it makes of a number, with powers of a thousand or without; "" where
 /// it is none. No real gain is so far from one.
 std::string unit_of_ratio(double ratio) {
@@ -281,6 +293,7 @@ class Conclusion {
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
     warn_of_bounds(found.baseline, found.chosen, out_);
+    warn_of_unidentifiable(found.chosen, out_);
     for (const NamedEffect& e : out_.effects)
       if (const std::string words = unit_or_sign(e, out_.baseline); !words.empty()) out_.warnings.push_back(words);
     out_.removable = removable_terms(out_.baseline, found.chosen);

@@ -120,6 +120,9 @@ struct FitResult {
   Eigen::MatrixXd covariance;
   std::vector<std::uint8_t> at_bound;  ///< parameter sits at a bound that holds it
   std::vector<std::uint8_t> unseen;    ///< parameter that the data do not excite (rank)
+  /// parameter that is not identifiable: other values of it and of others, together, leave the same residual (m, k and
+  /// c of a free decay)
+  std::vector<std::uint8_t> unidentifiable;
   bool converged = false;
   std::string stopped;   ///< why: "relative drop below tolerance" | "iterations" | "free run: <cause>" ...
   Eigen::VectorXd lost;  ///< the first parameters that were tried and could not be simulated; empty: none
@@ -129,10 +132,16 @@ struct FitResult {
   std::string solver;                     ///< what integrated: "fixed DP5, 2 substeps", "CVODE BDF" ...
   Gradient gradient = Gradient::forward;  ///< what was used
 
-  /// Standard deviation of a parameter; not a number where it has none: fixed, at a bound, or not seen.
+  /// Standard deviation of a parameter; not a number where it has none: fixed, at a bound, not seen, not
+  /// identifiable.
   [[nodiscard]] double deviation(Eigen::Index parameter) const {
+    if (!identifiable(parameter)) return NAN;
     const double variance = parameter < covariance.rows() ? covariance(parameter, parameter) : 0;
     return variance > 0 ? std::sqrt(variance) : NAN;
+  }
+  [[nodiscard]] bool identifiable(Eigen::Index parameter) const {
+    const auto k = static_cast<std::size_t>(parameter);
+    return !(k < unidentifiable.size() && unidentifiable[k]);
   }
 };
 

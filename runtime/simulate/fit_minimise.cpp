@@ -162,15 +162,29 @@ Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitDa
          share_in_residual(drawn, normal, result.freedom);
 }
 
-/// Of theta among the parameters that are free.
-Eigen::MatrixXd inverse_information(const FitResult& result, const Bounds& bounds) {
+/// Of theta among the parameters that are free; zero of the others.
+Eigen::MatrixXd information_of_free(const FitResult& result, const Bounds& bounds) {
   Eigen::MatrixXd information = result.information;
   for (Eigen::Index i = 0; i < information.rows(); ++i)
     if (result.at_bound[static_cast<std::size_t>(i)] || bounds.fixed[static_cast<std::size_t>(i)]) {
       information.row(i).setZero();
       information.col(i).setZero();
     }
-  return pseudo_inverse(information);
+  return information;
+}
+
+Eigen::MatrixXd inverse_information(const FitResult& result, const Bounds& bounds) {
+  return pseudo_inverse(information_of_free(result, bounds));
+}
+
+/// Parameters along which a direction of no information goes: what a pseudo-inverse leaves out.
+std::vector<std::uint8_t> unidentifiable(const Eigen::MatrixXd& information) {
+  constexpr double share = 1e-6;  // of the direction, beyond what rounding mixes in
+  const Eigen::MatrixXd inverse = pseudo_inverse(information);
+  std::vector<std::uint8_t> out;
+  for (Eigen::Index i = 0; i < information.rows(); ++i)  // the projector on what is known has ones on its diagonal
+    out.push_back(information(i, i) > 0 && 1 - information.row(i).dot(inverse.col(i)) > share);
+  return out;
 }
 
 /// Of theta, by the residual's own noise and by what else is given; wider where the residual is not white.
@@ -209,6 +223,7 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   const double states =
       system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2 * system.degrees();
   result.freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
+  result.unidentifiable = unidentifiable(information_of_free(result, bounds));
   const Eigen::MatrixXd inverse = inverse_information(result, bounds);
   result.covariance =
       covariance_of(normal, projected_columns(normal), inverse, result.freedom, Eigen::MatrixXd::Zero(p, p));

@@ -121,4 +121,27 @@ spec.case("a spring that is fast while the motion is large", function()
   spec.near(found.effects[1].parameters.k5.value, 0.051, 0.001)
 end)
 
+-- Two modes are four numbers: of k, c and the hidden mass, spring and damper one is free.
+spec.case("a hidden mode in a decay has no intervals, and a note says why", function()
+  local function hidden(from, seed)  -- an oscillator of a tenth of the mass on the first, steps of Euler and Cromer
+    local h, x, w, p, q, ys, nothing = 5e-4, from, 0, 0, 0, {}, {}
+    for i = 1, 900 do
+      ys[i], nothing[i] = x, 0
+      for _ = 1, 400 do
+        local pull = 0.12*(x - p) + 0.01*(w - q)
+        w, q = w - h * (x + 0.03*w + pull), q + h * pull / 0.1
+        x, p = x + h * w, p + h * q
+      end
+    end
+    return lunid.record({ channels = { { "F", nothing }, { "y", ys } }, dt = 0.2 })
+      :with_noise { y = lunid.noise.gaussian { relative = 0.01 }, seed = seed }
+  end
+  local found = lunid.discover { model = lunid.model { mass = 1, restoring = k*y + c*v }, train = hidden(1, 1),
+    test = hidden(-0.8, 2), catalogue = { "hidden_mode", "maxwell_relaxation", "cubic_stiffness", "coulomb_friction" } }
+  spec.equal(spec.names_of(found), "hidden_mode")
+  spec.contains(table.concat(found.warnings, "\n"), "k, c, hidden_mode_mh, hidden_mode_kh, hidden_mode_ch are not identifiable")
+  local own = found.data.final.parameters
+  assert(not own.k.std and not own.k.interval, own.k.std)
+end)
+
 spec.finish()

@@ -30,6 +30,24 @@ spec.case("a fit that a constant does as well as is said to be none", function()
   spec.contains(tostring(fit), "this is no fit: a constant leaves as much of the motion")
 end)
 
+spec.case("what a free decay does not tell has no deviation, and the fit says so", function()
+  local ys, nothing = {}, {}
+  for i = 1, 600 do
+    local t = 0.01*(i - 1)
+    ys[i], nothing[i] = 0.02*math.exp(-0.3*t)*math.cos(9*t), 0
+  end
+  local decay = lunid.record { channels = { { "F", nothing }, { "y", ys } }, dt = 0.01 }
+  local m = lunid.parameter { "m", 1.2, min = 0.1 }
+  local open = lunid.model { mass = m, restoring = lunid.parameter { "k", 80, min = 0 }*y + lunid.parameter { "c", 1 }*v }
+  local fit = lunid.fit_trajectory { model = open, record = decay }
+  spec.equal(table.concat(fit.summary.unidentifiable, " "), "m k c")
+  spec.contains(tostring(fit), "(not identifiable)")
+  spec.contains(tostring(fit), "note: other values of m, k, c, together, make the same motion on these records: fix one of them")
+  local known = lunid.fit_trajectory { model = open:with { m = { value = 1, fixed = true } }, record = decay }
+  spec.equal(#known.summary.unidentifiable, 0)
+  spec.near(known.model.parameters.k.value, 81.09, 0.01)
+end)
+
 spec.case("separate parameters, one model for each record", function()
   local fit = lunid.fit_trajectory { model = model, record = { record:window(0, 3), record:window(3, 6) },
     separate = { "c" }, interpolation = "band_limited" }

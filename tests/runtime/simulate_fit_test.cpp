@@ -80,6 +80,31 @@ FitData data_of(const System& system, const Record& record) {
 
 Eigen::VectorXd vector(std::initializer_list<double> values) { return testing::state(values); }
 
+/// m y'' + c y' + k y = 0 says k/m and c/m, and no more.
+TEST(FitTrajectory, OfAFreeDecayDoesNotTellMassSpringAndDamperApart) {
+  const auto decay = truth<2>({0.01, 0}, [](double, const std::array<double, 2>& x) {
+    return std::array<double, 2>{x[1], -1e4 * x[0] - 4 * x[1]};
+  });
+  const Record measured = record_of(decay, {"y"}, {1e-5}, 3);
+  Channel none = measured.channel("F");
+  none.values.setZero();
+  const Record record = measured.with(none);
+  const auto fitted = [&](const char* mass, std::initializer_list<double> start) {
+    const System system(model_of(mass, "k*y + c*v"));
+    return fit_trajectory(system, vector(start), {data_of(system, record)});
+  };
+  const FitResult open = fitted("m", {1.3, 1.2e4, 6}), known = fitted("1", {1.2e4, 6});
+  ASSERT_EQ(open.theta.size(), 3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(open.identifiable(i)) << i;
+    EXPECT_TRUE(std::isnan(open.deviation(i))) << i;
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(known.identifiable(i)) << i;
+    EXPECT_LT(std::abs(known.theta[i] - (i == 0 ? 1e4 : 4)), 4 * known.deviation(i)) << i;
+  }
+}
+
 TEST(FitTrajectory, OfDisplacementAndVelocityIsSharperThanOfEither) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
   const Record record = record_of(duffing(2e4, 10, 1e8), {"y", "v"}, {2e-5, 3e-3}, 1);
