@@ -7,11 +7,11 @@ return function(effect)
     parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" }, { "kc", unit = "N" } },
     guess = function(scale, variant)
       local guesses = variant == 3 and {} or { { p = 0.7 / reach(scale) } }
-      for i = 1, 32 do guesses[#guesses + 1] = { p = 1.5*i / reach(scale) } end  -- beyond 3 a wave is lost between two
+      for i = variant == 3 and 2 or 1, 32 do guesses[#guesses + 1] = { p = 1.5*i / reach(scale) } end  -- beyond 3 a wave is lost between two
       return guesses
     end,
-    range = function(scale, variant)  -- a small part of a wave: cubic_stiffness, of the third form with quadratic_stiffness
-      return { p = { (variant == 3 and 1.2 or 0.5) / reach(scale), 200 / reach(scale) } }
+    range = function(scale, variant)  -- a small part of a wave: cubic_stiffness, of the third form any smooth curve
+      return { p = { (variant == 3 and 2.5 or 0.5) / reach(scale), 200 / reach(scale) } }
     end,
     passive = true,
     signature = "odd in y (the cosine even), even in v; odd harmonics; no loop; waves that repeat over the displacement",
