@@ -219,6 +219,8 @@ class OnTest {
                    : "the name is withdrawn";
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
+    // What was noise beside the names may be what lacks beside fewer.
+    ground_.whole.noise_has_colour = study_.noise_has_colour = false;
     withdraw(round, Beaten::By::test, not_confirmed);
     if (stand > 0) {
       found.steps = steps;
