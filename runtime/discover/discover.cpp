@@ -51,7 +51,6 @@ class Spine {
     if (study_.in_pieces) progress("fit all rows", 0.92);
     fit_all_rows(ground_, round);
     doubt_names(round);
-    hear_the_colour(round);
     progress("open the test record", 0.94);
     const ModelRuns runs = judge_on_test(ground_, round, out_);
     conclude(
@@ -247,16 +246,6 @@ class Spine {
     if (options_.cancelled && *options_.cancelled)
       throw InputError("interrupted while: " + stage, {}, Fault::interrupted);
     if (options_.progress) options_.progress(stage, done_);
-  }
-
-  /// The quietest part of a spectrum says too little of noise that a filter has shaped, or that drifts. Where generic
-  /// forces see nothing in what is left, what is left beside the band of the motion is noise, whatever its colour.
-  void hear_the_colour(Round& round) {
-    constexpr double above = 1.3;  // times the floor
-    if (study_.imposed || round.left.seen || !(round.left.gap.value > above * round.left.gap.floor)) return;
-    ground_.whole.noise_has_colour = study_.noise_has_colour = true;
-    round.train = runs(study_, round.found.chosen, study_.full);
-    round.left.gap = round.gap(round.train);
   }
 
   /// What the first entries say may stand in for another entry: where the free run stays above its floor, where generic

@@ -37,7 +37,9 @@ class OnTest {
   ModelRuns judge(Round& round) {
     read_test_force(round.found.chosen);
     bear_out(round);
+    if (!round.names()) hear_the_colour(round);
     const std::optional<TestRuns> shorter = judge_names(round);
+    if (round.names()) hear_the_colour(round);
     fill_gaps(round, shorter);
     if (out_.baseline_train.value > runaway_gap)
       out_.warnings.insert(out_.warnings.begin(),
@@ -79,6 +81,18 @@ class OnTest {
     out_.warnings.push_back("the training records show " + round.found.chosen.name() +
                             " beyond chance, but by less than the least gain (" + number(100 * gain, 2) +
                             " %): the test records bear it out. Train on one like these as well");
+  }
+
+  /// The quietest part of a spectrum says too little of noise that a filter has shaped, or that drifts. Where generic
+  /// forces see nothing in what is left, what is left beside the band of the motion is noise, whatever its colour.
+  /// Names are not judged by such a floor: it holds what they may lack.
+  void hear_the_colour(Round& round) {
+    constexpr double above = 1.3;  // times the floor
+    if (study_.imposed || round.left.seen || !(round.left.gap.value > above * round.left.gap.floor)) return;
+    ground_.whole.noise_has_colour = study_.noise_has_colour = true;
+    round.train = runs(study_, round.found.chosen, study_.full);
+    round.left.gap = round.gap(round.train);
+    if (round.names()) runs_.after_test = runs(study_, round.found.chosen, study_.test);
   }
 
   /// Holds the names against the test records; returns their short runs, where these were held against.
@@ -219,8 +233,6 @@ class OnTest {
                    : "the name is withdrawn";
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
-    // What was noise beside the names may be what lacks beside fewer.
-    ground_.whole.noise_has_colour = study_.noise_has_colour = false;
     withdraw(round, Beaten::By::test, not_confirmed);
     if (stand > 0) {
       found.steps = steps;
