@@ -6,6 +6,7 @@
 #include "record/spectra.hpp"
 #include "runtime.hpp"
 #include "simulate/fit_check.hpp"
+#include "stream.hpp"
 #include "types.hpp"
 
 namespace lunid::lua {
@@ -187,11 +188,7 @@ void push_fit_summary(lua_State* L, const TrajectoryFit& fit) {
     lua_pushnumber(L, fit.checked);
     lua_setfield(L, -2, "checked");
   }
-  lua_newtable(L);
-  for (const std::string& name : unidentifiable(fit)) {
-    push_text(L, name);
-    lua_rawseti(L, -2, static_cast<lua_Integer>(lua_rawlen(L, -2)) + 1);
-  }
+  push_texts(L, unidentifiable(fit));
   lua_setfield(L, -2, "unidentifiable");
 }
 

@@ -173,14 +173,9 @@ Eigen::MatrixXd information_of_free(const FitResult& result, const Bounds& bound
   return information;
 }
 
-Eigen::MatrixXd inverse_information(const FitResult& result, const Bounds& bounds) {
-  return pseudo_inverse(information_of_free(result, bounds));
-}
-
-/// Parameters along which a direction of no information goes: what a pseudo-inverse leaves out.
-std::vector<std::uint8_t> unidentifiable(const Eigen::MatrixXd& information) {
+/// Parameters along which a direction of no information goes: what its pseudo-inverse leaves out.
+std::vector<std::uint8_t> unidentifiable(const Eigen::MatrixXd& information, const Eigen::MatrixXd& inverse) {
   constexpr double share = 1e-6;  // of the direction, beyond what rounding mixes in
-  const Eigen::MatrixXd inverse = pseudo_inverse(information);
   std::vector<std::uint8_t> out;
   for (Eigen::Index i = 0; i < information.rows(); ++i)  // the projector on what is known has ones on its diagonal
     out.push_back(information(i, i) > 0 && 1 - information.row(i).dot(inverse.col(i)) > share);
@@ -223,8 +218,8 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   const double states =
       system.model().imposed_motion ? 0 : static_cast<double>(result.segments.size()) * 2 * system.degrees();
   result.freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
-  result.unidentifiable = unidentifiable(information_of_free(result, bounds));
-  const Eigen::MatrixXd inverse = inverse_information(result, bounds);
+  const Eigen::MatrixXd information = information_of_free(result, bounds), inverse = pseudo_inverse(information);
+  result.unidentifiable = unidentifiable(information, inverse);
   result.covariance =
       covariance_of(normal, projected_columns(normal), inverse, result.freedom, Eigen::MatrixXd::Zero(p, p));
 }
@@ -238,7 +233,8 @@ void count_noise_of_forces(const System& system, const std::vector<FitData>& dat
   problem.clip = result.clip;
   problem.prepare(result.segments);
   const Normal normal = problem.evaluate(result.theta, result.segments, true);
-  const Eigen::MatrixXd inverse = inverse_information(result, Bounds(system.model(), problem.layout(), options));
+  const Eigen::MatrixXd inverse =
+      pseudo_inverse(information_of_free(result, Bounds(system.model(), problem.layout(), options)));
   std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
   const Eigen::MatrixXd further = by_noise_of_forces(system, data, options, normal, result, columns, inverse);
   result.covariance = covariance_of(normal, std::move(columns), inverse, result.freedom, further);
