@@ -20,7 +20,7 @@ json parameters(const std::vector<Parameter>& table) {
     if (std::isfinite(p.std)) {
       row["interval"] = {p.value - 1.96 * p.std, p.value + 1.96 * p.std};
     } else {
-      row["std_reason"] = "no standard deviation: not fitted, or not seen by the data";
+      row["std_reason"] = "no standard deviation: not fitted, not seen by the data, or not identifiable";
     }
     out[p.name] = std::move(row);
   }
