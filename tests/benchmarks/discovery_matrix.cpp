@@ -4,7 +4,7 @@
 //   named A/B nulls-false C/D pairs E/F outside G/H sensors I/J
 //
 //   lunid_discovery_matrix LUNID OUT_DIR [--full | --draw N | --short | --nulls N] [--rows N] [--seed N] [--seeds N]
-//                          [--alpha P] [--only WORD] [--check]
+//                          [--alpha P] [--only WORD] [--resume] [--check]
 // By default every case once, faulty sensors and inputs at each scale: excitations and levels of noise in turn. --full:
 // at every scale, under every excitation, at 60, 40, 30 and 20 dB. --draw: N of the settings of --full, drawn at
 // random.
@@ -12,7 +12,8 @@
 // of a record (6400). --seed: of all that is random. --seeds: so many records of each setting. --alpha: of lunid
 // discover.
 // --only: settings whose name (CASE-SCALE-EXCITATION-DB, the folder of its records) holds WORD: `--full --only -40` is
-// all at 40 dB. --check: exit 1 unless all is as it should be.
+// all at 40 dB. --resume: takes what earlier runs with the same rows, seed and alpha left in OUT_DIR, and does the rest
+// (a draw of more settings begins with those of a draw of fewer). --check: exit 1 unless all is as it should be.
 //
 // A name other than the truth's counts as its equivalent where its own best fit to the noise-free record differs from
 // that record by less than the noise. That is asked here of fits to other data than the answer was given on, for the
@@ -226,6 +227,21 @@ Outcome run(const std::string& lunid, const std::string& dir, const Setting& set
   return outcome;
 }
 
+/// What runs of this plan left of a setting, or runs it; what it came to is left there.
+Outcome run_or_take(const std::string& lunid, const std::string& dir, const Setting& setting,
+                    const matrix::Plan& plan) {
+  const std::string file = dir + "/outcome.json";
+  const json key = {setting.options.rows, setting.options.seed, plan.alpha};
+  if (plan.resume) {
+    const json left = json::parse(read_text(file), nullptr, false);
+    if (left.is_object() && left.value("of", json()) == key) return matrix::outcome_of(left["outcome"]);
+  }
+  const Outcome outcome = run(lunid, dir, setting, plan);
+  if (outcome.verdict != "failed")
+    std::ofstream(file) << json{{"of", key}, {"outcome", matrix::kept(outcome)}}.dump(1) << '\n';
+  return outcome;
+}
+
 /// False where an option is unknown.
 bool read_options(int argc, char** argv, matrix::Plan& plan) {
   for (int i = 3; i < argc; ++i) {
@@ -237,6 +253,8 @@ bool read_options(int argc, char** argv, matrix::Plan& plan) {
       plan.brief = true;
     else if (option == "--check")
       plan.check = true;
+    else if (option == "--resume")
+      plan.resume = true;
     else if (option == "--only")
       plan.only = next();
     else if (option == "--alpha")
@@ -265,7 +283,7 @@ int main(int argc, char** argv) {
   if (argc < 3) {
     std::fprintf(stderr,
                  "usage: lunid_discovery_matrix LUNID OUT_DIR [--full | --draw N | --short | --nulls N] [--rows N] "
-                 "[--seed N] [--seeds N] [--alpha P] [--only WORD] [--check]\n");
+                 "[--seed N] [--seeds N] [--alpha P] [--only WORD] [--resume] [--check]\n");
     return 2;
   }
   matrix::Plan plan;
@@ -277,7 +295,7 @@ int main(int argc, char** argv) {
     std::string dir = std::string(argv[2]) + "/" + setting.folder();
     if (plan.nulls > 0) dir += "-" + std::to_string(index);
     ++index;
-    const Outcome outcome = run(argv[1], dir, setting, plan);
+    const Outcome outcome = run_or_take(argv[1], dir, setting, plan);
     tally.add(setting, outcome);
     print_row(setting, outcome);
   }

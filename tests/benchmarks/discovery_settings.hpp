@@ -27,7 +27,7 @@ struct Setting {
 };
 
 struct Plan {
-  bool full = false, brief = false, check = false;
+  bool full = false, brief = false, check = false, resume = false;
   int nulls = 0, rows = 6400, draw = 0, seeds = 1;
   std::uint64_t seed = 1;
   std::string only, alpha = "0.01";

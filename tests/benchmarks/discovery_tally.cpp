@@ -147,6 +147,41 @@ void judge_tie(const Setting& setting, const json& discovery, const std::vector<
   outcome.tie = !outcome.right;
 }
 
+json kept(const Outcome& o) {
+  return {
+      {"verdict", o.verdict},       {"named", o.named},           {"right", o.right},   {"tie", o.tie},
+      {"equivalent", o.equivalent}, {"physics", o.physics},       {"some", o.some},     {"tells", o.tells},
+      {"share", o.share},           {"class_size", o.class_size}, {"inside", o.inside}, {"parameters", o.parameters},
+      {"worst", o.worst},           {"before", o.before},         {"after", o.after},   {"floor", o.floor},
+      {"seconds", o.seconds},       {"noise", o.noise},           {"rows", o.rows}};
+}
+
+Outcome outcome_of(const json& kept) {
+  Outcome o;
+  o.verdict = kept.value("verdict", o.verdict), o.named = kept.value("named", "");
+  for (const auto& [field, value] : {std::pair{"right", &o.right},
+                                     {"tie", &o.tie},
+                                     {"equivalent", &o.equivalent},
+                                     {"physics", &o.physics},
+                                     {"some", &o.some},
+                                     {"tells", &o.tells}})
+    *value = kept.value(field, false);
+  for (const auto& [field, value] : {std::pair{"class_size", &o.class_size},
+                                     {"parameters", &o.parameters},
+                                     {"inside", &o.inside},
+                                     {"rows", &o.rows}})
+    *value = kept.value(field, 0);
+  for (const auto& [field, value] : {std::pair{"share", &o.share},
+                                     {"worst", &o.worst},
+                                     {"before", &o.before},
+                                     {"after", &o.after},
+                                     {"floor", &o.floor},
+                                     {"seconds", &o.seconds},
+                                     {"noise", &o.noise}})
+    *value = number(kept, field);
+  return o;
+}
+
 double chance(int rows) { return 3 / std::sqrt(static_cast<double>(std::max(rows, 9))); }
 
 double closure(const Outcome& outcome) {

@@ -40,6 +40,9 @@ struct Outcome {
 double number(const nlohmann::json& object, const char* field);
 
 Outcome judge(const Setting& setting, const nlohmann::json& discovery);
+/// An outcome as it is kept for a run that goes on, and back; NaN is null there.
+nlohmann::json kept(const Outcome& outcome);
+Outcome outcome_of(const nlohmann::json& kept);
 /// Of a tie, with the rivals that a fit of the benchmark found to be no other than the truth on this record.
 void judge_tie(const Setting& setting, const nlohmann::json& discovery, const std::vector<std::string>& equals,
                Outcome& outcome);

@@ -136,6 +136,18 @@ TEST(Tallies, of_runs_that_are_not_right_are_not_clean) {
   }
 }
 
+TEST(Outcomes, are_kept_for_a_run_that_goes_on) {
+  Outcome outcome = gaps(0.5, 0.1, NAN, 900);
+  outcome.verdict = "explained", outcome.named = "preload";
+  outcome.right = outcome.some = true, outcome.class_size = 2, outcome.parameters = 3, outcome.inside = 1;
+  outcome.worst = -2.5, outcome.share = 0.3, outcome.seconds = 4;
+  const Outcome back = outcome_of(nlohmann::json::parse(kept(outcome).dump()));
+  EXPECT_EQ(kept(back).dump(), kept(outcome).dump());
+  EXPECT_TRUE(std::isnan(back.floor));
+  EXPECT_EQ(back.answer(), Answer::first);
+  EXPECT_EQ(back.worst, -2.5);
+}
+
 TEST(Limits, are_those_of_clopper_and_pearson) {
   EXPECT_NEAR(upper_limit(0, 100), 1 - std::pow(0.05, 0.01), 1e-12);
   EXPECT_NEAR(upper_limit(1, 20), 0.2161, 1e-4);  // Hahn and Meeker 1991, table A.23
