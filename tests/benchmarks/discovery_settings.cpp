@@ -22,14 +22,16 @@ Setting setting_of(const truth::Case* which, const truth::Fault* fault, int scal
   return s;
 }
 
-/// Records in which nothing is missing: each known baseline, each kind of trouble, each scale and level in turn.
+/// Records in which nothing is missing: each known baseline under each excitation, at each scale and level, with each
+/// kind of trouble: 1008 of them, of which any few in a row differ in all.
 std::vector<Setting> null_settings(const Plan& plan) {
   const char* names[] = {"null_linear", "null_duffing", "null_friction", "null_hysteresis"};
   std::vector<Setting> list;
   for (int i = 0; i < plan.nulls; ++i) {
     Plan own = plan;
     own.seed = plan.seed + 1000 + static_cast<std::uint64_t>(i);
-    Setting s = setting_of(&truth::case_named(names[i % 4]), nullptr, (i / 4) % 3, levels[(i / 3) % 4],
+    const int turn = i / 12;  // of the baselines and excitations
+    Setting s = setting_of(&truth::case_named(names[i % 4]), nullptr, (i + turn) % 3, levels[(i + turn / 3) % 4],
                            excitations[i % 3], own);
     switch (i % 7) {
       case 1: s.options.colour = 0.9, s.kind = "coloured"; break;

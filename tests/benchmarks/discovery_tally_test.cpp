@@ -178,6 +178,14 @@ TEST(Settings, of_the_full_matrix_hold_every_excitation_and_level_once) {
   EXPECT_GT(faults, 500);
 }
 
+TEST(Settings, of_nothing_missing_hold_every_combination_once) {
+  Plan plan;
+  plan.nulls = 1008;
+  std::set<std::string> all;
+  for (const Setting& setting : settings(plan)) all.insert(setting.folder() + setting.kind);
+  EXPECT_EQ(all.size(), 4u * 3 * 3 * 4 * 7);
+}
+
 TEST(Settings, come_in_their_turn_and_with_as_many_seeds_as_asked) {
   Plan plan;
   const std::size_t once = settings(plan).size();
