@@ -1,5 +1,6 @@
 #include "discover/baseline.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "expr/digits.hpp"
@@ -111,11 +112,32 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
   for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table, warnings);
 }
 
+/// Of an element of the model that is an entry of the catalogue: the entry's guesses of its shape, in all forms that it
+/// may have there, for what is given no value.
+std::vector<Guess> guesses_of(const Study& study, const Model& model, const Effect& entry) {
+  std::vector<Guess> out;
+  if (!entry.guess || !is_element_of(model, entry)) return out;
+  RecordScales scale = scales(study, 0, entry.place);
+  scale.residual_std = scale.force_std;  // nothing is explained yet
+  for (int variant = 0; variant < std::ssize(entry.variants); ++variant)
+    for (Guess guess : entry.guess(scale, variant)) {
+      std::erase_if(guess, [&](const auto& named) {
+        const Parameter* p = model.find(named.first);
+        return !p || std::isfinite(p->value);
+      });
+      if (!guess.empty() && std::ranges::find(out, guess) == out.end()) out.push_back(std::move(guess));
+    }
+  return out;
+}
+
 }  // namespace
 
-Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings) {
+Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings,
+                       std::span<const Effect> catalogue) {
   Candidate baseline = compile(study, model, {});
-  find_starts(study, baseline, Eigen::VectorXd(), {});
+  std::vector<std::vector<Guess>> guesses;
+  for (const Effect& entry : catalogue) guesses.push_back(guesses_of(study, model, entry));
+  find_starts(study, baseline, Eigen::VectorXd(), guesses);
   if (baseline.starts.empty())
     throw InputError(
         "discover: the baseline's force is not finite along the measured motion; check its terms and first guesses");

@@ -1,5 +1,6 @@
 #pragma once
 // The model that a discovery begins with: fitted, and what must be said of it first.
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,9 @@ FitOptions full_fit(const Study& study, int iterations);
 
 /// The baseline fitted on the trajectory. Adds to `warnings`, before all others, that it cannot be run or that
 /// parameters sit at bounds, and which terms are nearly one column. Throws InputError naming parameters that the data
-/// do not excite, and for a force that is not finite.
-Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings);
+/// do not excite, and for a force that is not finite. Elements of the model that are entries of the catalogue are
+/// guessed as those are, where they have no first guesses of their own.
+Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings,
+                       std::span<const Effect> catalogue = {});
 
 }  // namespace lunid

@@ -43,7 +43,7 @@ class Spine {
 
   Discovery run() {
     progress("refit the baseline", 0.05);
-    baseline_ = fit_baseline(study_, model_, out_.warnings);
+    baseline_ = fit_baseline(study_, model_, out_.warnings, given_);
     choose_catalogue();
     if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
     Round round = look_at_all();
@@ -111,7 +111,7 @@ class Spine {
     const std::string length = number(study_.run_length, 3) + " s";
     progress("runs of " + length, done_);
     std::vector<std::string> unsaid;
-    baseline_ = fit_baseline(study_, model_, unsaid);
+    baseline_ = fit_baseline(study_, model_, unsaid, given_);
     Round shorter = look_at_all();
     const bool reached = rms_error(shorter.found.chosen.fit) < 1.5 * study_.sensor_noise();
     if (shorter.verdict != Verdict::unknown_effect && reached && is_lost(before.study, shorter.found.chosen)) {

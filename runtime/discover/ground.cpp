@@ -56,14 +56,21 @@ bool reads_otherwise(Ground& ground, const SearchResult& found) {
   constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
   const double error = squared_error(found.chosen.fit);
   if (reading_shows_beside(ground, found.chosen, error)) return true;
-  if (!(part_above_noise(ground.study, found.chosen) > left_open)) return false;
   const BetweenSamples chosen = ground.study.between;
-  const std::vector<Candidate>& sets = found.grown.sets;
-  for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
-    if (reading_shows_beside(ground, sets[i], follows_better * error)) return true;
-    ground.read_force(chosen);
-  }
-  return false;
+  const auto show_beside = [&](double least, const auto& is_asked) {
+    std::size_t asked = 0;
+    for (const Candidate& set : found.grown.sets) {
+      if (!is_asked(set)) continue;
+      if (asked++ == asked_sets) break;
+      if (reading_shows_beside(ground, set, least)) return true;
+      ground.read_force(chosen);
+    }
+    return false;
+  };
+  const auto has_fewer = [&](const Candidate& c) { return c.choices.size() < found.chosen.choices.size(); };
+  if (show_beside(error, has_fewer)) return true;
+  return part_above_noise(ground.study, found.chosen) > left_open &&
+         show_beside(follows_better * error, [](const Candidate&) { return true; });
 }
 
 void judge_again(const Study& study, SearchResult& found) {

@@ -37,7 +37,9 @@ struct Stage {
   Candidate baseline;
   std::vector<std::string> warnings;
 
-  Stage(const Model& given, const std::vector<Record>& records, const DiscoverOptions& options) : frame(given) {
+  Stage(const Model& given, const std::vector<Record>& records, const DiscoverOptions& options,
+        const std::vector<Effect>& catalogue = {})
+      : frame(given) {
     validate(options);
     check_baseline(frame.model());
     const Model model = complete(frame.model());
@@ -45,7 +47,7 @@ struct Stage {
     const std::vector<Record> seen = frame.seen(records);
     study = prepare(model, seen, seen, options);  // nothing is held out
     progress(options, "refit the baseline", 0.1);
-    baseline = fit_baseline(study, model, warnings);
+    baseline = fit_baseline(study, model, warnings, frame.seen(catalogue));
     warnings.insert(warnings.end(), study.warnings.begin(), study.warnings.end());
     if (!baseline.ran()) baseline.fit.theta = baseline.starts.front();  // those of the force alone
   }
@@ -174,7 +176,7 @@ Located locate(const Model& baseline, const std::vector<Record>& records, const 
 
 Proposed propose(const Model& baseline, const std::vector<Effect>& given, const std::vector<Record>& records,
                  const DiscoverOptions& options) {
-  const Stage stage(baseline, records, options);
+  const Stage stage(baseline, records, options, given);
   std::vector<std::string> untested;
   const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, stage.frame.seen(given), untested);
   if (!stage.baseline.ran())
@@ -228,7 +230,7 @@ Proposed propose(const Model& baseline, const std::vector<Effect>& given, const 
 std::vector<Ranked> rank_sets(const Model& baseline, const std::vector<Effect>& given,
                               const std::vector<std::vector<std::string>>& sets, const std::vector<Record>& records,
                               const DiscoverOptions& options) {
-  const Stage stage(baseline, records, options);
+  const Stage stage(baseline, records, options, given);
   std::vector<std::string> untestable;
   const std::vector<Effect> catalogue = testable(stage.study, stage.baseline, stage.frame.seen(given), untestable);
   PlacedScales scales(stage.study, stage.baseline);

@@ -5,18 +5,20 @@ local spec = require "spec"
 local y, v = lunid.displacement, lunid.velocity
 
 --- The motion of x'' + rest(x, v, z) = F(t), z' = rate(x, v, z), by Runge and Kutta's fourth order in `fine` parts of a
---- sample: lists of the force, the displacement and the acceleration.
+--- sample: lists of the force, the displacement and the acceleration. `of.held`: the force is, over each sample.
 local function motion(of, force, rows, dt, fine)
   local h, x, forces, ys, accelerations = dt / fine, { 0, 0 }, {}, {}, {}
+  local held
   for i = 1, of.states or 0 do x[2 + i] = 0 end
   local function slope(t, s)
-    local d = { s[2], force(t) - of.rest(s[1], s[2], s[3], s[4]) }
+    local d = { s[2], (held or force(t)) - of.rest(s[1], s[2], s[3], s[4]) }
     if of.rate then d[3], d[4] = of.rate(s[1], s[2], s[3], s[4]) end
     return d
   end
   for i = 1, rows do
     forces[i], ys[i] = force((i - 1) * dt), x[of.shows or 1]
     accelerations[i] = slope((i - 1) * dt, x)[2]
+    held = of.held and forces[i]
     for j = 1, fine do x = spec.runge_kutta(slope, ((i - 1) + (j - 1) / fine) * dt, x, h) end
   end
   return forces, ys, accelerations
@@ -174,6 +176,33 @@ spec.case("a relaxation shorter than the sampling interval", function()
     rate = function(_, u, z) return 0.8*u - z/0.42 end, fine = 24 }
   local names = named(of, 0.004, { chirp(1, 0.3, 2.2, 360), 560, 0.63, 9 }, { tones(0.4, 10), 560, 0.63, 10 })
   spec.equal(names, "maxwell_relaxation")
+end)
+
+-- At twenty rows a period a held force is late by a twentieth of a radian and more: read as smooth, a channel that lags
+-- and a gain followed it nearly to the noise, and the one law did not.
+spec.case("a relaxation under a force that is held", function()
+  local of = { name = "held", held = true, states = 1, rest = function(x, u, z) return x + 0.04*u + z end,
+    rate = function(_, u, z) return 0.6*u - z/0.5 end }
+  local found = found_in(of, 0.0126, { band(0.3, 3), 1200, 0.314, 9 }, { tones(0.3, 10), 1200, 0.314, 10 })
+  spec.equal(spec.names_of(found), "maxwell_relaxation")
+  spec.equal(found.data.method.force_between_samples, "hold")
+  local tau = found.effects[1].parameters.tau
+  spec.near(tau.value, 0.5, 3*tau.std)
+end)
+
+-- An entry as an element of the baseline is guessed as the entry is: without guesses a power of zero has no slope.
+spec.case("an element of the baseline that is given no values", function()
+  local of = { states = 1, rest = function(x, u, z) return 379*x + u + 379*z end,
+    rate = function(_, u, z) return u - math.abs(z/0.0072)*(0.6*math.abs(u)*(z > 0 and 1 or -1) + 0.4*u) end }
+  local function slower(force) return function(t) return force(25*t) end end
+  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+  local found = lunid.discover { model = lunid.model { mass = 1, restoring = k*y + c*v + lunid.effects.bouc_wen {} },
+    train = record_of(of, slower(band(1.5, 3)), 1400, 0.00833, 0.008, 9),
+    test = record_of(of, slower(tones(1.5, 10)), 1400, 0.00833, 0.008, 10),
+    catalogue = { "bouc_wen", "cubic_stiffness", "coulomb_friction" }, out = "element" }
+  spec.equal(found.verdict, "nothing-missing")
+  local yield = found.model.parameters.bouc_wen_zy
+  spec.near(yield.value, 0.0072, 3*yield.std)
 end)
 
 -- Under a sweep through a jump the test hangs on the damping, which the training record shows to a few percent: what its
