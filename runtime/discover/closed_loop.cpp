@@ -165,40 +165,6 @@ MatrixXd Equations::covariance(const Study& study, const VectorXd& step, const M
   return inverse * scores * inverse.transpose();
 }
 
-/// The share of what is new in the force of the training records (its innovations, by an autoregression) that follows
-/// what is new in what these runs over them leave, within twenty rows: a controller answers the noise of its sensor,
-/// and disturbances. 0 where it is below one percent, six times what chance makes of white series, or three times the
-/// share the other way round: what a model that lacks something leaves follows the force. Not of imposed motion, of
-/// short runs, and of decays.
-double answer_of_force(const Study& study, std::span<const FreeRun> runs) {
-  if (study.imposed || study.run_length > 0) return 0;
-  constexpr double least = 0.01, beyond_chance = 6, beyond_earlier = 3;
-  const Index first = study.measured == "a" ? 1 : 0;  // an acceleration follows the force at once
-  const std::size_t outputs = study.outputs().size();
-  double answer = 0;
-  for (std::size_t c = 0; c < outputs; ++c) {
-    for (const std::string& force : study.forces) {
-      double later = 0, earlier = 0, rows = 0, chance = 0;
-      for (std::size_t r = 0; r < study.full.size(); ++r) {
-        const FreeRun& run = runs[r * outputs + c];
-        const Record& record = study.full[r];
-        const Index count = record.rows() - run.lead;
-        const VectorXd left = own_innovations((as_vector(record[run.output]) - run.model).tail(count)),
-                       acting = own_innovations(as_vector(record[force]).tail(count));
-        if (left.size() == 0 || acting.size() == 0) continue;
-        const auto n = static_cast<double>(count);
-        later += n * later_correlation(left, acting, first, lags);
-        earlier += n * later_correlation(acting, left, 1, lags);
-        rows += n;
-        chance += static_cast<double>(lags);
-      }
-      if (later > std::max({beyond_chance * chance, beyond_earlier * earlier, least * rows}))
-        answer = std::max(answer, later / rows);
-    }
-  }
-  return answer;
-}
-
 /// The parameters that were fitted, each by one step of the instrumental-variable equations from the fit (exact where
 /// the force is linear in them): the columns of the force along the smoothed motion, the same along the reference's
 /// motion for instruments, less what drawn noise leaves along the model's own `runs` over the training records;
@@ -281,6 +247,35 @@ std::vector<OtherGaps> other_gaps(const Study& study, const std::vector<const Ca
 }
 
 }  // namespace
+
+double answer_of_force(const Study& study, std::span<const FreeRun> runs) {
+  if (study.imposed || study.run_length > 0) return 0;
+  constexpr double least = 0.01, beyond_chance = 6, beyond_earlier = 3;
+  const Index first = study.measured == "a" ? 1 : 0;  // an acceleration follows the force at once
+  const std::size_t outputs = study.outputs().size();
+  double answer = 0;
+  for (std::size_t c = 0; c < outputs; ++c) {
+    for (const std::string& force : study.forces) {
+      double later = 0, earlier = 0, rows = 0, chance = 0;
+      for (std::size_t r = 0; r < study.full.size(); ++r) {
+        const FreeRun& run = runs[r * outputs + c];
+        const Record& record = study.full[r];
+        const Index count = record.rows() - run.lead;
+        const VectorXd left = own_innovations((as_vector(record[run.output]) - run.model).tail(count)),
+                       acting = own_innovations(as_vector(record[force]).tail(count));
+        if (left.size() == 0 || acting.size() == 0) continue;
+        const auto n = static_cast<double>(count);
+        later += n * later_correlation(left, acting, first, lags);
+        earlier += n * later_correlation(acting, left, 1, lags);
+        rows += n;
+        chance += static_cast<double>(lags);
+      }
+      if (later > std::max({beyond_chance * chance, beyond_earlier * earlier, least * rows}))
+        answer = std::max(answer, later / rows);
+    }
+  }
+  return answer;
+}
 
 std::optional<ClosedLoop> look_for_loop(const Study& study, const SearchResult& found, std::span<const FreeRun> runs) {
   const auto has_reference = [&](const Record& record) { return record.has(study.reference()); };

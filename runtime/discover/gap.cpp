@@ -111,12 +111,23 @@ double quietest_noise(const FreeRun& run, const Record& record) {
   return level < clearly * channel.noise ? level : channel.noise;
 }
 
+/// The forces over the rows of a run; none in a free decay.
+Drives drives_of(const Study& study, const FreeRun& run, const Record& record) {
+  Drives out;
+  for (const std::string& force : study.forces) {
+    const std::span<const double> rows = record[force].last(static_cast<std::size_t>(run.rows));
+    if (standard_deviation(rows) > 0) out.push_back(rows);
+  }
+  return out;
+}
+
 /// The same, of noise that has a colour.
 double noise_of(const Study& study, const FreeRun& run, const Record& record) {
   const double quietest = quietest_noise(run, record);
   if (!study.noise_has_colour) return quietest;
   const Eigen::VectorXd left = left_of(run, record), model = run.model.tail(run.rows);
-  return left.allFinite() ? std::max(quietest, noise_beside(view(left), view(model))) : quietest;
+  if (!left.allFinite()) return quietest;
+  return std::max(quietest, noise_beside(view(left), view(model), drives_of(study, run, record)));
 }
 
 void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
@@ -124,6 +135,8 @@ void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out)
   std::vector<double> noise;
   for (FreeRun& o : out) {
     noise.push_back(noise_of(study, o, at.data.record));
+    if (const Eigen::VectorXd left = left_of(o, at.data.record); left.allFinite())
+      o.driven = driven_part(view(left), drives_of(study, o, at.data.record));
     o.floor_squares = noise.back() * noise.back() * static_cast<double>(o.rows);
   }
   const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
@@ -286,6 +299,15 @@ std::vector<FreeRun> free_run(const Study& study, const System& system, const Ei
     weigh(weights[i], o);
   }
   return out;
+}
+
+double driven_part(const std::vector<FreeRun>& runs) {
+  double driven = 0, squares = 0;
+  for (const FreeRun& run : runs) {
+    driven += run.driven * run.squares;
+    squares += run.squares;
+  }
+  return squares > 0 ? driven / squares : 0;
 }
 
 std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::string& output) {

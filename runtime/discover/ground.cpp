@@ -38,7 +38,43 @@ void drop_those_that_do_not_run(SearchResult& found) {
   if (found.faint && !found.faint->ran()) found.faint.reset();
 }
 
+/// Of several effects: a set of fewer that follows as well with the force read otherwise, which it is left as then.
+bool fewer_show_reading(Ground& ground, const SearchResult& found) {
+  constexpr std::size_t asked_sets = 8;
+  constexpr int iterations = 20;  // where the force is read otherwise, the present values are no more than a start
+  const BetweenSamples chosen = ground.study.between;
+  const double error = squared_error(found.chosen.fit);
+  std::size_t asked = 0;
+  for (const Candidate& set : found.grown.sets) {
+    if (set.choices.size() >= found.chosen.choices.size()) continue;
+    if (asked++ == asked_sets) break;
+    if (reading_shows_beside(ground, set, INFINITY)) {
+      const FitResult fit = fit_near(ground.study, set, set.fit.theta, iterations, set.fit.substeps);
+      if (std::isfinite(fit.cost) && squared_error(fit) < error) return true;
+    }
+    ground.read_force(chosen);
+  }
+  return false;
+}
+
 }  // namespace
+
+bool reads_otherwise(Ground& ground, const SearchResult& found) {
+  constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
+  constexpr std::size_t asked_sets = 3;
+  constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
+  const double error = squared_error(found.chosen.fit);
+  if (reading_shows_beside(ground, found.chosen, error)) return true;
+  if (fewer_show_reading(ground, found)) return true;
+  if (!(part_above_noise(ground.study, found.chosen) > left_open)) return false;
+  const BetweenSamples chosen = ground.study.between;
+  const std::vector<Candidate>& sets = found.grown.sets;
+  for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
+    if (reading_shows_beside(ground, sets[i], follows_better * error)) return true;
+    ground.read_force(chosen);
+  }
+  return false;
+}
 
 void Ground::read_force(BetweenSamples between) {
   lunid::read_force(whole, between);
@@ -48,29 +84,6 @@ void Ground::read_force(BetweenSamples between) {
 void Ground::take_noise() {
   study = shortened(whole);
   if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
-}
-
-bool reads_otherwise(Ground& ground, const SearchResult& found) {
-  constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
-  constexpr std::size_t asked_sets = 3;
-  constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
-  const double error = squared_error(found.chosen.fit);
-  if (reading_shows_beside(ground, found.chosen, error)) return true;
-  const BetweenSamples chosen = ground.study.between;
-  const auto show_beside = [&](double least, const auto& is_asked) {
-    std::size_t asked = 0;
-    for (const Candidate& set : found.grown.sets) {
-      if (!is_asked(set)) continue;
-      if (asked++ == asked_sets) break;
-      if (reading_shows_beside(ground, set, least)) return true;
-      ground.read_force(chosen);
-    }
-    return false;
-  };
-  const auto has_fewer = [&](const Candidate& c) { return c.choices.size() < found.chosen.choices.size(); };
-  if (show_beside(error, has_fewer)) return true;
-  return part_above_noise(ground.study, found.chosen) > left_open &&
-         show_beside(follows_better * error, [](const Candidate&) { return true; });
 }
 
 void judge_again(const Study& study, SearchResult& found) {

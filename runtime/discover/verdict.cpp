@@ -7,6 +7,7 @@
 
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
+#include "discover/closed_loop.hpp"
 #include "discover/judge.hpp"
 #include "discover/locate.hpp"
 #include "statistics/distributions.hpp"
@@ -126,6 +127,14 @@ bool leaves_motion_open(const Study& study, const Gap& gap) {
   // A floor that was read off what is left itself holds what a force outside the catalogue makes beside the motion's
   // band.
   return far_from_the_floor(gap, decays ? little_open : much_open, study.noise_has_colour ? 1.5 : 3);
+}
+
+bool is_driven(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
+               const std::vector<FreeRun>& test_runs) {
+  constexpr double nearly_all = 0.7;
+  return far_from_the_floor(train, little_open) && far_from_the_floor(test, little_open) &&
+         std::min(driven_part(train_runs), driven_part(test_runs)) > nearly_all &&
+         !(answer_of_force(study, train_runs) > 0);
 }
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
@@ -297,6 +306,28 @@ bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double 
   return false;
 }
 
+/// The inertia of a coordinate, mass and what else goes with its acceleration; NaN where that is not one number.
+double inertia(const Candidate& c, int coordinate) {
+  const Model& model = c.system->model();
+  const auto [mass, restoring] = model.coordinate(coordinate);
+  std::vector<std::pair<Expr, Expr>> values;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i)
+    values.emplace_back(model.pool->parameter(model.parameters[i].name),
+                        model.pool->constant(c.fit.theta[static_cast<Eigen::Index>(i)]));
+  const Expr slope = derivative(restoring, model.pool->channel(model.channel('a', coordinate)));
+  const Expr total = substitute(mass + slope, values);
+  return total.is_constant() ? total.value() : NAN;
+}
+
+/// Hardly any of the baseline's mass is left beside the names.
+bool takes_the_mass(const Candidate& baseline, const Candidate& named) {
+  constexpr double least = 0.1;
+  if (!baseline.ran() || !named.ran()) return false;
+  for (int i = 0; i < baseline.system->model().degrees(); ++i)
+    if (inertia(named, i) < least * inertia(baseline, i)) return true;
+  return false;
+}
+
 /// A friction that does more work on the motion than it takes from it, along the first training record.
 const Effect* friction_that_drives(const Study& study, const Candidate& named) {
   if (!named.ran()) return nullptr;
@@ -344,6 +375,8 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   if (last.value > 1.5 * last.floor || left.material) {
     if (feeds_the_motion(round.found.baseline, round.found.chosen, deviations))
       return "left something open, and made the baseline's own damping negative";
+    if (takes_the_mass(round.found.baseline, round.found.chosen))
+      return "left something open, and took the mass away that the baseline has";
     if (const Effect* friction = friction_that_drives(study, round.found.chosen))
       return "left something open, and has a " + friction->name + " that drives the motion";
   }

@@ -9,6 +9,7 @@
 #include "record/median.hpp"
 #include "record/noise_sum.hpp"
 #include "record/record.hpp"
+#include "record/spectra.hpp"
 #include "record/spectrum.hpp"
 
 namespace lunid {
@@ -107,6 +108,19 @@ double floor_of(const Spectrum& spectrum, double samples) {
   return sum / pooled;
 }
 
+/// Of each bin of a signal's spectrum the part that follows no drive, without bias: (1 - g^2) n/(n - 1) of n averages.
+Eigen::VectorXd undriven_part(std::span<const double> left, const Drives& drives) {
+  const Eigen::Index length = segment_for(static_cast<Eigen::Index>(left.size()));
+  Eigen::VectorXd out = Eigen::VectorXd::Ones(length / 2 + 1);
+  for (const std::span<const double> drive : drives) {
+    const TransferFunction response = transfer_function(drive, left, 1, length);
+    const double unbiased = response.averages / (response.averages - 1);
+    for (Eigen::Index i = 0; i < out.size(); ++i)
+      if (const double g = response.coherence[i]; std::isfinite(g)) out[i] *= (1 - g) * unbiased;
+  }
+  return out;
+}
+
 }  // namespace
 
 NoiseSum::NoiseSum(Eigen::Index rows) : rows_(rows) {
@@ -137,25 +151,34 @@ double noise_level(std::span<const double> x) {
   return sum.level();
 }
 
-double noise_beside(std::span<const double> left, std::span<const double> model) {
+double noise_beside(std::span<const double> left, std::span<const double> model, const Drives& drives) {
   constexpr double next_to_none = 0.3;  // of the power that is left
   const auto rows = static_cast<Eigen::Index>(left.size());
   if (rows < least_for_a_spectrum) return 0;
   const Spectrum of_left = welch(left, segment_for(rows)), of_model = welch(model, segment_for(rows));
+  const Eigen::VectorXd undriven = of_left.density.cwiseProduct(undriven_part(left, drives));
   const Bands bands = bands_by_octave(of_left.density.size());
   const double lower = median_over_mean(freedom_of_a_bin(of_left, static_cast<double>(rows)));
   std::vector<double> powers;
   double highest = 0;
   for (std::size_t b = 0; b + 1 < bands.size(); ++b) {
-    const std::span<const double> here = part_of(of_left.density, bands, b);
-    powers.push_back(mean_of(here));
-    if (mean_of(part_of(of_model.density, bands, b)) < next_to_none * powers.back())
+    const std::span<const double> here = part_of(undriven, bands, b);
+    powers.push_back(std::max(0.0, mean_of(here)));
+    const double whole = mean_of(part_of(of_left.density, bands, b));
+    if (mean_of(part_of(of_model.density, bands, b)) < next_to_none * whole)
       highest = std::max(highest, median_of(here) / lower);
   }
   double sum = 0;
   for (std::size_t b = 0; b < powers.size(); ++b)
     sum += std::min(powers[b], highest) * static_cast<double>(bands[b + 1] - bands[b]);
   return std::sqrt(sum / static_cast<double>(bands.back() - bands.front()));
+}
+
+double driven_part(std::span<const double> left, const Drives& drives) {
+  const auto rows = static_cast<Eigen::Index>(left.size());
+  if (rows < least_for_a_spectrum || drives.empty()) return 0;
+  const Eigen::VectorXd density = welch(left, segment_for(rows)).density;
+  return 1 - density.dot(undriven_part(left, drives)) / density.sum();
 }
 
 double dominant_frequency(std::span<const double> x, double dt) {

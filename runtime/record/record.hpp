@@ -133,10 +133,15 @@ SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int
 /// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad
 /// bands, taken over the whole bandwidth. 0 for a constant signal.
 double noise_level(std::span<const double> x);
+/// Signals that drive a motion, of the same rows as it.
+using Drives = std::vector<std::span<const double>>;
 /// Standard deviation of noise of any colour, from what a model leaves of a signal and what it makes of it, of the same
-/// rows: the spectrum of the former, of which no band counts for more than the highest of those where the model has
-/// next to no power. 0 where it has power in all bands.
-double noise_beside(std::span<const double> left, std::span<const double> model);
+/// rows: the spectrum of the former without what follows the drives linearly, of which no band counts for more than the
+/// highest of those where the model has next to no power. 0 where it has power in all bands.
+double noise_beside(std::span<const double> left, std::span<const double> model, const Drives& drives = {});
+/// The part of a signal's power that follows the drives linearly, by its coherence with each (Bendat & Piersol 2010,
+/// chapter 6), of unrelated ones 0 in the mean. 0 without drives and for less than 64 rows.
+double driven_part(std::span<const double> left, const Drives& drives);
 /// This record with smoothed `v` and `a` added where absent (marked derived); the same for each numbered coordinate (y1
 /// v1 a1, y2 ...) and for a base (yb vb ab). Needs one of them: has_motion().
 Record derive_motion(const Record& record);

@@ -55,12 +55,12 @@ local function band(amplitude, seed)
 end
 
 --- Of mass 1 and k 1, without the first `of.skip` rows; noise as a share of the displacement, which the sensor shows
---- off by `of.offset`.
+--- off by `of.offset` and, on a part that gives way, by `of.gives` of the force.
 local function record_of(of, force, rows, dt, noise, seed)
   local skip = of.skip or 0
   local forces, ys = motion(of, force, skip + rows, dt, of.fine or 8)
   forces, ys = table.move(forces, skip + 1, skip + rows, 1, {}), table.move(ys, skip + 1, skip + rows, 1, {})
-  for i = 1, #ys do ys[i] = ys[i] + (of.offset or 0) end
+  for i = 1, #ys do ys[i] = ys[i] + (of.offset or 0) + (of.gives or 0)*forces[i] end
   return lunid.record({ channels = { { "F", forces }, { "y", ys } }, dt = dt })
     :with_noise { y = lunid.noise.gaussian { relative = noise }, seed = seed }
 end
@@ -188,6 +188,13 @@ spec.case("a relaxation under a force that is held", function()
   spec.equal(found.data.method.force_between_samples, "hold")
   local tau = found.effects[1].parameters.tau
   spec.near(tau.value, 0.5, 3*tau.std)
+end)
+
+-- A mass on a spring behind the one that is given looked like an answer, with all of the latter taken away again.
+spec.case("a displacement that holds a part of the force has no name", function()
+  local of = { name = "compliance", rest = function(x, u) return x + 0.06*u end, gives = 0.8 }
+  local found = found_in(of, 0.016, { band(0.3, 3), 1200, 0.262, 9 }, { tones(0.3, 10), 1200, 0.262, 10 })
+  spec.equal(found.verdict, "unknown-effect")
 end)
 
 -- An entry as an element of the baseline is guessed as the entry is: without guesses a power of zero has no slope.
