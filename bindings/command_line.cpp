@@ -25,7 +25,7 @@ using nlohmann::json;
 struct Values {
   std::vector<std::string> files, tests, arguments, windows, test_windows, topic, cases;
   std::string study, mass, restoring, baseline, columns, rate, catalogue, without, out, model, excitation, from, solver,
-      initial;
+      initial, interpolation;
   double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
@@ -94,6 +94,8 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
   add_reading(discover, values);
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
+  discover->add_option("--interpolation", values.interpolation,
+                       "what the force does between its rows: hold, linear, cubic or band_limited (read off the rows)");
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
       ->check(expects("> 0 and < 0.5", [](double alpha) { return alpha > 0 && alpha < 0.5; }));
   discover->add_option("--minimum-gain", values.minimum_gain, "least drop of the left-out gap for a name (0.05)")
@@ -169,6 +171,7 @@ json to_json(const CLI::App& app, const Values& values) {
     options["minimum_gain"] = values.minimum_gain;
     put(options, "catalogue", values.catalogue);
     put(options, "without", values.without);
+    put(options, "interpolation", values.interpolation);
     options["imposed_motion"] = values.imposed_motion;
   }
   put(options, "cases", values.cases);

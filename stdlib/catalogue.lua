@@ -45,7 +45,8 @@ function catalogue.check_names(where, names, own)
     if not known[name] then
       local near = core.nearest(name, there)
       schema.fail(where, ("unknown effect '%s'%s"):format(name,
-        near and (", did you mean '%s'?"):format(near) or " (see `lunid list effects`)"))
+        near and (", did you mean '%s'?"):format(near)
+          or " (see `lunid list effects`; entries of your own stand in effects = { ... })"))
     end
   end
 end

@@ -91,6 +91,9 @@ local function baseline(lunid, options)
     if options.mass or options.restoring then
       fault("give --baseline, or --mass and --restoring; not both", "usage")
     end
+    if options.interpolation then
+      fault("--interpolation: the baseline's file says it: lunid.model { interpolation = ... }", "usage")
+    end
     return lunid.load(options.baseline)
   end
   if not options.restoring then fault("--restoring (or --baseline model.lua) is needed", "usage") end
@@ -108,7 +111,8 @@ local function baseline(lunid, options)
   end
   local good, model = pcall(function()
     return lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring,
-      "--restoring"), motion = options.imposed_motion and "imposed" or "free" }
+      "--restoring"), motion = options.imposed_motion and "imposed" or "free",
+      interpolation = options.interpolation }
   end)
   if not good then fault(model, "usage") end
   return model

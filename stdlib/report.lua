@@ -257,7 +257,7 @@ end
 local function next_section(data)
   local design = data.next_experiment
   if not design then
-    local words = { ["unknown-effect"] = "Look at the map of the unexplained force below: a record at other amplitudes and "
+    local words = { ["unknown-effect"] = "Look at the map of the unexplained force: a record at other amplitudes and "
         .. "frequencies shows whether it follows the displacement, the velocity, or neither. An entry of your own can be put "
         .. "beside the catalogue (<code>lunid.effect</code>).",
       ["nothing-missing"] = "This holds at the amplitudes and frequencies of these records. A record that goes beyond them "

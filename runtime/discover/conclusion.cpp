@@ -246,9 +246,11 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
   if (!left.seen && round.driven > 0) {
     std::snprintf(text, sizeof text, "%.0f %% of what is left (gap %.2g on test, %.2g from noise alone) ",
                   100 * round.driven, out.final_test.value, out.final_test.floor);
-    return text + std::string("follows the force linearly: dynamics that the model lacks, such as a further mode, or a "
-                              "part that gives way between the force and the sensor; no entry of the catalogue "
-                              "explains them") +
+    return text +
+           std::string(
+               "follows the force linearly: dynamics that the model lacks, such as a further mode, or a "
+               "part that gives way between the force and the sensor; no entry of the catalogue "
+               "explains them") +
            nearest;
   }
   const bool follows = !leaves_motion_open(study, out.final_train) && !far_from_the_floor(out.final_train, 0);
@@ -297,7 +299,10 @@ class Conclusion {
     out_.baseline = fitted(study_, found.baseline);
     out_.final = fitted(study_, found.chosen);
     if (round_.names()) out_.maps_after = maps_at(study_, found.chosen, found.chosen, place);
-    out_.where = words_of(out_.maps_before) + sensor_hint(study_, found.baseline);
+    const bool hidden =
+        out_.maps_before && !out_.maps_before->above_noise && out_.baseline_train.value > 3 * out_.final_train.floor;
+    out_.where = words_of(out_.maps_before) + (hidden ? " in any one map, though far above it as a whole" : "") +
+                 sensor_hint(study_, found.baseline);
     for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});

@@ -127,7 +127,8 @@ double noise_of(const Study& study, const FreeRun& run, const Record& record) {
   if (!study.noise_has_colour) return quietest;
   const Eigen::VectorXd left = left_of(run, record), model = run.model.tail(run.rows);
   if (!left.allFinite()) return quietest;
-  return std::max(quietest, noise_beside(view(left), view(model), drives_of(study, run, record)));
+  const double coloured = noise_beside(view(left), view(model), drives_of(study, run, record));
+  return std::max(quietest, study.degrees() > 1 ? coloured : std::min(coloured, study.least_left));
 }
 
 void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {

@@ -84,12 +84,16 @@ class OnTest {
   }
 
   /// The quietest part of a spectrum says too little of noise that a filter has shaped, or that drifts. Where generic
-  /// forces see nothing in what is left, what is left beside the band of the motion is noise, whatever its colour.
+  /// forces see nothing in what is left, what is left beside the band of the motion is noise, whatever its colour, as
+  /// far as no set that was fitted left less.
   /// Names are not judged by such a floor: it holds what they may lack.
   void hear_the_colour(Round& round) {
     constexpr double above = 1.3;  // times the floor
     if (study_.imposed || round.left.seen || !(round.left.gap.value > above * round.left.gap.floor)) return;
     ground_.whole.noise_has_colour = study_.noise_has_colour = true;
+    for (const Candidate& set : round.found.grown.sets)
+      if (set.ran()) study_.least_left = std::min(study_.least_left, rms_error(set.fit));
+    ground_.whole.least_left = study_.least_left;
     round.train = runs(study_, round.found.chosen, study_.full);
     round.left.gap = round.gap(round.train);
     if (round.names()) runs_.after_test = runs(study_, round.found.chosen, study_.test);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "discover/between_samples.hpp"
 #include "discover/proposal_fits.hpp"
@@ -496,10 +497,14 @@ class Search {
       return chosen.choices.empty() || !std::all_of(chosen.choices.begin(), chosen.choices.end(),
                                                     [&](const Choice& x) { return holds(c.choices, x.effect); });
     });
-    std::vector<std::string> seen{chosen.name()};
+    const auto named = [](const Choices& choices) {  // the same set in another order is no other rival
+      std::multiset<std::string> labels;
+      for (const Choice& choice : choices) labels.insert(choice.effect->label());
+      return labels;
+    };
+    std::set<std::multiset<std::string>> seen{named(chosen.choices)};
     for (const auto& c : field) {
-      if (std::find(seen.begin(), seen.end(), c.name()) != seen.end()) continue;
-      seen.push_back(c.name());
+      if (!seen.insert(named(c.choices)).second) continue;
       const bool tie = holds_name(result_.ties.rivals, c.name());
       std::vector<Beaten>& rivals = result_.rivals;
       rivals.push_back({c, tie ? Beaten::By::tie : Beaten::By::training, {}});

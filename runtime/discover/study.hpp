@@ -1,5 +1,6 @@
 #pragma once
 // What discovery knows of its data: training records cut and checked, their smoothed motion, scales and noise.
+#include <cmath>
 #include <vector>
 
 #include "discover/discover.hpp"
@@ -42,6 +43,7 @@ struct Study {
   std::string measured = "y";     ///< what the records hold of the motion: y, or v or a alone
   double slow = 0;                ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
   bool noise_has_colour = false;  ///< of the outputs: what a run leaves beside its own band is noise too
+  double least_left = INFINITY;   ///< [first output] rms that some set left of the training records: noise is no more
   double motion_noise = 0;        ///< [N] rms: what noise of a prescribed motion makes of the baseline's force
 
   int degrees() const { return model.pool ? model.degrees() : 1; }

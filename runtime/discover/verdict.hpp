@@ -27,9 +27,9 @@ struct Round {
   std::vector<FreeRun> train;  ///< of the chosen model over the training records
   Verdict verdict = Verdict::nothing_missing;
   std::string withdrawn;
-  bool loose_test = false;           ///< nothing is named, and what is left on the test records hangs on the parameters
-  double driven = 0;       ///< nothing is named, and this part of what is left follows the forces linearly (is_driven)
-  BetweenSamples between;            ///< under which it was made
+  bool loose_test = false;  ///< nothing is named, and what is left on the test records hangs on the parameters
+  double driven = 0;        ///< nothing is named, and this part of what is left follows the forces linearly (is_driven)
+  BetweenSamples between;   ///< under which it was made
   std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.

@@ -190,11 +190,14 @@ spec.case("a relaxation under a force that is held", function()
   spec.near(tau.value, 0.5, 3*tau.std)
 end)
 
--- A mass on a spring behind the one that is given looked like an answer, with all of the latter taken away again.
+-- What it adds beside the band of the motion went for noise, and the verdict was that nothing is missing.
 spec.case("a displacement that holds a part of the force has no name", function()
-  local of = { name = "compliance", rest = function(x, u) return x + 0.06*u end, gives = 0.8 }
-  local found = found_in(of, 0.016, { band(0.3, 3), 1200, 0.262, 9 }, { tones(0.3, 10), 1200, 0.262, 10 })
+  local of = { name = "compliance", rest = function(x, u) return x + 0.06*u end, gives = 1.2,
+    catalogue = { "hidden_mode", "added_mass", "missing_harmonic", "parametric_stiffness" } }
+  local found = found_in(of, 0.016, { chirp(0.3, 0.3, 3, 314), 1200, 0.262, 9 }, { band(0.3, 1), 1200, 0.262, 10 })
   spec.equal(found.verdict, "unknown-effect")
+  spec.contains(found.sentence, "follows the force linearly")
+  spec.near(found.data.noise_floor.gap_test, 0.016, 0.002)
 end)
 
 -- An entry as an element of the baseline is guessed as the entry is: without guesses a power of zero has no slope.

@@ -287,6 +287,29 @@ TEST(Verdict, TakesBackAFrictionThatDrivesTheMotion) {
   EXPECT_EQ(with_friction(-0.1, 0.025), "");
 }
 
+/// A sensor on a part that gives way was a second mass, with all of the given one taken away.
+TEST(Verdict, TakesBackNamesThatTakeTheMassAway) {
+  const auto with_mass = [](double ma, double test) {
+    DiscoverOptions options;
+    Study study;
+    study.options = &options;
+    const Model model = testing::baseline("k*y", 75);
+    const Effect added = testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")});
+    study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
+    Round round;
+    round.found.baseline = compile(study, complete(model), {});
+    round.found.chosen = compile(study, complete(model), {{&added, 0}});
+    round.found.baseline.fit.theta = Eigen::VectorXd::Ones(1);
+    round.found.chosen.fit.theta = Eigen::Vector2d(1, ma);
+    round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
+    round.left.gap.value = round.left.gap.floor = 0.02;
+    return refuted_on(study, round, 1, test, 0.02);
+  };
+  EXPECT_EQ(with_mass(-74.9, 0.035), "left something open, and took the mass away that the baseline has");
+  EXPECT_EQ(with_mass(-60, 0.035), "");
+  EXPECT_EQ(with_mass(-74.9, 0.025), "") << "the given mass is ten times too large: this is the answer";
+}
+
 TEST(Verdict, AsksOfThreeNamesThatTheyLeaveLittle) {
   EXPECT_EQ(verdict_on(3, 0.036, 0.07, 0.02), "left far more than noise on the test record");
   EXPECT_EQ(verdict_on(2, 0.036, 0.07, 0.02), "");

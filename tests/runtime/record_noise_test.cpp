@@ -92,6 +92,27 @@ TEST(NoiseBeside, AModelThatFillsAllBandsIsNotKnown) {
   EXPECT_EQ(noise_beside(std::vector<double>(20, 1.0), std::vector<double>(20, 0.0)), 0) << "too short for a spectrum";
 }
 
+TEST(NoiseBeside, AModelIsNotWhatFollowsTheForce) {
+  constexpr int rows = 6400;
+  std::vector<double> model(rows), left = smoothed(rows, 1, 9);
+  const std::vector<double> force = smoothed(rows, 3, 10);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    model[i] = 30 * std::sin(2 * M_PI * static_cast<double>(i) / 400);
+    left[i] += 3 * force[i];
+  }
+  EXPECT_GT(noise_beside(left, model), 2.5);
+  EXPECT_NEAR(noise_beside(left, model, {force}), 1, 0.1);
+  EXPECT_NEAR(driven_part(left, {force}), 0.9, 0.03) << "9 of 10 parts of the power";
+}
+
+TEST(DrivenPart, OfUnrelatedSignalsIsNothing) {
+  for (const int rows : {100, 1000, 6400})
+    EXPECT_NEAR(driven_part(smoothed(rows, 1, 11), {smoothed(rows, 1, 12)}), 0, 4 / std::sqrt(rows)) << rows;
+  EXPECT_EQ(driven_part(smoothed(1000, 1, 11), {}), 0);
+  EXPECT_EQ(driven_part(std::vector<double>(20, 1.0), {std::vector<double>(20, 0.5)}), 0);
+  EXPECT_EQ(driven_part(smoothed(1000, 1, 11), {std::vector<double>(1000, 2.0)}), 0) << "a force that does not vary";
+}
+
 TEST(NoiseLevel, OfAShortRecord) {
   // 400 samples: a quarter of the band holds 100 degrees of freedom, 14 % in power, less the median's loss.
   expect_level([](double i) { return std::sin(2 * M_PI * i / 40); }, 400, 0.25, "400 rows");
