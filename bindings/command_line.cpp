@@ -94,8 +94,14 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
   add_reading(discover, values);
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
-  discover->add_option("--interpolation", values.interpolation,
-                       "what the force does between its rows: hold, linear, cubic or band_limited (read off the rows)");
+  discover
+      ->add_option("--interpolation", values.interpolation,
+                   "what the force does between its rows: hold, linear, cubic or band_limited (read off the rows)")
+      ->check(Check([](const std::string& text) -> std::string {
+        for (const char* kind : {"hold", "linear", "cubic", "band_limited"})
+          if (text == kind) return "";
+        return "expected hold, linear, cubic or band_limited, got '" + text + "'";
+      }));
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
       ->check(expects("> 0 and < 0.5", [](double alpha) { return alpha > 0 && alpha < 0.5; }));
   discover->add_option("--minimum-gain", values.minimum_gain, "least drop of the left-out gap for a name (0.05)")

@@ -241,6 +241,21 @@ spec.case("--catalogue and --minimum-gain say what may be named", function()
   spec.equal(spec.shell [[grep -c 'cubic_stiffness\|quadratic_drag' fewer/discovery.json]], "0\n")
 end)
 
+spec.case("--interpolation says what the force does between its rows", function()
+  says("discover good.csv --interpolation held " .. usual,
+    "--interpolation: expected hold, linear, cubic or band_limited, got 'held'\n", 2)
+  says("discover good.csv --baseline b.lua --interpolation hold",
+    "--interpolation: the baseline's file says it: lunid.model { interpolation = ... }", 2)
+  -- A free decay cannot tell, and keeps what is said.
+  record("decay.csv", 600, function(i, cells) return { cells[1], "0", ("%.17g"):format(0.01*math.exp(-4e-3*i)*math.cos(0.1*i)) } end)
+  for _, kind in ipairs { "hold", "cubic" } do
+    local _, code = spec.lunid(("discover decay.csv --interpolation %s --catalogue cubic_stiffness --mass 1 "
+      .. "--restoring 'k*y + c*v' --out said_%s"):format(kind, kind))
+    spec.equal(code, 0)
+    spec.contains(spec.shell(("cat said_%s/model.lua"):format(kind)), ('interpolation = "%s"'):format(kind))
+  end
+end)
+
 spec.case("a directory or nothing in place of a study", function()
   spec.shell "mkdir -p folder"
   for _, command in ipairs { "run", "check" } do
