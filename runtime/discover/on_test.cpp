@@ -6,6 +6,7 @@
 
 #include "discover/between_samples.hpp"
 #include "discover/gap.hpp"
+#include "discover/proposal_fits.hpp"
 #include "expr/digits.hpp"
 
 namespace lunid {
@@ -30,6 +31,12 @@ std::string left_open_by_training(const Candidate& named, const std::string& fau
          number(of_all.floor, 2) + " from noise alone). Train on both";
 }
 
+double error_on_test(const Study& study, const Candidate& model) {
+  double squares = 0;
+  for (const FreeRun& run : runs(study, model, study.test, false)) squares += run.squares;
+  return std::isfinite(squares) ? squares : INFINITY;
+}
+
 class OnTest {
  public:
   OnTest(Ground& ground, Discovery& out) : ground_(ground), study_(ground.study), out_(out) {}
@@ -41,6 +48,7 @@ class OnTest {
     const std::optional<TestRuns> shorter = judge_names(round);
     if (round.names()) hear_the_colour(round);
     fill_gaps(round, shorter);
+    if (!shorter) warn_of_reading(round.found.chosen);
     if (out_.baseline_train.value > runaway_gap)
       out_.warnings.insert(out_.warnings.begin(),
                            "the baseline's free run grows beyond the motion: with these parameters it is unstable (a "
@@ -58,16 +66,39 @@ class OnTest {
     constexpr double far_better = 0.8;
     Study alike = study_;
     alike.between.alike = true;
-    const auto error = [&](const Study& study) {
-      double squares = 0;
-      for (const FreeRun& run : runs(study, chosen, study.test, false)) squares += run.squares;
-      return std::isfinite(squares) ? squares : INFINITY;
-    };
-    if (!(error(alike) < far_better * error(study_))) return;
+    if (!(error_on_test(alike, chosen) < far_better * error_on_test(study_, chosen))) return;
     ground_.whole.between.alike = study_.between.alike = true;
     out_.warnings.push_back(
         "between its samples the force of the test records is read as that of the training records (" +
         std::string(to_string(study_.between.kind)) + "), though it looks otherwise");
+  }
+
+  /// What the force does between its samples may show on the test records alone, which choose nothing: it is said.
+  void warn_of_reading(const Candidate& chosen) {
+    constexpr double far_better = 0.8, follows = 3;  // of the squared error; times the floor
+    const Gap& gap = out_.final_test;
+    if (study_.imposed || !chosen.ran() || !(gap.value < follows * gap.floor)) return;
+    const double present = error_on_test(study_, chosen);
+    double least = far_better * present;
+    std::optional<Interpolation> better;
+    for (const Interpolation kind : every_kind) {
+      if (kind == study_.between.kind) continue;
+      Study other = study_;
+      read_force(other, {kind, true});
+      Candidate refitted = chosen;
+      refitted.fit = fit_near(other, chosen, chosen.fit.theta, 10, chosen.fit.substeps);
+      if (const double error = error_on_test(other, refitted); error < least) {
+        least = error;
+        better = kind;
+      }
+    }
+    if (!better) return;
+    const std::string name = to_string(*better);
+    out_.warnings.push_back(
+        "the test records are followed better with the force read as " + name + " between its samples (gap " +
+        number(gap.value * std::sqrt(least / present), 3) + ") than as it is (" + number(gap.value, 3) +
+        "), which the training records do not tell: where that is what it does, say " + "interpolation = \"" + name +
+        "\" (--interpolation " + name + "); the parameters change with it");
   }
 
   /// Names the one effect that the training records show by less than the least gain, where the test bears it out.

@@ -5,20 +5,25 @@ local spec = require "spec"
 local y, v = lunid.displacement, lunid.velocity
 
 --- The motion of x'' + rest(x, v, z) = F(t), z' = rate(x, v, z), by Runge and Kutta's fourth order in `fine` parts of a
---- sample: lists of the force, the displacement and the acceleration. `of.held`: the force is, over each sample.
+--- sample: lists of the force, the displacement and the acceleration. `of.held`: the force is, over each
+--- sample; `of.straight`: it goes in a straight line to the next.
 local function motion(of, force, rows, dt, fine)
   local h, x, forces, ys, accelerations = dt / fine, { 0, 0 }, {}, {}, {}
-  local held
+  local between = force
   for i = 1, of.states or 0 do x[2 + i] = 0 end
   local function slope(t, s)
-    local d = { s[2], (held or force(t)) - of.rest(s[1], s[2], s[3], s[4]) }
+    local d = { s[2], between(t) - of.rest(s[1], s[2], s[3], s[4]) }
     if of.rate then d[3], d[4] = of.rate(s[1], s[2], s[3], s[4]) end
     return d
   end
   for i = 1, rows do
     forces[i], ys[i] = force((i - 1) * dt), x[of.shows or 1]
     accelerations[i] = slope((i - 1) * dt, x)[2]
-    held = of.held and forces[i]
+    if of.held then between = function() return forces[i] end end
+    if of.straight then
+      local rise = (force(i * dt) - forces[i]) / dt
+      between = function(t) return forces[i] + rise*(t - (i - 1) * dt) end
+    end
     for j = 1, fine do x = spec.runge_kutta(slope, ((i - 1) + (j - 1) / fine) * dt, x, h) end
   end
   return forces, ys, accelerations
@@ -188,6 +193,14 @@ spec.case("a relaxation under a force that is held", function()
   spec.equal(found.data.method.force_between_samples, "hold")
   local tau = found.effects[1].parameters.tau
   spec.near(tau.value, 0.5, 3*tau.std)
+end)
+
+-- What straight lines take from the force shows at few rows a period alone.
+spec.case("a reading of the force that the test record alone shows to be wrong is said", function()
+  local of = { name = "reading", straight = true, rest = function(x, u) return x + 0.1*u end, catalogue = { "cubic_stiffness" } }
+  local found = found_in(of, 0.03, { band(0.3, 5), 1200, 0.1, 9 }, { band(0.3, 3), 1200, 0.65, 10 })
+  spec.equal(found.verdict, "nothing-missing")
+  spec.contains(table.concat(found.warnings, "\n"), "the test records are followed better with the force read as linear")
 end)
 
 -- What it adds beside the band of the motion went for noise, and the verdict was that nothing is missing.
