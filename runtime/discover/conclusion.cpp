@@ -301,8 +301,13 @@ class Conclusion {
     if (round_.names()) out_.maps_after = maps_at(study_, found.chosen, found.chosen, place);
     const bool hidden =
         out_.maps_before && !out_.maps_before->above_noise && out_.baseline_train.value > 3 * out_.final_train.floor;
-    out_.where = words_of(out_.maps_before) + (hidden ? " in any one map, though far above it as a whole" : "") +
-                 sensor_hint(study_, found.baseline);
+    // Physics that explains the record, and a record that lacks nothing, leave no room for a fault of a sensor.
+    const bool no_fault = out_.verdict == Verdict::nothing_missing ||
+                          (out_.verdict == Verdict::explained &&
+                           physics_in(found.chosen.choices) == static_cast<int>(found.chosen.choices.size()));
+    out_.where = words_of(out_.maps_before);
+    if (hidden) out_.where += " in any one map, though far above it as a whole";
+    if (!no_fault) out_.where += sensor_hint(study_, found.baseline);
     for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});

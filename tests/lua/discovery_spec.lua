@@ -193,6 +193,7 @@ spec.case("a relaxation under a force that is held", function()
   spec.equal(found.data.method.force_between_samples, "hold")
   local tau = found.effects[1].parameters.tau
   spec.near(tau.value, 0.5, 3*tau.std)
+  spec.equal(found.data.where:find("a channel that lags", 1, true), nil)
 end)
 
 -- What straight lines take from the force shows at few rows a period alone.
