@@ -136,8 +136,6 @@ void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out)
   std::vector<double> noise;
   for (FreeRun& o : out) {
     noise.push_back(noise_of(study, o, at.data.record));
-    if (const Eigen::VectorXd left = left_of(o, at.data.record); left.allFinite())
-      o.driven = driven_part(view(left), drives_of(study, o, at.data.record));
     o.floor_squares = noise.back() * noise.back() * static_cast<double>(o.rows);
   }
   const auto sensitivities = simulate_sensitivities(at.system, at.theta, at.data.excitation, state.x0, at.options);
@@ -302,10 +300,16 @@ std::vector<FreeRun> free_run(const Study& study, const System& system, const Ei
   return out;
 }
 
-double driven_part(const std::vector<FreeRun>& runs) {
+double driven_part(const Study& study, const std::vector<FreeRun>& runs, const std::vector<Record>& records) {
+  if (study.imposed) return 0;
+  const std::size_t outputs = study.outputs().size();
   double driven = 0, squares = 0;
-  for (const FreeRun& run : runs) {
-    driven += run.driven * run.squares;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const FreeRun& run = runs[i];
+    const Record& record = records[i / outputs];
+    const Eigen::VectorXd left = left_of(run, record);
+    if (!left.allFinite()) return 0;
+    driven += driven_part(view(left), drives_of(study, run, record)) * run.squares;
     squares += run.squares;
   }
   return squares > 0 ? driven / squares : 0;

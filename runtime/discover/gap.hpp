@@ -18,7 +18,6 @@ struct FreeRun {
   double floor_squares = 0;   ///< what sensor noise and first-state error alone would leave
   double floor_variance = 0;  ///< of floor_squares, from the first state
   double input_squares = 0;   ///< what the force channel's noise would add, were it not felt by the system
-  double driven = 0;          ///< the part of the squared errors that follows the forces linearly (driven_part)
   Eigen::Index rows = 0;
   double stopped_at = 0;
   std::string cause;
@@ -42,8 +41,9 @@ bool learn_motion_noise(Study& study, const Candidate& baseline);
 /// Pooled gap over records and outputs. `input_share`: the part of the force channel's noise that the system did not
 /// feel, 0..1.
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);
-/// Of all that the runs leave, the part that follows the forces linearly: dynamics that the model lacks, or a loop's.
-double driven_part(const std::vector<FreeRun>& runs);
+/// Of all that the runs over these records leave, the part that follows the forces linearly: dynamics that the model
+/// lacks, or a loop's. 0 of an imposed motion, and where a run stops.
+double driven_part(const Study& study, const std::vector<FreeRun>& runs, const std::vector<Record>& records);
 /// The runs of one output.
 std::vector<FreeRun> of_output(const std::vector<FreeRun>& runs, const std::string& output);
 

@@ -59,6 +59,16 @@ bool fewer_show_reading(Ground& ground, const SearchResult& found) {
 
 }  // namespace
 
+void Ground::read_force(BetweenSamples between) {
+  lunid::read_force(whole, between);
+  study = shortened(whole);
+}
+
+void Ground::take_noise() {
+  study = shortened(whole);
+  if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
+}
+
 bool reads_otherwise(Ground& ground, const SearchResult& found) {
   constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
   constexpr std::size_t asked_sets = 3;
@@ -74,16 +84,6 @@ bool reads_otherwise(Ground& ground, const SearchResult& found) {
     ground.read_force(chosen);
   }
   return false;
-}
-
-void Ground::read_force(BetweenSamples between) {
-  lunid::read_force(whole, between);
-  study = shortened(whole);
-}
-
-void Ground::take_noise() {
-  study = shortened(whole);
-  if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
 }
 
 void judge_again(const Study& study, SearchResult& found) {

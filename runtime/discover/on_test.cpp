@@ -295,10 +295,9 @@ class OnTest {
     if (!round.found.reading.empty()) return Verdict::nothing_missing;
     const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
     round.loose_test = hangs_on_parameters(study_, round.found.baseline, train, test);
-    const bool driven = !round.loose_test && is_driven(study_, train, test, round.train, runs_.before_test);
-    if (driven) round.driven = std::min(driven_part(round.train), driven_part(runs_.before_test));
-    const bool open =
-        driven || leaves_motion_open(study_, train) || (leaves_motion_open(study_, test) && !round.loose_test);
+    round.driven = round.loose_test ? 0 : lacks_dynamics(study_, train, test, round.train, runs_.before_test);
+    const bool open = round.driven > 0 || leaves_motion_open(study_, train) ||
+                      (leaves_motion_open(study_, test) && !round.loose_test);
     const bool missing = open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
     return missing ? Verdict::unknown_effect : Verdict::nothing_missing;
   }

@@ -129,12 +129,12 @@ bool leaves_motion_open(const Study& study, const Gap& gap) {
   return far_from_the_floor(gap, decays ? little_open : much_open, study.noise_has_colour ? 1.5 : 3);
 }
 
-bool is_driven(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
-               const std::vector<FreeRun>& test_runs) {
+double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
+                      const std::vector<FreeRun>& test_runs) {
   constexpr double nearly_all = 0.7;
-  return far_from_the_floor(train, little_open) && far_from_the_floor(test, little_open) &&
-         std::min(driven_part(train_runs), driven_part(test_runs)) > nearly_all &&
-         !(answer_of_force(study, train_runs) > 0);
+  if (!far_from_the_floor(train, little_open) || !far_from_the_floor(test, little_open)) return 0;
+  const double driven = std::min(driven_part(study, train_runs, study.full), driven_part(study, test_runs, study.test));
+  return driven > nearly_all && !(answer_of_force(study, train_runs) > 0) ? driven : 0;
 }
 
 bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {

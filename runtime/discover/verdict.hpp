@@ -28,8 +28,8 @@ struct Round {
   Verdict verdict = Verdict::nothing_missing;
   std::string withdrawn;
   bool loose_test = false;  ///< nothing is named, and what is left on the test records hangs on the parameters
-  double driven = 0;        ///< nothing is named, and this part of what is left follows the forces linearly (is_driven)
-  BetweenSamples between;   ///< under which it was made
+  double driven = 0;  ///< nothing is named, and this part of what is left follows the forces linearly (lacks_dynamics)
+  BetweenSamples between;            ///< under which it was made
   std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
@@ -49,10 +49,11 @@ bool far_from_the_floor(const Gap& gap, double least, double times = 3);
 /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
 /// Less is enough in free decays, where no force is there to be known badly.
 bool leaves_motion_open(const Study& study, const Gap& gap);
-/// What is left of the training and of the test records, far above their floors, follows the forces linearly nearly all
-/// along, and no loop makes them answer it: the model lacks dynamics that no force of its motion stands for.
-bool is_driven(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
-               const std::vector<FreeRun>& test_runs);
+/// The part of what a model leaves of the training and of the test records that follows the forces linearly, where that
+/// is nearly all, far above their floors, and no loop makes the forces answer it: dynamics that the model lacks and no
+/// force of its motion stands for. 0 elsewhere.
+double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
+                      const std::vector<FreeRun>& test_runs);
 /// A model that follows the training records leaves no more open on the test than three deviations of its parameters
 /// make of it there: a sweep through a jump hangs on a damping that the training records show to a percent.
 bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <type_traits>
 
 namespace matrix {
 namespace {
@@ -69,6 +70,16 @@ const char* heading(const Setting& setting) {
     case Kind::outside: return "outside";
     default: return "ties";
   }
+}
+
+template <class Outcome, class Visit>
+void each_field(Outcome& o, const Visit& visit) {
+  visit("verdict", o.verdict), visit("named", o.named);
+  visit("right", o.right), visit("tie", o.tie), visit("equivalent", o.equivalent), visit("physics", o.physics);
+  visit("some", o.some), visit("tells", o.tells), visit("share", o.share), visit("class_size", o.class_size);
+  visit("parameters", o.parameters), visit("inside", o.inside), visit("worst", o.worst);
+  visit("before", o.before), visit("after", o.after), visit("floor", o.floor), visit("seconds", o.seconds);
+  visit("noise", o.noise), visit("rows", o.rows);
 }
 
 void count(Counts& counts, Answer answer, double closed) {
@@ -147,39 +158,21 @@ void judge_tie(const Setting& setting, const json& discovery, const std::vector<
   outcome.tie = !outcome.right;
 }
 
-json kept(const Outcome& o) {
-  return {
-      {"verdict", o.verdict},       {"named", o.named},           {"right", o.right},   {"tie", o.tie},
-      {"equivalent", o.equivalent}, {"physics", o.physics},       {"some", o.some},     {"tells", o.tells},
-      {"share", o.share},           {"class_size", o.class_size}, {"inside", o.inside}, {"parameters", o.parameters},
-      {"worst", o.worst},           {"before", o.before},         {"after", o.after},   {"floor", o.floor},
-      {"seconds", o.seconds},       {"noise", o.noise},           {"rows", o.rows}};
+json kept(const Outcome& outcome) {
+  json out;
+  each_field(outcome, [&](const char* name, const auto& value) { out[name] = value; });
+  return out;
 }
 
 Outcome outcome_of(const json& kept) {
-  Outcome o;
-  o.verdict = kept.value("verdict", o.verdict), o.named = kept.value("named", "");
-  for (const auto& [field, value] : {std::pair{"right", &o.right},
-                                     {"tie", &o.tie},
-                                     {"equivalent", &o.equivalent},
-                                     {"physics", &o.physics},
-                                     {"some", &o.some},
-                                     {"tells", &o.tells}})
-    *value = kept.value(field, false);
-  for (const auto& [field, value] : {std::pair{"class_size", &o.class_size},
-                                     {"parameters", &o.parameters},
-                                     {"inside", &o.inside},
-                                     {"rows", &o.rows}})
-    *value = kept.value(field, 0);
-  for (const auto& [field, value] : {std::pair{"share", &o.share},
-                                     {"worst", &o.worst},
-                                     {"before", &o.before},
-                                     {"after", &o.after},
-                                     {"floor", &o.floor},
-                                     {"seconds", &o.seconds},
-                                     {"noise", &o.noise}})
-    *value = number(kept, field);
-  return o;
+  Outcome out;
+  each_field(out, [&](const char* name, auto& value) {
+    if constexpr (std::is_same_v<decltype(value), double&>)
+      value = number(kept, name);
+    else
+      value = kept.value(name, value);
+  });
+  return out;
 }
 
 double chance(int rows) { return 3 / std::sqrt(static_cast<double>(std::max(rows, 9))); }

@@ -258,30 +258,34 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   EXPECT_EQ(feeds(-3.1, 1.3, 0.07, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
 }
 
+/// Whether the one linear entry stands with this value beside k*y, where it leaves this part of the test motion and the
+/// baseline all of it.
+std::string refuted_with(const Model& model, const Effect& entry, double value, double test) {
+  DiscoverOptions options;
+  Study study;
+  study.options = &options;
+  std::vector<double> y, v;
+  for (int i = 0; i < 100; ++i) y.push_back(std::sin(0.3 * i)), v.push_back(0.3 * std::cos(0.3 * i));
+  study.full.emplace_back("driven", 0, 1,
+                          std::vector<Channel>{testing::channel("y", "m", y), testing::channel("v", "m/s", v),
+                                               testing::channel("a", "m/s^2", y), testing::channel("F", "N", y)});
+  study.smooth = study.full;
+  Round round;
+  round.found.baseline = compile(study, complete(model), {});
+  round.found.chosen = compile(study, complete(model), {{&entry, 0}});
+  round.found.baseline.fit.theta = Eigen::VectorXd::Ones(1);
+  round.found.chosen.fit.theta = Eigen::Vector2d(1, value);
+  round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
+  round.left.gap.value = round.left.gap.floor = 0.02;
+  return refuted_on(study, round, 1, test, 0.02);
+}
+
 /// Magnets that leave their plate were a rounded friction and one that turns round with |y|.
 TEST(Verdict, TakesBackAFrictionThatDrivesTheMotion) {
-  const auto with_friction = [](double Fc, double test) {
-    DiscoverOptions options;
-    Study study;
-    study.options = &options;
-    const Model model = testing::baseline("k*y", 1);
-    Effect friction = testing::entry(*model.pool, "friction", "friction_Fc*sign(v)", {testing::row("friction_Fc")});
-    friction.family = "friction";
-    std::vector<double> y, v;
-    for (int i = 0; i < 100; ++i) y.push_back(std::sin(0.3 * i)), v.push_back(0.3 * std::cos(0.3 * i));
-    study.full.emplace_back("driven", 0, 1,
-                            std::vector<Channel>{testing::channel("y", "m", y), testing::channel("v", "m/s", v),
-                                                 testing::channel("a", "m/s^2", y), testing::channel("F", "N", y)});
-    study.smooth = study.full;
-    Round round;
-    round.found.baseline = compile(study, complete(model), {});
-    round.found.chosen = compile(study, complete(model), {{&friction, 0}});
-    round.found.baseline.fit.theta = Eigen::VectorXd::Ones(1);
-    round.found.chosen.fit.theta = Eigen::Vector2d(1, Fc);
-    round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
-    round.left.gap.value = round.left.gap.floor = 0.02;
-    return refuted_on(study, round, 1, test, 0.02);
-  };
+  const Model model = testing::baseline("k*y", 1);
+  Effect friction = testing::entry(*model.pool, "friction", "friction_Fc*sign(v)", {testing::row("friction_Fc")});
+  friction.family = "friction";
+  const auto with_friction = [&](double Fc, double test) { return refuted_with(model, friction, Fc, test); };
   EXPECT_EQ(with_friction(-0.1, 0.035), "left something open, and has a friction that drives the motion");
   EXPECT_EQ(with_friction(0.1, 0.035), "");
   EXPECT_EQ(with_friction(-0.1, 0.025), "");
@@ -289,22 +293,9 @@ TEST(Verdict, TakesBackAFrictionThatDrivesTheMotion) {
 
 /// A sensor on a part that gives way was a second mass, with all of the given one taken away.
 TEST(Verdict, TakesBackNamesThatTakeTheMassAway) {
-  const auto with_mass = [](double ma, double test) {
-    DiscoverOptions options;
-    Study study;
-    study.options = &options;
-    const Model model = testing::baseline("k*y", 75);
-    const Effect added = testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")});
-    study.full.emplace_back("driven", 0, 1, std::vector<Channel>{testing::channel("F", "N", {0, 1})});
-    Round round;
-    round.found.baseline = compile(study, complete(model), {});
-    round.found.chosen = compile(study, complete(model), {{&added, 0}});
-    round.found.baseline.fit.theta = Eigen::VectorXd::Ones(1);
-    round.found.chosen.fit.theta = Eigen::Vector2d(1, ma);
-    round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
-    round.left.gap.value = round.left.gap.floor = 0.02;
-    return refuted_on(study, round, 1, test, 0.02);
-  };
+  const Model model = testing::baseline("k*y", 75);
+  const Effect added = testing::entry(*model.pool, "added_mass", "added_mass_ma*a", {testing::row("added_mass_ma")});
+  const auto with_mass = [&](double ma, double test) { return refuted_with(model, added, ma, test); };
   EXPECT_EQ(with_mass(-74.9, 0.035), "left something open, and took the mass away that the baseline has");
   EXPECT_EQ(with_mass(-60, 0.035), "");
   EXPECT_EQ(with_mass(-74.9, 0.025), "") << "the given mass is ten times too large: this is the answer";
