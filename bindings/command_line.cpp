@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "expr/error.hpp"
+#include "record/record.hpp"
 
 namespace lunid::lua {
 
@@ -98,9 +99,12 @@ void add_discover(CLI::App& app, Values& values) {
       ->add_option("--interpolation", values.interpolation,
                    "what the force does between its rows: hold, linear, cubic or band_limited (read off the rows)")
       ->check(Check([](const std::string& text) -> std::string {
-        for (const char* kind : {"hold", "linear", "cubic", "band_limited"})
-          if (text == kind) return "";
-        return "expected hold, linear, cubic or band_limited, got '" + text + "'";
+        try {
+          interpolation_named(text);
+          return "";
+        } catch (const InputError& e) {
+          return e.message();
+        }
       }));
   discover->add_option("--alpha", values.alpha, "level of false alarms of the whole search (0.01)")
       ->check(expects("> 0 and < 0.5", [](double alpha) { return alpha > 0 && alpha < 0.5; }));

@@ -168,6 +168,7 @@ Effect read_effect(lua_State* L) {
   effect.channels = strings_field(L, -1, "channels");
   effect.absolute = strings_field(L, -1, "absolute");
   effect.any_motion = boolean_field(L, -1, "any_motion", false);
+  effect.separate = boolean_field(L, -1, "separate", false);
   effect.repeats = boolean_field(L, -1, "repeats", false);
   effect.parameters = read_rows(L);
   effect.variants = read_variants(L);

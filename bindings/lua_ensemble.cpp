@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "expr/external.hpp"
+#include "expr/joined.hpp"
 #include "runtime.hpp"
 #include "sha256.hpp"
 #include "statistics/distributions.hpp"
@@ -72,7 +73,7 @@ class Assembly {
       for_each(L_, -1, [&](lua_Integer) { records_.push_back(check<Record>(L_, -1)); });
       made_ = true;
     });
-    if (const auto name = string_field(L_, 2, "interpolation")) interpolation_ = interpolation_from(*name);
+    if (const auto name = string_field(L_, 2, "interpolation")) interpolation_ = interpolation_named(*name);
   }
 
   /// The values of this name where it is varied, and marks it as used.
@@ -220,8 +221,7 @@ class Assembly {
         for (const Expr& symbol : symbols(force_.expr, SymbolKind::parameter)) known.push_back(symbol.name());
       if (!records_.empty()) known.push_back("gain");
       for (const std::string& state : system.dynamics().names) known.push_back(state);
-      std::string words;
-      for (const std::string& name : known) words += (words.empty() ? "" : ", ") + name;
+      const std::string words = joined(known);
       const std::string near = nearest_word(varied[i].name, known);
       throw InputError("ensemble: nothing is called '" + varied[i].name + "'" +
                        (near.empty() ? " (to vary: " + words + ")" : ", did you mean '" + near + "'?"));

@@ -1,6 +1,7 @@
 // Figures: plain tables of the standard library become the figure room's plain values.
 #include <array>
 
+#include "expr/joined.hpp"
 #include "figure/module.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
@@ -41,7 +42,7 @@ T choice(lua_State* L, const char* field, const std::array<std::pair<const char*
   std::string known;
   for (const auto& [name, value] : choices) {
     if (*given == name) return value;
-    known += (known.empty() ? "" : ", ") + std::string(name);
+    append_item(known, name);
   }
   throw InputError(std::string(field) + ": expected one of " + known + ", got '" + *given + "'");
 }

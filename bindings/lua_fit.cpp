@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "expr/external.hpp"
+#include "expr/joined.hpp"
 #include "record/spectra.hpp"
 #include "runtime.hpp"
 #include "simulate/fit_check.hpp"
@@ -301,8 +302,7 @@ int to_string(lua_State* L) {
     if (parameter.fixed) all += " (fixed)";
     if (!r.identifiable(place)) all += " (not identifiable)";
   }
-  std::string together;
-  for (const std::string& name : unidentifiable(fit)) together += (together.empty() ? "" : ", ") + name;
+  const std::string together = joined(unidentifiable(fit));
   if (!together.empty())
     all += "\n  note: other values of " + together +
            ", together, make the same motion on these records: fix one of them, or take a record under a known force";

@@ -73,7 +73,7 @@ int stored(lua_State* L) {
   HistoryModel model;
   model.options = options_of(L, 1);
   model.dt = number_field(L, 1, "dt").value_or(0);
-  model.between = interpolation_from(string_field(L, 1, "between").value_or("linear"));
+  model.between = interpolation_named(string_field(L, 1, "between").value_or("linear"));
   model.residual_std = number_field(L, 1, "residual_std").value_or(std::nan(""));
   model.stopped = "stored";
   with_field(L, 1, "terms", [&] {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "expr/joined.hpp"
 #include "runtime.hpp"
 #include "simulate/acceleration.hpp"
 #include "simulate/dense.hpp"
@@ -12,17 +13,9 @@
 
 namespace lunid::lua {
 
-Interpolation interpolation_from(const std::string& name) {
-  for (const Interpolation kind :
-       {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited}) {
-    if (name == to_string(kind)) return kind;
-  }
-  throw InputError("interpolation: expected hold, linear, cubic or band_limited, got '" + name + "'");
-}
-
 std::optional<Interpolation> interpolation_field(lua_State* L, int index) {
   const auto name = string_field(L, index, "interpolation");
-  return name ? std::optional(interpolation_from(*name)) : std::nullopt;
+  return name ? std::optional(interpolation_named(*name)) : std::nullopt;
 }
 
 namespace {
@@ -79,8 +72,7 @@ constexpr double giga = 1e9;
 
 /// "regularised over 0.001, as asked: sign(v), abs(v)"
 std::string regularised_note(const Regularised& smooth, double width) {
-  std::string branches;
-  for (const std::string& branch : smooth.replaced) branches += (branches.empty() ? "" : ", ") + branch;
+  const std::string branches = joined(smooth.replaced);
   char text[64];
   std::snprintf(text, sizeof text, "regularised over %g, as asked: ", width);
   return text + (branches.empty() ? "there was no branch" : branches);

@@ -56,7 +56,7 @@ int make_excitation(lua_State* L) {
   const Index rows = rows_field(L, 1);
   Channel force;
   force.source = string_field(L, 1, "source").value_or("");
-  force.between = interpolation_from(string_field(L, 1, "between").value_or("linear"));
+  force.between = interpolation_named(string_field(L, 1, "between").value_or("linear"));
   force.formula = field_value(L, 1, "formula").expr;
   force.values = force.formula.valid() ? sampled(force.formula, t0, dt, rows) : VectorXd::Zero(rows);
   with_field(L, 1, "values", [&] {
@@ -86,7 +86,7 @@ int sum_excitations(lua_State* L) {
     if (force.formula.valid()) total.formula = total.formula.valid() ? total.formula + force.formula : force.formula;
     total.source += (total.source.empty() ? "" : " + ") + force.source;
   });
-  total.between = interpolation_from(check_string(L, 3));
+  total.between = interpolation_named(check_string(L, 3));
   push<Record>(L, record_of_force(check_string(L, 2), first->start(), first->dt(), std::move(total)));
   return 1;
 }

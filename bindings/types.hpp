@@ -62,8 +62,6 @@ void push_column(lua_State* L, const Eigen::VectorXd& values);
 /// A Column or a list of numbers.
 Eigen::VectorXd check_column(lua_State* L, int index);
 
-/// "hold" "linear" "cubic" "band_limited". Throws InputError with the choices.
-Interpolation interpolation_from(const std::string& name);
 /// The field `interpolation`; without it a record's own.
 std::optional<Interpolation> interpolation_field(lua_State* L, int index);
 

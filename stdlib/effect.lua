@@ -196,6 +196,8 @@ return schema.define({
     { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
       .. "a list: the forms that it may have" },
     { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
+    { "separate", types.boolean, default = false, help = "its parameters are those of one record, such as a drift: a test "
+      .. "record has its own, found on it while all others are held" },
     { "repeats", types.boolean, default = false, help = "may stand several times at one place, as stops on either side; the "
       .. "names of the second end in _b" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "

@@ -56,6 +56,7 @@ local function explain_effect(entry)
   print(("%s (%s)\n  %s\n  %s"):format(entry.name, entry.family, entry.formula, entry.sentence))
   if entry.note ~= "" then print("  note: " .. entry.note) end
   if entry.any_motion then print("  the same of v or a, where that was measured") end
+  if entry.separate then print("  a test record has parameters of its own") end
   if entry.repeats then print("  may stand up to three times at one place; the parameters of the second end in _b") end
   print("\n" .. help.signature(element.definition(entry)))
   for _, row in ipairs(entry.parameters) do

@@ -6,6 +6,7 @@
 
 #include "discover/views.hpp"
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "record/motion.hpp"
 #include "record/spectra.hpp"
 #include "record/spectrum.hpp"
@@ -292,9 +293,9 @@ std::string words_of_missing(const Study& study, const Record& record, const std
   std::string names, columns, has;
   for (const std::string& name : missing) {
     names += (names.empty() ? "'" : ", '") + name + "'";
-    columns += (columns.empty() ? "" : ", ") + name + "=header [unit]";
+    append_item(columns, name + "=header [unit]");
   }
-  for (const Channel& channel : record.channels()) has += (has.empty() ? "" : ", ") + channel.name;
+  for (const Channel& channel : record.channels()) append_item(has, channel.name);
   const std::string what =
       std::string("the record has no channel") + (missing.size() > 1 ? "s " : " ") + names + " (it has " + has + "); ";
   if (missing.front()[0] == 'y' && study.degrees() > 1)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 
 namespace lunid {
 
@@ -72,7 +73,7 @@ void refuse_without_guess(const Candidate& baseline) {
   std::string names;
   const auto& table = baseline.system->model().parameters;
   for (std::size_t j = 0; j < table.size(); ++j)
-    if (!baseline.linear[j] && std::isnan(table[j].value)) names += (names.empty() ? "" : ", ") + table[j].name;
+    if (!baseline.linear[j] && std::isnan(table[j].value)) append_item(names, table[j].name);
   if (names.empty()) return;
   throw InputError(
       "discover: the baseline's force has no finite slopes where the search for its parameters begins: give "

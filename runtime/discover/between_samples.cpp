@@ -41,7 +41,7 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
   const bool as_one = one_look(study);
   std::vector<BetweenSamples> ways;
   for (const bool alike : {before.alike, !before.alike})
-    for (const auto kind : every_kind)
+    for (const auto kind : every_interpolation)
       if (const BetweenSamples way{kind, alike}; (alike == before.alike || !as_one) && way != before)
         ways.push_back(way);
   for (const BetweenSamples way : ways) {

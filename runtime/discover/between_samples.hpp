@@ -1,6 +1,5 @@
 #pragma once
 // What a force does between its samples: one kind of interpolation, and what it may do beyond that.
-#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,9 +9,6 @@
 #include "discover/study.hpp"
 
 namespace lunid {
-
-inline constexpr std::array every_kind{Interpolation::linear, Interpolation::cubic, Interpolation::band_limited,
-                                       Interpolation::hold};
 
 /// The forces of all training records look alike between their samples.
 bool one_look(const Study& study);

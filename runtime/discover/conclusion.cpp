@@ -15,6 +15,7 @@
 #include "discover/sensor.hpp"
 #include "discover/unknown_force.hpp"
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 
 namespace lunid {
 
@@ -26,7 +27,7 @@ std::string not_physics(const Choices& named) {
   for (const auto& choice : named) {
     if (is_physics(*choice.effect)) continue;
     std::string& list = choice.effect->family == "sensor" ? sensors : inputs;
-    list += (list.empty() ? "" : ", ") + choice.effect->name;
+    append_item(list, choice.effect->name);
   }
   if (sensors.empty() && inputs.empty()) return "";
   const std::string what = inputs.empty() ? "the sensor" : sensors.empty() ? "the input" : "the sensor and the input";
@@ -104,12 +105,27 @@ void warn_of_unidentifiable(const Candidate& c, Discovery& out) {
   const auto& table = c.system->model().parameters;
   std::string names;
   for (std::size_t i = 0; i < table.size(); ++i)
-    if (!c.fit.identifiable(static_cast<Eigen::Index>(i))) names += (names.empty() ? "" : ", ") + table[i].name;
+    if (!c.fit.identifiable(static_cast<Eigen::Index>(i))) append_item(names, table[i].name);
   if (!names.empty())
     out.warnings.push_back(
         names +
         " are not identifiable and have no intervals: other values of these, together, make the same motion on the "
         "training records. Give one of them as a number, or train under a force that is known");
+}
+
+/// What belongs to one record is another thing on a test record, which the parameters of the final model do not show.
+void say_what_the_test_has_of_its_own(const Study& study, const Candidate& c, Discovery& out) {
+  for (const Record& record : study.test) {
+    const Eigen::VectorXd theta = theta_on(study, c, record);
+    std::string list;
+    for (int i = 0; i < c.parameters(); ++i)
+      if (theta[i] != c.fit.theta[i]) {
+        const Parameter& p = c.system->model().parameters[static_cast<std::size_t>(i)];
+        append_item(list, p.name + " = " + number(theta[i], 4) + (p.unit.empty() ? "" : " " + p.unit));
+      }
+    if (!list.empty())
+      out.warnings.push_back(record.name() + " has its own " + list + ": found on it, all other parameters held");
+  }
 }
 
 /// The unit that was left out where this is what it makes of a number, with powers of a thousand or without; "" where
@@ -313,6 +329,7 @@ class Conclusion {
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
     warn_of_bounds(found.baseline, found.chosen, out_);
     warn_of_unidentifiable(found.chosen, out_);
+    say_what_the_test_has_of_its_own(study_, found.chosen, out_);
     for (const NamedEffect& e : out_.effects)
       if (const std::string words = unit_or_sign(e, out_.baseline); !words.empty()) out_.warnings.push_back(words);
     out_.removable = removable_terms(out_.baseline, found.chosen);

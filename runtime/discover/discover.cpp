@@ -18,6 +18,7 @@
 #include "discover/sensor.hpp"
 #include "discover/verdict.hpp"
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -290,20 +291,15 @@ class Spine {
   }
 
   void say_what_was_left_aside(const SearchResult& found) {
-    const auto list_of = [](std::span<const std::string> names) {
-      std::string list;
-      for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
-      return list;
-    };
     if (!found.grown.left_aside.empty())
       out_.warnings.push_back("not tried, since this record cannot show them beside the baseline's own terms: " +
-                              list_of(found.grown.left_aside));
+                              joined(found.grown.left_aside));
     if (!untested_.empty()) out_.warnings.push_back(untested_);
     constexpr std::size_t shown = 5;
     const std::span<const std::string> refused = found.refused;
     if (refused.empty()) return;
     const std::size_t more = refused.size() - std::min(shown, refused.size());
-    out_.warnings.push_back("refused by the criterion: " + list_of(refused.first(refused.size() - more)) +
+    out_.warnings.push_back("refused by the criterion: " + joined(refused.first(refused.size() - more)) +
                             (more > 0 ? " and " + std::to_string(more) + " more" : ""));
   }
 

@@ -6,6 +6,7 @@
 
 #include "discover/places.hpp"
 #include "discover/views.hpp"
+#include "expr/joined.hpp"
 #include "record/derive.hpp"
 #include "record/motion.hpp"
 #include "record/random.hpp"
@@ -124,10 +125,10 @@ std::vector<Channel> relative_motion(const Model& model, const Record& record) {
   for (const char quantity : quantities) {
     const std::string base = of_base(quantity);
     bool all = is_measured(record, base);
-    if (all) has += (has.empty() ? "" : ", ") + base;
+    if (all) append_item(has, base);
     for (int i = 0; i < model.degrees(); ++i) {
       const std::string own = model.channel(quantity, i);
-      if (is_measured(record, own)) has += (has.empty() ? "" : ", ") + own;
+      if (is_measured(record, own)) append_item(has, own);
       all = all && is_measured(record, own);
     }
     for (int i = 0; all && i < model.degrees(); ++i) {

@@ -81,7 +81,7 @@ class OnTest {
     const double present = error_on_test(study_, chosen);
     double least = far_better * present;
     std::optional<Interpolation> better;
-    for (const Interpolation kind : every_kind) {
+    for (const Interpolation kind : every_interpolation) {
       if (kind == study_.between.kind) continue;
       Study other = study_;
       read_force(other, {kind, true});

@@ -261,7 +261,6 @@ class Search {
     }
     if (!chosen.choices.empty() && (!explains_most(chosen) || !may_be_named(chosen))) chosen = result_.baseline;
     const bool named = !chosen.choices.empty();
-    if (named) order_steps(field, chosen);
     if (named) {
       // A set that the best one holds is tested harder than one beside it: the same run is heard all the same.
       const bool as_picked = same(chosen.choices, field[pick].choices);
@@ -270,6 +269,8 @@ class Search {
         if (!as_picked || std::ranges::find(alike, i) != alike.end() || same_runs(field[i], chosen))
           among.push_back(&field[i]);
       result_.ties = find_ties(study_, result_.baseline, chosen, among);
+      hear_other_channels(among, chosen);
+      order_steps(field, chosen);
     }
     if (!named) {
       read_between_samples();
@@ -277,6 +278,28 @@ class Search {
     }
     collect_rivals(field, chosen);
     result_.chosen = std::move(chosen);
+  }
+
+  /// Another channel that was measured may tell apart what is one in the channel that is fitted.
+  void hear_other_channels(const std::vector<const Candidate*>& among, Candidate& chosen) {
+    Ties& ties = result_.ties;
+    const auto is_alias = [&](const Candidate& c) {
+      return std::ranges::find(ties.aliases, c.name()) != ties.aliases.end();
+    };
+    std::vector<const Candidate*> alike{&chosen};
+    for (const Candidate* c : among)
+      if (is_alias(*c) || (holds_name(ties.rivals, c->name()) && same_runs(*c, chosen))) alike.push_back(c);
+    const std::vector<const Candidate*> borne_out = borne_out_by_other_channels(study_, alike);
+    if (borne_out.empty()) return;
+    for (const Candidate* c : alike)
+      if (std::ranges::find(borne_out, c) == borne_out.end()) result_.denied.push_back(c->choices);
+    if (borne_out.front() != &chosen && holds_name(result_.denied, chosen.name())) {
+      chosen = *borne_out.front();
+      if (chosen.left_out.size() == 0) run_left_out(study_, chosen);
+      ties = find_ties(study_, result_.baseline, chosen, among);
+    }
+    std::erase_if(ties.aliases, [&](const std::string& name) { return holds_name(result_.denied, name); });
+    std::erase_if(ties.rivals, [&](const Choices& set) { return holds_name(result_.denied, name_of(set)); });
   }
 
   /// The set without the effects that do not earn their place in it.
@@ -395,7 +418,7 @@ class Search {
     if (judged_as(study_)) return Reading{c.fit.theta.tail<2>(), study_.between.kind};
     if (!(c.fit.cost < most * of.fit.cost)) return {};
     Study other = study_;
-    for (const Interpolation kind : every_kind) {
+    for (const Interpolation kind : every_interpolation) {
       if (kind == study_.between.kind) continue;
       read_force(other, {kind, study_.between.alike});
       if (judged_as(other)) return Reading{c.fit.theta.tail<2>(), kind};
@@ -513,6 +536,8 @@ class Search {
   }
 
   std::string why_not(const Candidate& c, const Candidate& chosen) const {
+    if (holds_name(result_.denied, c.name()))
+      return "the same run, but the other channels that were measured do not bear it out";
     if (std::ranges::find(result_.ties.aliases, c.name()) != result_.ties.aliases.end())
       return "the same force as " + chosen.name() + " on this record, in another notation";
     if (!c.ran()) return "its free run stops early";

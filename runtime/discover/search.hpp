@@ -39,6 +39,7 @@ struct SearchResult {
   std::vector<Beaten> rivals;        ///< best first
   Ties ties;                         ///< what the record cannot tell from the chosen set
   Grown grown;                       ///< all that was fitted, before it was judged
+  std::vector<Choices> denied;       ///< sets with the runs of the chosen one that another channel denies
   std::vector<std::string> refused;  ///< sets that the user's criterion refused, best first
   std::vector<std::string> as_read;  ///< sets that are no better than a force that is read otherwise (between_samples)
   /// Where nothing is named: the single effect that lowers the left-out gap beyond chance, by less than the least gain.

@@ -13,6 +13,7 @@
 #include "discover/places.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
+#include "expr/joined.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
@@ -107,7 +108,7 @@ Place place_named(const Model& model, const std::string& text) {
   std::string known;
   for (const Place& place : places_of(model)) {
     if (motion_of(place) == text) return place;
-    known += (known.empty() ? "" : ", ") + motion_of(place);
+    append_item(known, motion_of(place));
   }
   throw InputError("locate: place: expected one of " + (known.empty() ? "none: there is one coordinate" : known) +
                        ", got '" + text + "'",
@@ -122,7 +123,7 @@ std::vector<const Effect*> meant_by(const std::string& word, const std::vector<E
   std::string known;
   for (const Effect& effect : testable) {
     if (effect.label() == word || effect.name == word) out.push_back(&effect);
-    if (word.rfind(effect.name + " ", 0) == 0) known += (known.empty() ? "" : ", ") + effect.label();
+    if (word.rfind(effect.name + " ", 0) == 0) append_item(known, effect.label());
   }
   if (!out.empty()) return out;
   for (const std::string& reason : untestable)

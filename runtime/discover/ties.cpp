@@ -6,6 +6,7 @@
 #include "discover/grow.hpp"
 #include "discover/judge.hpp"
 #include "discover/sensor.hpp"
+#include "discover/views.hpp"
 
 namespace lunid {
 
@@ -99,6 +100,51 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
              improvement_p_value(baseline, c) < study.options->alpha)
       out.rivals.push_back(c.choices);
   }
+  return out;
+}
+
+namespace {
+
+/// Squared error of what a set says of the channels that were measured beside those that are fitted, over their squares
+/// about the mean; NaN where there are none, or a run stops.
+double error_of_other_channels(const Study& study, const Candidate& c) {
+  double error = 0, power = 0;
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = std::max(1, c.fit.substeps);
+  for (const FitSegment& segment : c.fit.segments) {
+    const FitData& data = study.train[static_cast<std::size_t>(segment.record)];
+    if (segment.first != 0 || segment.count != data.record.rows()) return NAN;
+    const std::span<const double> theta = view(c.fit.theta);
+    const Run run = simulate(*c.system, theta, data.excitation, segment.x0, options);
+    if (!run.summary.completed) return NAN;
+    for (int i = 0; i < study.degrees(); ++i)
+      for (const char quantity : std::string(study.measured == "y" ? "va" : study.measured == "v" ? "a" : "")) {
+        const std::string channel = study.channel(quantity, i);
+        if (!data.record.has(channel) || data.record.channel(channel).derived) continue;
+        const Eigen::VectorXd measured = as_vector(data.record[channel]);
+        error += (measured - shown(*c.system, theta, run, channel)).squaredNorm() / measured.squaredNorm();
+        power += (measured.array() - measured.mean()).square().sum() / measured.squaredNorm();
+      }
+  }
+  return power > 0 ? error / power : NAN;
+}
+
+}  // namespace
+
+std::vector<const Candidate*> borne_out_by_other_channels(const Study& study,
+                                                          const std::vector<const Candidate*>& sets) {
+  constexpr double follows = 0.1, clearly = 4;  // squared: of the channel; times the least
+  std::vector<std::pair<double, const Candidate*>> heard;
+  for (const Candidate* c : sets)
+    if (const double error = study.imposed ? NAN : error_of_other_channels(study, *c); std::isfinite(error))
+      heard.emplace_back(error, c);
+  std::ranges::stable_sort(heard, {}, [](const auto& h) { return h.first; });
+  if (heard.empty() || !(heard.front().first < follows) || !(heard.back().first > clearly * heard.front().first))
+    return {};
+  std::vector<const Candidate*> out;
+  for (const auto& [error, c] : heard)
+    if (error <= clearly * heard.front().first) out.push_back(c);
   return out;
 }
 

@@ -42,6 +42,12 @@ struct Ties {
 Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& chosen,
                const std::vector<const Candidate*>& among);
 
+/// Of sets with the same runs those that another channel of the training records bears out, the nearest to it first:
+/// where v was measured beside y, a gain of y is none of the force. Empty where no further channel was measured, none
+/// follows it, or all do alike.
+std::vector<const Candidate*> borne_out_by_other_channels(const Study& study,
+                                                          const std::vector<const Candidate*>& sets);
+
 /// How far the free runs of two fitted sets lie apart, over what the second leaves open.
 double share_apart(const Candidate& a, const Candidate& b);
 

@@ -6,6 +6,7 @@
 
 #include "discover/discover.hpp"
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 
 namespace lunid {
 
@@ -36,7 +37,7 @@ std::string value_with_std(const Parameter& p) {
 std::string list(const std::vector<Parameter>& table) {
   std::string out;
   for (const auto& p : table) {
-    out += (out.empty() ? "" : ", ") + p.name + " = " + value_with_std(p);
+    append_item(out, p.name + " = " + value_with_std(p));
     if (!p.unit.empty()) out += " " + p.unit;
   }
   return out.empty() ? "no parameters" : out;
@@ -140,7 +141,7 @@ std::string to_terminal(const Discovery& d) {
     std::string rivals, same;
     for (const auto& n : e.indistinguishable) {
       std::string& names = std::ranges::find(e.same_force, n) == e.same_force.end() ? rivals : same;
-      names += (names.empty() ? "" : ", ") + n;
+      append_item(names, n);
     }
     if (!rivals.empty()) line("", "this record cannot tell it from: " + rivals);
     if (!same.empty()) line("", "the same force in another notation: " + same);

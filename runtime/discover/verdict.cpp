@@ -4,12 +4,15 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <set>
+#include <string>
 
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
 #include "discover/closed_loop.hpp"
 #include "discover/judge.hpp"
 #include "discover/locate.hpp"
+#include "discover/proposal_fits.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/statistics.hpp"
 
@@ -23,8 +26,40 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
   return out;
 }
 
+namespace {
+
+/// The parameters, from 0, that are the same in all records.
+std::vector<int> shared_parameters(const Candidate& c) {
+  std::set<std::string> separate;
+  for (const Choice& choice : c.choices)
+    if (choice.effect->separate)
+      for (const Parameter& p : choice.parameters()) separate.insert(p.name);
+  std::vector<int> out;
+  for (int i = 0; i < c.parameters(); ++i)
+    if (!separate.contains(c.system->model().parameters[static_cast<std::size_t>(i)].name)) out.push_back(i);
+  return out;
+}
+
+}  // namespace
+
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records, bool floor) {
-  return runs(study, *c.system, c.fit, records, floor);
+  std::vector<FreeRun> out;
+  for (const Record& record : records) {
+    FitResult own = c.fit;
+    own.theta = theta_on(study, c, record);
+    std::ranges::move(runs(study, *c.system, own, {record}, floor), std::back_inserter(out));
+  }
+  return out;
+}
+
+Eigen::VectorXd theta_on(const Study& study, const Candidate& c, const Record& record) {
+  const std::vector<int> shared = shared_parameters(c);
+  if (shared.size() == static_cast<std::size_t>(c.parameters()) || !c.ran() || study.imposed || study.run_length > 0)
+    return c.fit.theta;
+  FitOptions options = fixed_fit(study, 20, 1e-6, std::max(1, c.fit.substeps));
+  options.hold = shared;
+  const FitResult own = fit_trajectory(*c.system, c.fit.theta, {fit_data(study, record)}, options);
+  return std::isfinite(own.cost) ? own.theta : c.fit.theta;
 }
 
 namespace {

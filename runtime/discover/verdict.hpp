@@ -43,6 +43,10 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records,
                           bool floor = true);
 
+/// The parameters with which a run over this record is made: those of the fit, but for the entries whose parameters are
+/// those of one record (Effect::separate), which are found on it while the others are held. Not in short runs.
+Eigen::VectorXd theta_on(const Study& study, const Candidate& c, const Record& record);
+
 /// So many floors and more, and no less than `least`.
 bool far_from_the_floor(const Gap& gap, double least, double times = 3);
 

@@ -1,5 +1,6 @@
 #include <unordered_map>
 
+#include "expr/joined.hpp"
 #include "expr/op.hpp"
 #include "expr/program.hpp"
 #include "expr/walk.hpp"
@@ -48,8 +49,7 @@ class Lowering {
   };
 
   [[noreturn]] static void missing(Expr symbol, std::span<const Expr> inputs) {
-    std::string names;
-    for (const Expr& input : inputs) names += (names.empty() ? "" : ", ") + input.name();
+    const std::string names = joined(inputs, &Expr::name);
     throw InputError("tape: '" + symbol.name() + "' is not among the inputs (" + names + ")");
   }
 

@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "expr/error.hpp"
+#include "expr/joined.hpp"
 #include "figure/module.hpp"
 #include "figure/renderer.hpp"
 #include "record/atomic_file.hpp"
@@ -19,7 +20,7 @@ Format format_of(const std::string& path, std::initializer_list<std::pair<const 
   std::string names;
   for (const auto& [name, format] : allowed) {
     if (extension == name) return format;
-    names += (names.empty() ? "" : ", ") + std::string(name);
+    append_item(names, name);
   }
   throw InputError("expected a file name that ends in " + names + ", got '" + fs::path(path).filename().string() + "'",
                    {path});

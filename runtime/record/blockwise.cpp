@@ -1,5 +1,6 @@
 // Derived channels of a stream: what is made of what, with which parameters.
 #include "record/blockwise.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -198,7 +199,7 @@ class Deriver {
     for (const int rank : wanted) made.derivatives.push_back(rank - ranks.front());
     made_.push_back(made);
     std::string sources;
-    for (const std::size_t channel : channels) sources += (sources.empty() ? "" : ", ") + given[channel].name;
+    for (const std::size_t channel : channels) append_item(sources, given[channel].name);
     for (const int rank : wanted) {
       const auto own = std::find(ranks.begin(), ranks.end(), rank);
       const auto in_place_of =

@@ -3,6 +3,7 @@
 #include <complex>
 #include <numbers>
 
+#include "expr/joined.hpp"
 #include "record/checks.hpp"
 #include "record/extension.hpp"
 #include "record/method_parts.hpp"

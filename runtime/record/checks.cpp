@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/joined.hpp"
 #include "record/method_parts.hpp"
 
 namespace lunid {

@@ -1,4 +1,5 @@
 #include "record/columns.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <array>
@@ -54,7 +55,7 @@ bool fits(const Meaning& meaning, std::string_view si) {
 std::string units_of(const Meaning& meaning) {
   std::string text;
   for (const std::string_view unit : meaning.units)
-    if (!unit.empty()) text += (text.empty() ? "" : ", ") + std::string(unit);
+    if (!unit.empty()) append_item(text, unit);
   return text;
 }
 

@@ -1,4 +1,5 @@
 #include "record/derive.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -82,8 +83,7 @@ Record derive_jointly(Record record, const DeriveOptions& options, const KalmanS
                       const std::string& suffix, const std::vector<int>& ranks) {
   const std::vector<Measurement> given = measurements(record, options.from, suffix);
   const SmoothedMotion motion = kalman_smoother(given, record.dt(), kalman);
-  std::string sources;
-  for (const Measurement& m : given) sources += (sources.empty() ? "" : ", ") + name_at(m.rank, suffix);
+  const std::string sources = joined(given, [&](const Measurement& m) { return name_at(m.rank, suffix); });
   std::vector<Channel> channels;
   for (const int rank : ranks) {
     const Eigen::Index column = rank - motion.lowest;

@@ -72,12 +72,6 @@ inline std::string short_number(double value) {
   std::snprintf(text, sizeof text, "%.4g", value);
   return text;
 }
-/// "y, v, a"
-inline std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 /// Throws InputError `where: message`.
 [[noreturn]] inline void refuse(const std::string& where, const std::string& message) {
   throw InputError(where + ": " + message, {}, Fault::study);

@@ -1,4 +1,5 @@
 #include "record/module_file.hpp"
+#include "expr/joined.hpp"
 
 #include <dlfcn.h>
 
@@ -26,7 +27,7 @@ std::string path_of(const ModuleFile& module, const std::string& given) {
   for (const fs::path& path : candidates(module, given)) {
     std::error_code ignored;
     if (fs::exists(path, ignored)) return path.string();
-    tried += (tried.empty() ? "" : ", ") + path.string();
+    append_item(tried, path.string());
   }
   throw InputError(std::string(module.who) + ": " + module.what + " is not there, looked for " + tried);
 }

@@ -1,4 +1,5 @@
 #include "record/record.hpp"
+#include "expr/joined.hpp"
 
 #include "record/checks.hpp"
 
@@ -12,12 +13,27 @@ namespace {
 constexpr Eigen::Index least_rows = 6;
 
 std::string names_of(const std::vector<Channel>& channels) {
-  std::string text;
-  for (const Channel& channel : channels) text += (text.empty() ? "" : ", ") + channel.name;
+  const std::string text = joined(channels, &Channel::name);
   return text.empty() ? "none" : text;
 }
 
 }  // namespace
+
+std::string to_string(Interpolation interpolation) {
+  switch (interpolation) {
+    case Interpolation::hold: return "hold";
+    case Interpolation::linear: return "linear";
+    case Interpolation::cubic: return "cubic";
+    case Interpolation::band_limited: return "band_limited";
+  }
+  return "";
+}
+
+Interpolation interpolation_named(std::string_view word) {
+  for (const Interpolation each : every_interpolation)
+    if (word == to_string(each)) return each;
+  throw InputError("expected hold, linear, cubic or band_limited, got '" + std::string(word) + "'");
+}
 
 Record::Record(std::string name, double t0, double dt, std::vector<Channel> channels)
     : name_(std::move(name)), t0_(t0), dt_(dt) {

@@ -1,6 +1,7 @@
 #pragma once
 // A measured record: channels over one even time base, in SI, with the noise of each channel.
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +18,11 @@ namespace lunid {
 
 /// What a signal does between its samples: part of the model (docs/methods.md).
 enum class Interpolation { hold, linear, cubic, band_limited };
+inline constexpr std::array every_interpolation{Interpolation::linear, Interpolation::cubic,
+                                                Interpolation::band_limited, Interpolation::hold};
+std::string to_string(Interpolation);
+/// Of "hold", "linear", "cubic" or "band_limited". Throws InputError with the choices.
+Interpolation interpolation_named(std::string_view word);
 
 /// One channel of a record. Names are the language's: F y v a (y_reference and other extra columns keep their
 /// header).

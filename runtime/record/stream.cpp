@@ -1,4 +1,5 @@
 #include "record/stream.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -96,8 +97,7 @@ bool Stream::has(std::string_view channel) const { return find(channels(), chann
 
 const Channel& Stream::channel(std::string_view channel) const {
   if (const Channel* found = find(channels(), channel)) return *found;
-  std::string names;
-  for (const Channel& c : channels()) names += (names.empty() ? "" : ", ") + c.name;
+  const std::string names = joined(channels(), &Channel::name);
   std::string text =
       "no channel '" + std::string(channel) + "': the " + (record_ ? "record" : "stream") + " has " + names;
   const bool integral = channel == "y" ? has("v") || has("a") : channel == "v" && has("a");

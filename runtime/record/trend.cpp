@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "expr/joined.hpp"
 #include "record/checks.hpp"
 #include "record/method_parts.hpp"
 #include "record/motion.hpp"

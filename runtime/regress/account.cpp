@@ -1,4 +1,5 @@
 #include "regress/account.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -35,7 +36,7 @@ std::string places_of(const RegressOptions& options, const Fit& fit, const Unexc
   std::string text;
   for (const int j : all) {
     const std::string place = to_text(options.places[static_cast<std::size_t>(j)]);
-    if (!place.empty()) text += (text.empty() ? "" : ", ") + fit.features[static_cast<std::size_t>(j)] + " at " + place;
+    if (!place.empty()) append_item(text, fit.features[static_cast<std::size_t>(j)] + " at " + place);
   }
   return text.empty() ? "" : " (" + text + ")";
 }

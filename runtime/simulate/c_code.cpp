@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "expr/external.hpp"
+#include "expr/joined.hpp"
 #include "simulate/model.hpp"
 
 namespace lunid {
@@ -32,8 +33,7 @@ std::string locals(const std::vector<Expr>& symbols, const char* array, const st
 }
 
 std::string names(const std::vector<Expr>& symbols) {
-  std::string text;
-  for (const Expr& symbol : symbols) text += (text.empty() ? "" : ", ") + symbol.name();
+  const std::string text = joined(symbols, &Expr::name);
   return text.empty() ? "none" : text;
 }
 

@@ -1,21 +1,17 @@
 #include <cmath>
 
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "simulate/dormand_prince.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
 namespace {
 
-std::string names_of(const System& system) {
-  std::string text;
-  for (const std::string& name : system.dynamics().names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
+std::string names_of(const System& system) { return joined(system.dynamics().names); }
 
 std::string parameter_names(const System& system) {
-  std::string text;
-  for (const Parameter& p : system.model().parameters) text += (text.empty() ? "" : ", ") + p.name;
+  const std::string text = joined(system.model().parameters, &Parameter::name);
   return text.empty() ? "none" : text;
 }
 

@@ -1,4 +1,5 @@
 #include "simulate/ensemble.hpp"
+#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -172,7 +173,7 @@ EnsembleOutput output_from(std::string_view name, const System& system) {
   }
   std::string signals;
   for (const std::string& choice : choices)
-    if (choice.starts_with("max_")) signals += (signals.empty() ? "" : ", ") + choice.substr(4);
+    if (choice.starts_with("max_")) append_item(signals, choice.substr(4));
   const std::string near = nearest_word(std::string(name), choices);
   throw InputError("outputs: expected max, min, mean, std, rms, amplitude or last, '_' and a signal (" + signals +
                    "), got '" + std::string(name) + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));

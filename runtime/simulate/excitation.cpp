@@ -218,16 +218,6 @@ struct Excitation::Source {
   const VectorXd& stage_grid(int substeps);
 };
 
-std::string to_string(Interpolation interpolation) {
-  switch (interpolation) {
-    case Interpolation::hold: return "hold";
-    case Interpolation::linear: return "linear";
-    case Interpolation::cubic: return "cubic";
-    case Interpolation::band_limited: return "band_limited";
-  }
-  return "";
-}
-
 Excitation::Excitation(double t0, double dt, std::span<const double> force, Interpolation interpolation)
     : t0_(t0),
       dt_(dt),

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "simulate/run.hpp"
 #include "simulate/time_tape.hpp"
 
@@ -181,8 +182,7 @@ Excitations Excitations::ordered(const System& system) const {
       at = inputs.begin();
     if (at == inputs.end() && std::find(offered_.begin(), offered_.end(), channels_[i]) != offered_.end()) continue;
     if (at == inputs.end()) {
-      std::string words;
-      for (const std::string& input : inputs) words += (words.empty() ? "" : ", ") + input;
+      const std::string words = joined(inputs);
       throw InputError("excitation: " + channels_[i] + ": drives nothing in this model; its inputs are " + words);
     }
     int& entry = place[at - inputs.begin()];

@@ -178,7 +178,7 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
     throw InputError("profile: the parameter has no standard deviation: it is fixed, sits at a bound, or is not seen");
   constexpr double step = 0.5, farthest = 10, chi_squared = 3.841459;  // of one degree of freedom, 95 %
   FitOptions options = given;
-  options.hold = index;
+  options.hold = {index};
   options.gradient = Gradient::forward;
   if (result.solver == sundials_name(Solver::bdf)) options.solver = Solver::bdf;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);

@@ -77,7 +77,7 @@ struct FitOptions {
   std::vector<int> separate;  ///< parameters (from 0) that each record has for itself
   Loss loss = Loss::squared;
   std::vector<FitSegment> first_states;     ///< from which the fit starts: those of another fit; empty: the record's
-  int hold = -1;                            ///< an entry of the fitted vector that stays where it starts
+  std::vector<int> hold;                    ///< entries of the fitted vector that stay where they start
   Solver solver = Solver::automatic;        ///< fixed, bdf or adams; automatic: fixed, or bdf where the start is stiff
   Gradient gradient = Gradient::automatic;  ///< adjoint: by the fixed path, of residuals that are not whitened
   const std::atomic<bool>* cancelled = nullptr;

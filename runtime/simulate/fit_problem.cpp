@@ -1,4 +1,5 @@
 #include "simulate/fit_problem.hpp"
+#include "expr/joined.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -37,7 +38,7 @@ std::vector<Output> outputs_of(const Model& model, const Record& record, const s
   std::string wanted;
   for (int i = 0; channels.empty() && i < model.degrees(); ++i) {
     const std::string y = model.channel('y', i);
-    wanted += (wanted.empty() ? "" : ", ") + y;
+    append_item(wanted, y);
     if (record.has(y)) outputs.push_back({measured_channel(record, y.substr(1)), 1});
   }
   for (const std::string& channel : channels) {
@@ -46,7 +47,7 @@ std::vector<Output> outputs_of(const Model& model, const Record& record, const s
           "fit_trajectory: channels: expected displacements, velocities or accelerations of the model, "
           "got '" +
           channel + "'");
-    wanted += (wanted.empty() ? "" : ", ") + channel;
+    append_item(wanted, channel);
     if (!record.has(channel))
       throw InputError("fit_trajectory: the record " + record.name() + " has no channel '" + channel + "'");
     outputs.push_back({channel, 1});

@@ -267,7 +267,7 @@ struct Bounds {
       const auto& p = model.parameters[static_cast<std::size_t>(layout.parameter(i))];
       min[i] = p.min;
       max[i] = p.max;
-      fixed[static_cast<std::size_t>(i)] = p.fixed || i == options.hold;
+      fixed[static_cast<std::size_t>(i)] = p.fixed || std::ranges::find(options.hold, i) != options.hold.end();
     }
   }
 };

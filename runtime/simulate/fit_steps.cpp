@@ -110,7 +110,7 @@ FitOptions with_steps(const System& system, const Eigen::VectorXd& theta, const 
   if (options.gradient != Gradient::automatic) return options;
   const FitLayout layout(system.parameters(), static_cast<int>(data.size()), options.separate);
   const bool possible = options.solver == Solver::fixed && moves && options.whitening.average == 1 &&
-                        options.whitening.ar.empty() && options.hold < 0 &&
+                        options.whitening.ar.empty() && options.hold.empty() &&
                         states_alone(system.model(), data, options) &&
                         (system.dynamics().smooth() || system.dynamics().dense());
   const bool better = layout.size() >= adjoint_parameters || !system.dynamics().dense();

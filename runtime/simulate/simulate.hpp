@@ -15,8 +15,6 @@
 
 namespace lunid {
 
-std::string to_string(Interpolation);
-
 class TimeTape;
 
 /// f(t) at many times at once; `out` is as long as `t`. Called by several threads at a time.
