@@ -7,6 +7,7 @@
 
 #include "discover/views.hpp"
 #include "record/derive.hpp"
+#include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -257,6 +258,15 @@ void motion_run(const Study& study, const System& system, const Eigen::VectorXd&
   if (run.summary.completed && floor) add_floor(study, {system, values, data, state, run, options}, out);
 }
 
+/// Friction that feeds the motion, say, would chatter for minutes.
+Eigen::VectorXd within_bounds(const Model& model, Eigen::VectorXd theta) {
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    const Parameter& p = model.parameters[static_cast<std::size_t>(i)];
+    theta[i] = std::clamp(theta[i], p.min, p.max);
+  }
+  return theta;
+}
+
 /// In units of the first output's noise; numbers of a single one stay as they are.
 void weigh(double weight, FreeRun& out) {
   const double square = weight * weight;
@@ -392,12 +402,15 @@ double parameter_spread(const Study& study, const Candidate& model, const std::v
     };
     const std::vector<FreeRun> nominal = run(fit.theta);
     for (const FreeRun& o : nominal) variance += o.variance;
-    for (int draw = 0; draw < draws; ++draw) {
+    std::vector<double> apart(draws, 0.0);
+    parallel_for(draws, study.options->threads, [&](int draw) {
       Philox random(study.options->seed, stream_of("parameters") + static_cast<std::uint64_t>(draw));
-      const std::vector<FreeRun> moved = run(fit.theta + steps.draw(random));
+      const std::vector<FreeRun> moved = run(within_bounds(model.system->model(), fit.theta + steps.draw(random)));
       for (std::size_t i = 0; i < moved.size(); ++i)
-        squares += std::pow(weights[i], 2) * (moved[i].model - nominal[i].model).tail(nominal[i].rows).squaredNorm();
-    }
+        apart[static_cast<std::size_t>(draw)] +=
+            std::pow(weights[i], 2) * (moved[i].model - nominal[i].model).tail(nominal[i].rows).squaredNorm();
+    });
+    squares = std::accumulate(apart.begin(), apart.end(), squares);
   }
   return std::isfinite(squares) ? std::sqrt(squares / draws / variance) : 0;
 }

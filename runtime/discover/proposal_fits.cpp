@@ -34,7 +34,11 @@ int ProposalFits::coarse_substeps(const Candidate& c) const {
 
 void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
   c.fit = fit_near(study_, c, c.starts.front(), 4, coarse_substeps(c));
-  if (!parent.ran() || c.fit.cost < 0.9 * parent.fit.cost) return;
+  if (parent.ran() && !(c.fit.cost < 0.9 * parent.fit.cost)) begin_at_parent(c, parent);
+  if (c.ran()) lengthen_steps(c);
+}
+
+void ProposalFits::begin_at_parent(Candidate& c, const Candidate& parent) const {
   Eigen::VectorXd warm = c.starts.front();
   warm.head(parent.fit.theta.size()) = parent.fit.theta;
   for (Eigen::Index j = parent.fit.theta.size(); j < warm.size(); ++j)
@@ -43,8 +47,17 @@ void ProposalFits::begin(Candidate& c, const Candidate& parent) const {
   if (again.cost < c.fit.cost) c.fit = std::move(again);
 }
 
+/// The first guess of an entry may be far stiffer than where its fit goes.
+void ProposalFits::lengthen_steps(Candidate& c) const {
+  constexpr int many = 4;
+  constexpr double as_good = 1.01;  // in squared error
+  if (study_.imposed || c.fit.substeps < many) return;
+  FitResult longer = fit_near(study_, c, c.fit.theta, 1, 0, c.fit.segments);
+  if (longer.substeps < c.fit.substeps && longer.cost < as_good * c.fit.cost) c.fit = std::move(longer);
+}
+
 void ProposalFits::go_on(Candidate& c, int iterations) const {
-  FitResult further = fit_near(study_, c, c.fit.theta, iterations, coarse_substeps(c), c.fit.segments);
+  FitResult further = fit_near(study_, c, c.fit.theta, iterations, c.fit.substeps, c.fit.segments);
   if (further.cost < c.fit.cost) c.fit = std::move(further);
 }
 

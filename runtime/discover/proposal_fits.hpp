@@ -50,6 +50,8 @@ class ProposalFits {
 
  private:
   int coarse_substeps(const Candidate& c) const;
+  void begin_at_parent(Candidate& c, const Candidate& parent) const;
+  void lengthen_steps(Candidate& c) const;
   /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed.
   void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
   /// The better of the fit and one that begins at `from` on short free runs.
