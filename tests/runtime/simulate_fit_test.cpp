@@ -291,7 +291,7 @@ TEST(FitTrajectory, ProfileIsOpenAtABound) {
   EXPECT_EQ(profile.low, -std::numeric_limits<double>::infinity());
   EXPECT_LT(profile.high, 3 * std::sqrt(fit.covariance(1, 1)) + fit.theta[1]);
   FitOptions held;
-  held.hold = 1;
+  held.hold = {1};
   const FitResult still = fit_trajectory(system, vector({1.99e4, 12}), data, held);
   EXPECT_EQ(still.theta[1], 12);
   EXPECT_EQ(fault_of([&] { profile_likelihood(system, still, data, {}, 1); }),
