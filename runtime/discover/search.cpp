@@ -280,7 +280,8 @@ class Search {
     result_.chosen = std::move(chosen);
   }
 
-  /// Another channel that was measured may tell apart what is one in the channel that is fitted.
+  /// Another channel that was measured may tell apart what is one in the channel that is fitted, where it bears out a
+  /// fault of that one. One that agrees with the fitted channel may have been computed from it, and says nothing.
   void hear_other_channels(const std::vector<const Candidate*>& among, Candidate& chosen) {
     Ties& ties = result_.ties;
     const auto is_alias = [&](const Candidate& c) {
@@ -290,7 +291,8 @@ class Search {
     for (const Candidate* c : among)
       if (is_alias(*c) || (holds_name(ties.rivals, c->name()) && same_runs(*c, chosen))) alike.push_back(c);
     const std::vector<const Candidate*> borne_out = borne_out_by_other_channels(study_, alike);
-    if (borne_out.empty()) return;
+    const auto is_of_sensor = [](const Choice& choice) { return choice.effect->family == "sensor"; };
+    if (borne_out.empty() || std::ranges::none_of(borne_out.front()->choices, is_of_sensor)) return;
     for (const Candidate* c : alike)
       if (std::ranges::find(borne_out, c) == borne_out.end()) result_.denied.push_back(c->choices);
     if (borne_out.front() != &chosen && holds_name(result_.denied, chosen.name())) {
