@@ -44,11 +44,10 @@ std::vector<int> shared_parameters(const Candidate& c) {
 
 std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vector<Record>& records, bool floor) {
   std::vector<FreeRun> out;
-  for (const Record& record : records) {
-    FitResult own = c.fit;
-    own.theta = theta_on(study, c, record);
-    std::ranges::move(runs(study, *c.system, own, {record}, floor), std::back_inserter(out));
-  }
+  for (const Record& record : records)
+    std::ranges::move(
+        free_run(study, *c.system, theta_on(study, c, record), record, std::max(1, c.fit.substeps), floor),
+        std::back_inserter(out));
   return out;
 }
 

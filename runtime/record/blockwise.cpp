@@ -1,11 +1,11 @@
 // Derived channels of a stream: what is made of what, with which parameters.
 #include "record/blockwise.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "expr/joined.hpp"
 #include "record/method_parts.hpp"
 #include "record/motion.hpp"
 #include "record/noise_sum.hpp"

@@ -1,10 +1,11 @@
 #include "record/columns.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <optional>
+
+#include "expr/joined.hpp"
 
 namespace lunid {
 namespace {

@@ -1,9 +1,9 @@
 #include "record/derive.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "expr/joined.hpp"
 #include "record/checks.hpp"
 #include "record/method_parts.hpp"
 #include "record/motion.hpp"

@@ -1,5 +1,4 @@
 #include "record/module_file.hpp"
-#include "expr/joined.hpp"
 
 #include <dlfcn.h>
 
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "expr/error.hpp"
+#include "expr/joined.hpp"
 
 namespace lunid {
 namespace {

@@ -1,6 +1,6 @@
 #include "record/record.hpp"
-#include "expr/joined.hpp"
 
+#include "expr/joined.hpp"
 #include "record/checks.hpp"
 
 #include <cmath>

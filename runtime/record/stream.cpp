@@ -1,9 +1,9 @@
 #include "record/stream.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "expr/joined.hpp"
 #include "record/blockwise.hpp"
 #include "record/checks.hpp"
 #include "record/container.hpp"

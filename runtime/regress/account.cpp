@@ -1,11 +1,11 @@
 #include "regress/account.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "record/parallel.hpp"
 #include "regress/lag.hpp"
 #include "regress/unit.hpp"

@@ -1,5 +1,4 @@
 #include "simulate/ensemble.hpp"
-#include "expr/joined.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 
 #include "expr/digits.hpp"
+#include "expr/joined.hpp"
 #include "record/parallel.hpp"
 #include "simulate/ensemble_job.hpp"
 #include "simulate/lane_summaries.hpp"

@@ -1,8 +1,8 @@
 #include "simulate/fit_problem.hpp"
-#include "expr/joined.hpp"
 
 #include <Eigen/Eigenvalues>
 
+#include "expr/joined.hpp"
 #include "simulate/measures.hpp"
 
 namespace lunid {
