@@ -208,7 +208,7 @@ Dynamics compile(const DynamicsSource& s) {
     append_gradient(outputs, surface.positional ? time_derivative(surface.g, s) : surface.g.pool().constant(0), inputs);
   for (const Expr& f : outputs)
     for (const Expr& symbol : symbols(f)) d.constant_gradients &= symbol.kind() == SymbolKind::parameter;
-  d.gradients = Tape(outputs, inputs);
+  d.gradients = Tape(outputs, inputs, s.parameters.size());
   d.gradient_switches = map_switches(d.gradients, table);
   return d;
 }

@@ -48,17 +48,20 @@ ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta
       free_mode_(std::max(dynamics.rate.switches(), dynamics.derivatives.switches()), 0),
       run_rate_(dynamics.rate),
       run_derivatives_(dynamics.derivatives),
+      run_gradients_(dynamics.gradients),
       rate_r_(std::max(dynamics.rate.registers(), dynamics.inputs()) + 1),
       derivative_r_(std::max(dynamics.derivatives.registers(), dynamics.inputs()) + 1),
-      scratch_(dynamics.gradients.registers() + 1),
-      gradient_(std::max(1, dynamics.gradients.outputs())),
+      gradient_r_(std::max(dynamics.gradients.registers(), dynamics.inputs()) + 1),
       g_(rate_r_.data() + dynamics.rate.switch_place()),
+      gradient_(gradient_r_.data() + dynamics.gradients.output_place()),
       out_(dynamics.rate.outputs()),
       full_(dynamics.derivatives.outputs()) {
   plus_.resize(d_.n);
   std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
   std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
+  std::copy(theta.begin(), theta.end(), gradient_r_.begin() + (d_.inputs() - d_.p));
   d_.rate.prepare_frozen(rate_r_.data());
+  if (d_.gradients.outputs() > 0) d_.gradients.prepare_frozen(gradient_r_.data());
   if (d_.dense()) d_.derivatives.prepare_frozen(derivative_r_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) set_mode(static_cast<int>(s), 1);
   for (std::size_t i = 0; i < bounds_.size(); ++i)
@@ -139,8 +142,9 @@ void ModeMachine::update_drifting() noexcept {
 }
 
 void ModeMachine::refresh_gradients() noexcept {
-  if (d_.gradients.outputs() > 0)
-    d_.gradients.run_frozen(inputs(), gradient_mode_.data(), gradient_.data(), nullptr, scratch_.data());
+  if (d_.gradients.outputs() == 0) return;
+  for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) gradient_r_[i] = rate_r_[i];
+  run_gradients_(gradient_mode_, gradient_r_.data());
 }
 
 void ModeMachine::hold_rates(double* out) const noexcept {

@@ -142,9 +142,7 @@ class ModeMachine {
   void hold_rates(double* out) const noexcept;
   void hold_derivatives(double* out) const noexcept;
   void refresh_gradients() noexcept;
-  const double* row(int index) const noexcept {
-    return gradient_.data() + static_cast<std::ptrdiff_t>(index) * d_.inputs();
-  }
+  const double* row(int index) const noexcept { return gradient_ + static_cast<std::ptrdiff_t>(index) * d_.inputs(); }
   const double* condition(int surface) const noexcept;
   int still_component(int surface) const noexcept;
   double along(const double* gradient, const Drive& drive, const double* f) const noexcept;
@@ -169,11 +167,11 @@ class ModeMachine {
   std::vector<int> sliding_;
   std::vector<std::int8_t> rate_mode_, derivative_mode_, gradient_mode_, free_mode_;  ///< per switch of a tape; free: 0
   bool drifting_ = false;
-  FrozenRun run_rate_, run_derivatives_;
-  std::vector<double> rate_r_, derivative_r_;  ///< registers of the tapes, run in place: inputs first
-  std::vector<double> scratch_, gradient_;
-  const double* g_ = nullptr;                    ///< within rate_r_
-  std::vector<double> plus_;                     ///< rates on the plus side of a surface under decision
+  FrozenRun run_rate_, run_derivatives_, run_gradients_;
+  std::vector<double> rate_r_, derivative_r_, gradient_r_;  ///< registers of the tapes, run in place: inputs first
+  const double* g_ = nullptr;                               ///< within rate_r_
+  const double* gradient_ = nullptr;                        ///< within gradient_r_
+  std::vector<double> plus_;                                ///< rates on the plus side of a surface under decision
   std::vector<double> out_, side_;               ///< rate outputs; of each side slid upon: difference plus - minus
   std::vector<double> full_, full_side_;         ///< the same of the derivatives
   std::vector<double> matrix_, weight_, delta_;  ///< of the sliding condition
