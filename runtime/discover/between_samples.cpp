@@ -77,7 +77,7 @@ std::optional<BetweenSamples> far_better_reading(const Study& study, const Candi
     read_force(other, {kind, study.between.alike});
     // Short runs first: where small differences grow, the present values are no start under another reading.
     const FitResult fit =
-        fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 40, 1e-4, model.fit.substeps));
+        fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 12, 1e-4, model.fit.substeps));
     if (!std::isfinite(fit.cost) || !(squared_error(fit) < cost)) continue;
     cost = squared_error(fit);
     best = other.between;

@@ -42,7 +42,7 @@ class Grower {
       if (level.empty()) break;
       if (ask_reading_ && nearly_follows(level.front()))
         if ((out_.reading = far_better_reading(study_, level.front()))) return std::move(out_);
-      const bool better = worth_growing(best, level.front());
+      const bool better = worth_growing(best, level.front(), size);
       const bool masked = size == 1 && may_mask_a_pair(level);
       for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
       if (!better && !masked) break;
@@ -65,12 +65,14 @@ class Grower {
            closed_share(baseline_.ran() ? gap(baseline_) : INFINITY, gap(c), study_.noise_gap()) > nearly;
   }
 
-  /// Growing goes on while the error falls visibly and is not yet what the sensor alone leaves.
-  bool worth_growing(const Candidate& before, const Candidate& after) const {
+  /// Growing goes on while the error falls visibly, beyond two effects to a half, and is not yet what the sensor alone
+  /// leaves: what no entry describes is followed ever more closely by ever more of them.
+  bool worth_growing(const Candidate& before, const Candidate& after, int size) const {
+    const double least_gain = size > 2 ? 0.5 : required_gain(study_, gap(after));
     if (!after.ran()) return false;
     if (!before.ran()) return true;
     if (closes_nearly_all(before, after)) return false;
-    return rms(after) < (1 - required_gain(study_, gap(after))) * rms(before) && !leaves_noise(after);
+    return rms(after) < (1 - least_gain) * rms(before) && !leaves_noise(after);
   }
 
   /// Beside it nothing more could be named.

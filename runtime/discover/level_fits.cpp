@@ -47,7 +47,9 @@ std::vector<Candidate> LevelFits::fit(const std::vector<Offer>& offers, const st
     Eigen::VectorXd start(o.standing.parent.size() + o.standing.own.size());
     start << o.standing.parent, o.standing.own;
     c.starts.push_back(std::move(start));
-    c.state_substeps = std::max(o.parent->state_substeps, o.standing.substeps);
+    const Candidate& parent = *o.parent;
+    const int before = parent.ran() ? std::min(parent.state_substeps, parent.fit.substeps) : parent.state_substeps;
+    c.state_substeps = std::max(before, o.standing.substeps);
     c.force_cost = o.standing.cost;
     c.force_misfit = o.misfit;
     level.push_back(std::move(c));
@@ -63,10 +65,11 @@ std::vector<Candidate> LevelFits::fit(const std::vector<Offer>& offers, const st
   std::erase_if(level, [](const Candidate& c) { return !c.ran() && c.choices.size() > 1; });
   if (size == 1 && !study_.imposed) go_on(level);
   const std::vector<std::size_t> ahead = to_the_end(level);
+  const double reached = level.empty() || !level.front().ran() ? INFINITY : rms(level.front());
   parallel_for(static_cast<int>(ahead.size()), study_.options->threads, [&](int i) {
     Candidate& c = level[ahead[static_cast<std::size_t>(i)]];
-    fits_.end(c);
-    leave_limits(c);
+    fits_.end(c, reached);
+    leave_limits(c, reached);
   });
   std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
   for (const auto& c : known_.sets)
@@ -172,14 +175,14 @@ void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
 }
 
 /// Of a set that ended at a limit of what its last entry can show: that one's other guesses beside the parent.
-void LevelFits::leave_limits(Candidate& c) const {
+void LevelFits::leave_limits(Candidate& c, double to_beat) const {
   if (!c.degenerate()) return;
   const Shape* shape = offers_.shape_of(c.choices.back());
   const Candidate* parent = parent_of(c);
   if (!shape || !parent) return;
   const double cost = c.fit.cost;
   fits_.leave_limits(c, *shape, *parent);
-  if (c.fit.cost < cost) fits_.end(c);
+  if (c.fit.cost < cost) fits_.end(c, to_beat);
 }
 
 /// The fitted set without the last entry; null where there is none.

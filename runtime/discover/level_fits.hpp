@@ -36,7 +36,7 @@ class LevelFits {
                   std::vector<const Candidate*>& grown_from);
   void go_on(std::vector<Candidate>& sorted) const;
   std::vector<std::size_t> to_the_end(const std::vector<Candidate>& sorted) const;
-  void leave_limits(Candidate& c) const;
+  void leave_limits(Candidate& c, double to_beat) const;
   const Candidate* parent_of(const Candidate& c) const;
 
   const Study& study_;

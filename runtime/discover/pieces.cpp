@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index searched_rows = 16000;  // of all training records together
-constexpr Index fewest_rows = 1500;     // of a piece
-constexpr double fewest_periods = 20;   // of the motion in a piece
-constexpr Index run_rows = 12000;       // of all parts of the records together, where those are cut into short runs
+constexpr Index searched_rows = 6000;  // of all training records together
+constexpr Index fewest_rows = 1500;    // of a piece
+constexpr double fewest_periods = 20;  // of the motion in a piece
+constexpr Index run_rows = 12000;      // of all parts of the records together, where those are cut into short runs
 constexpr Index fewest_rows_of_run = 40;
 
 struct Piece {
@@ -49,7 +49,7 @@ void cut(const Record& record, std::size_t index, const std::string& channel, In
 std::vector<Piece> pieces_of(const Study& study) {
   Index all = 0;
   for (const FitData& data : study.train) all += data.record.rows();
-  if (study.imposed || study.run_length > 0 || all <= searched_rows * 3 / 2) return {};
+  if (study.imposed || study.run_length > 0 || all <= searched_rows * 5 / 4) return {};
   std::vector<Piece> out;
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const Record& record = study.train[r].record;

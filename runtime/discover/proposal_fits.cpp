@@ -28,6 +28,28 @@ bool all_linear(const Shape& shape) {
   return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
 }
 
+namespace {
+
+/// What forces foretell is a displacement: what was measured, per displacement.
+double measured_of_displacement(const Study& study) {
+  if (study.imposed || study.measured == "y") return 1;
+  double squares = 0, rows = 0;
+  for (const Record& record : study.smooth) {
+    squares += motion_at(record, study.degrees() > 1 ? std::optional(Place{0}) : std::nullopt, 'y').squaredNorm();
+    rows += static_cast<double>(record.rows());
+  }
+  return study.measured_std() / std::sqrt(squares / rows);
+}
+
+}  // namespace
+
+ProposalFits::ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows)
+    : study_(study),
+      baseline_(baseline),
+      force_rows_(force_rows),
+      measured_(measured_of_displacement(study)),
+      decays_(!study.imposed && are_free(study, study.full)) {}
+
 int ProposalFits::coarse_substeps(const Candidate& c) const {
   return baseline_.ran() ? std::max(c.state_substeps, (baseline_.fit.substeps + 1) / 2) : 0;
 }
@@ -62,8 +84,8 @@ void ProposalFits::go_on(Candidate& c, int iterations) const {
 }
 
 void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const {
-  constexpr std::size_t most = 8;
-  constexpr int iterations = 8;
+  constexpr std::size_t most = 8, ahead = 2;
+  constexpr int first_iterations = 2, iterations = 8;
   if (all_linear(shape) || many_states(shape)) return;
   const auto& table = c.system->model().parameters;
   const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
@@ -76,7 +98,15 @@ void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::Ve
       const auto k = static_cast<std::size_t>(j);
       if (!c.linear[k]) start[j] = guessed(table[k], shape.guesses[g * step]);
     }
-    others[g] = fit_near(study_, c, start, iterations, coarse_substeps(c));
+    others[g] = fit_near(study_, c, start, first_iterations, coarse_substeps(c));
+  });
+  std::ranges::stable_sort(others, {}, &FitResult::cost);
+  others.resize(std::min(ahead, others.size()));
+  parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
+    FitResult& other = others[static_cast<std::size_t>(i)];
+    if (!std::isfinite(other.cost)) return;
+    FitResult further = fit_near(study_, c, other.theta, iterations, other.substeps, other.segments);
+    if (further.cost < other.cost) other = std::move(further);
   });
   for (FitResult& other : others)
     if (other.cost < c.fit.cost) c.fit = std::move(other);
@@ -101,11 +131,15 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
   if (!c.ran() || other.cost < c.fit.cost) c.fit = std::move(other);
 }
 
-void ProposalFits::end(Candidate& c) const {
+double ProposalFits::promised(const Candidate& c) const {
+  const bool told = !decays_ && std::isfinite(c.force_cost);
+  return told ? measured_ * std::sqrt(c.force_cost / static_cast<double>(force_rows_)) : 0;
+}
+
+void ProposalFits::end(Candidate& c, double to_beat) const {
   if (c.ran()) go_on(c, 24);
-  const bool told = !decays_ && std::isfinite(c.force_cost);  // a fault of a channel has no force that would promise
-  const double promised = told ? std::sqrt(c.force_cost / static_cast<double>(force_rows_)) : 0;
-  if (c.ran() && rms(c) < std::max(1.5 * promised, 2 * study_.sensor_noise())) return;
+  const double hope = promised(c);
+  if (hope > to_beat || (c.ran() && rms(c) < std::max(1.5 * hope, 2 * study_.sensor_noise()))) return;
   try_short_runs(c, c.starts.front());
 }
 

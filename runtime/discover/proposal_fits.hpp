@@ -29,11 +29,7 @@ bool all_linear(const Shape& shape);
 class ProposalFits {
  public:
   /// `force_rows`: over how many rows a candidate's force_cost is a sum.
-  ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows)
-      : study_(study),
-        baseline_(baseline),
-        force_rows_(force_rows),
-        decays_(!study.imposed && are_free(study, study.full)) {}
+  ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows);
 
   /// From the force's start, and, where that is no better than the parent, from the parent with the effect at zero.
   void begin(Candidate& c, const Candidate& parent) const;
@@ -45,8 +41,11 @@ class ProposalFits {
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
   /// The same for one that has come to its end above the noise, from where it is; and from short free runs on.
   void leave_minimum(Candidate& c, const Shape& shape) const;
-  /// To the end; and from short free runs on where the free run stays behind what the force promised.
-  void end(Candidate& c) const;
+  /// The error of the motion that the force foretells; 0 where none tells: of faults of a channel, and in decays.
+  double promised(const Candidate& c) const;
+  /// To the end; and from short free runs on where the free run stays behind what the force promised, if that is less
+  /// than an error that is reached already.
+  void end(Candidate& c, double to_beat) const;
 
  private:
   int coarse_substeps(const Candidate& c) const;
@@ -60,7 +59,8 @@ class ProposalFits {
   const Study& study_;
   const Candidate& baseline_;
   Eigen::Index force_rows_;
-  bool decays_;  ///< no force acts in any training record
+  double measured_;  ///< what was measured, per displacement
+  bool decays_;      ///< no force acts in any training record
 };
 
 }  // namespace lunid

@@ -15,6 +15,7 @@ namespace lunid {
 
 namespace {
 
+constexpr int full_iterations = 30;
 constexpr int finalists = 3;   // sets of one size that are judged under the common noise colour
 constexpr int most = 6;        // the same where they come near to the best
 constexpr double near = 1.15;  // in squared error
@@ -36,16 +37,22 @@ class Search {
   }
 
  private:
-  /// Those far behind the best are judged where they are, nearly: no rival of it, but a line in the report.
+  /// All a little, then to the end those that may be rivals of the best; the others are lines in the report.
   void judge_all(std::vector<Candidate*> list) {
-    double best = INFINITY;
-    for (const auto* c : list)
-      if (c->ran()) best = std::min(best, c->fit.cost);
-    parallel_for(static_cast<int>(list.size()), study_.options->threads, [&](int i) {
-      Candidate& c = *list[static_cast<std::size_t>(i)];
-      const bool rival = c.choices.empty() || c.fit.cost < 2 * best;
-      judge(study_, c, result_.whitening, rival ? 30 : 2);
+    constexpr int first_iterations = 6;
+    constexpr double near = 1.1;  // in squared error
+    const auto each = [&](int iterations) {
+      parallel_for(static_cast<int>(list.size()), study_.options->threads,
+                   [&](int i) { judge(study_, *list[static_cast<std::size_t>(i)], result_.whitening, iterations); });
+    };
+    each(first_iterations);
+    std::erase_if(list, [](const Candidate* c) { return !c->ran(); });
+    if (list.empty()) return;
+    const Candidate& best = **std::ranges::min_element(list, {}, &Candidate::likelihood_cost);
+    std::erase_if(list, [&](const Candidate* c) {
+      return !c->choices.empty() && c->likelihood_cost > near * best.likelihood_cost && fits_worse(study_, *c, best);
     });
+    each(full_iterations);
   }
 
   void judge_from(std::size_t first, std::vector<Candidate>& field) const {

@@ -160,5 +160,41 @@ TEST(Grow, TriesASpecialCaseInThePlaceOfItsGeneralForm) {
   EXPECT_GT(found.tried, 1);
 }
 
+/// What the force foretells of a motion is held against what a run leaves, in what was measured: of an accelerometer in
+/// m/s^2, at 160 Hz a million times the displacement.
+TEST(ProposalFits, PromiseWhatWasMeasured) {
+  constexpr double tau = 1e-3;  // [s] to one unit of time
+  truth::Physics physics;
+  physics.k3 = 0.5;
+  physics.drag = 0.2;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 1500, testing::spacing, 16);
+  std::vector<double> acceleration;
+  for (std::size_t i = 0; i < motion.x.size(); ++i)
+    acceleration.push_back((motion.force[i] - motion.restoring[i]) / (tau * tau));
+  const Model model = complete(testing::baseline("k*y + c*v", tau * tau));
+  const std::vector<Effect> catalogue{entry(*model.pool, "cubic", "cubic_a*y^3", {row("cubic_a")})};
+  const auto promised_to_left = [&](const std::string& channel, const std::vector<double>& values, double noise) {
+    Record record = testing::noisy_record(motion, channel, values, noise, 5);
+    record = derive_motion(Record("fast", 0, tau * testing::spacing, {record.channel("F"), record.channel(channel)}));
+    DiscoverOptions options;
+    Study study = prepare(model, {record}, {}, options);
+    Candidate baseline = compile(study, model, {});
+    find_starts(study, baseline, {}, {});
+    fit(study, baseline, full_fit(study, 20));
+    const Grown found = grow(study, model, baseline, catalogue, {}, false, silent);
+    const Grown known;
+    Grown out;
+    const Offers offers(study, model, baseline, catalogue, known, out);
+    const Candidate& cubic = found.sets.front();  // the drag is left
+    return ProposalFits(study, baseline, offers.rows()).promised(cubic) / rms(cubic);
+  };
+  for (const double ratio :
+       {promised_to_left("y", motion.x, 1e-3), promised_to_left("a", acceleration, 1e-3 / (tau * tau))}) {
+    EXPECT_GT(ratio, 0.2);
+    EXPECT_LT(ratio, 3);
+  }
+}
+
 }  // namespace
 }  // namespace lunid
