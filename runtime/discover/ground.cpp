@@ -91,7 +91,7 @@ void judge_again(const Study& study, SearchResult& found) {
   parallel_for(static_cast<int>(all.size()), study.options->threads, [&](int i) {
     Candidate& c = *all[static_cast<std::size_t>(i)];
     c.left_out.resize(0);
-    judge(study, c, found.whitening, i < 2 ? 30 : 2);
+    judge(study, c, found.whitening, i < 2 ? judge_iterations : 2);
   });
   for (Candidate* c : {&found.baseline, &found.chosen}) run_left_out(study, *c);
   if (found.faint) run_left_out(study, *found.faint);

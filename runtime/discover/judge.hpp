@@ -10,9 +10,11 @@ namespace lunid {
 /// autoregression chosen by BIC. White residuals are left as they are.
 Whitening residual_colour(const Study& study, const Candidate& candidate);
 
+inline constexpr int judge_iterations = 30;  ///< of a fit that is judged to the end
+
 /// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit
 /// becomes the whitened fit, or a plain one where the whitened free run is clearly worse.
-void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations = 30);
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations = judge_iterations);
 
 /// The left-out part that a row belongs to: three pieces all over the record each, so that a drift does not fall into
 /// one.

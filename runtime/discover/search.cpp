@@ -15,7 +15,6 @@ namespace lunid {
 
 namespace {
 
-constexpr int full_iterations = 30;
 constexpr int finalists = 3;   // sets of one size that are judged under the common noise colour
 constexpr int most = 6;        // the same where they come near to the best
 constexpr double near = 1.15;  // in squared error
@@ -40,7 +39,7 @@ class Search {
   /// All a little, then to the end those that may be rivals of the best; the others are lines in the report.
   void judge_all(std::vector<Candidate*> list) {
     constexpr int first_iterations = 6;
-    constexpr double near = 1.1;  // in squared error
+    constexpr double as_good = 1.1;  // in squared error
     const auto each = [&](int iterations) {
       parallel_for(static_cast<int>(list.size()), study_.options->threads,
                    [&](int i) { judge(study_, *list[static_cast<std::size_t>(i)], result_.whitening, iterations); });
@@ -50,9 +49,9 @@ class Search {
     if (list.empty()) return;
     const Candidate& best = **std::ranges::min_element(list, {}, &Candidate::likelihood_cost);
     std::erase_if(list, [&](const Candidate* c) {
-      return !c->choices.empty() && c->likelihood_cost > near * best.likelihood_cost && fits_worse(study_, *c, best);
+      return !c->choices.empty() && c->likelihood_cost > as_good * best.likelihood_cost && fits_worse(study_, *c, best);
     });
-    each(full_iterations);
+    each(judge_iterations);
   }
 
   void judge_from(std::size_t first, std::vector<Candidate>& field) const {

@@ -57,9 +57,8 @@ ModeMachine::ModeMachine(const Dynamics& dynamics, std::span<const double> theta
       out_(dynamics.rate.outputs()),
       full_(dynamics.derivatives.outputs()) {
   plus_.resize(d_.n);
-  std::copy(theta.begin(), theta.end(), rate_r_.begin() + (d_.inputs() - d_.p));
-  std::copy(theta.begin(), theta.end(), derivative_r_.begin() + (d_.inputs() - d_.p));
-  std::copy(theta.begin(), theta.end(), gradient_r_.begin() + (d_.inputs() - d_.p));
+  for (std::vector<double>* registers : {&rate_r_, &derivative_r_, &gradient_r_})
+    std::copy(theta.begin(), theta.end(), registers->begin() + (d_.inputs() - d_.p));
   d_.rate.prepare_frozen(rate_r_.data());
   if (d_.gradients.outputs() > 0) d_.gradients.prepare_frozen(gradient_r_.data());
   if (d_.dense()) d_.derivatives.prepare_frozen(derivative_r_.data());
