@@ -18,10 +18,10 @@ struct Meaning {
 };
 constexpr std::array meanings{
     Meaning{"t", {"time"}, {"s"}},
-    Meaning{"F", {"force", "load"}, {"N", "N m", "V", "A"}},
-    Meaning{"y", {"displacement", "disp", "position"}, {"m", "rad", "V"}},
-    Meaning{"v", {"velocity", "vel", "speed"}, {"m/s", "rad/s", "V"}},
-    Meaning{"a", {"acceleration", "acc", "accel"}, {"m/s^2", "rad/s^2", "V"}},
+    Meaning{"F", {"force", "load"}, {"N", "N m", "V", "A", "Pa"}},
+    Meaning{"y", {"displacement", "disp", "position"}, {"m", "rad", "V", "C"}},
+    Meaning{"v", {"velocity", "vel", "speed"}, {"m/s", "rad/s", "V", "A"}},
+    Meaning{"a", {"acceleration", "acc", "accel"}, {"m/s^2", "rad/s^2", "V", "A/s"}},
 };
 
 std::string lower(std::string_view text) {

@@ -105,7 +105,7 @@ spec.case("records with other units in one study", function()
   spec.contains(said 'lunid.regress { record = { record, lunid.read "angle.csv" }, mass = 49, features = { y, v } }',
     " and in rad in angle.csv: regress them one by one, or mend the units where they are read\n")
   spec.contains(said 'lunid.read("angle.csv", { displacement = "y [kN]" })', "angle.csv:1: column 'y [deg]': 'kN' is no unit of "
-    .. "channel 'y', expected one of the kind of m, rad, V\n  asked for at study.lua:4\n")
+    .. "channel 'y', expected one of the kind of m, rad, V, C\n  asked for at study.lua:4\n")
   -- Units of one kind are turned into SI.
   file("metres.csv", "t,F,y", 2000, row)
   file("others.csv", "t [ms],F [kN],y [mm]", 2000, function(i) return ("%d,%.12g,%.12g"):format(i, (i % 7)/1000, 1000*tonumber(("%g"):format(math.sin(0.1*i)))) end)

@@ -44,6 +44,15 @@ TEST(Csv, ConvertsUnitsOfEveryHeaderForm) {
   EXPECT_FALSE(record.channel("a").derived);
 }
 
+TEST(Csv, ChargesAndVoltagesAreColumnsAsMotionsAndForces) {
+  const Record record = read("t,charge,source\n0,1,2\n1,1,2\n2,1,2\n3,1,2\n4,1,2\n5,-1,-2\n",
+                             {parse_columns("t=t [us],y=charge [nC],F=source [mV]"), false});
+  EXPECT_DOUBLE_EQ(record.dt(), 1e-6);
+  EXPECT_DOUBLE_EQ(record["y"][5], -1e-9);
+  EXPECT_EQ(record.channel("y").unit, "C");
+  EXPECT_EQ(record.channel("F").unit, "V");
+}
+
 TEST(Csv, UnderscoreIsPartOfTheName) {
   const Record record = read("t,F,y,disp_mm\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n");
   EXPECT_EQ(record["disp_mm"][0], 3);

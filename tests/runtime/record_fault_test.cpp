@@ -151,7 +151,7 @@ TEST(Fault, Units) {
   EXPECT_EQ(complaint("t [mm],F,y\n" + rows(8)),
             "run3.csv:1: column 't [mm]': 'mm' is no unit of channel 't', expected s, ms, us or min");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=y [kN]"), false}),
-            "run3.csv:1: column 'y': 'kN' is no unit of channel 'y', expected one of the kind of m, rad, V");
+            "run3.csv:1: column 'y': 'kN' is no unit of channel 'y', expected one of the kind of m, rad, V, C");
   const TextFile file("t,F,y [kN]\n" + rows(8));  // the file's own word: its columns may mean something else
   const auto warnings = read_csv(file.path()).warnings();
   EXPECT_EQ(std::count(warnings.begin(), warnings.end(), "column 'y [kN]': 'kN' is no unit of channel 'y'"), 1);
