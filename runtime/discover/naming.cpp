@@ -43,11 +43,14 @@ class Resampler {
       : study_(study), tried_(found.grown.tried), chosen_(found.chosen) {
     can_be_told_ = add(found.baseline, found.whitening);
     if (!found.chosen.choices.empty()) can_be_told_ = add(found.chosen, found.whitening) && can_be_told_;
-    // What likelihood alone prefers was refused by runs over left-out blocks, and what the test took back by that
-    // record: a resample makes neither again.
+    // What likelihood alone prefers was refused by runs over left-out blocks, what the test took back by that record,
+    // and what another channel denies by that: a resample makes none again.
+    const auto denied = [&](const Choices& set) {
+      return std::ranges::any_of(found.denied, [&](const Choices& part) { return within(part, set); });
+    };
     const auto refused = [&](const Beaten& rival) {
-      return !found.chosen.choices.empty() &&
-             (rival.by == Beaten::By::test || !not_rejected(study, found.chosen, rival.model, tried_));
+      return !found.chosen.choices.empty() && (rival.by == Beaten::By::test || denied(rival.model.choices) ||
+                                               !not_rejected(study, found.chosen, rival.model, tried_));
     };
     for (const Beaten& rival : found.rivals)
       if (const Candidate& c = rival.model; c.ran() && c.innovations.size() > 0 && !refused(rival))

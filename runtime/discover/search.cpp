@@ -287,7 +287,7 @@ class Search {
   }
 
   /// Another channel that was measured may tell apart what is one in the channel that is fitted, where it bears out a
-  /// fault of that one. One that agrees with the fitted channel may have been computed from it, and says nothing.
+  /// fault of that one. One that agrees with the fitted channel says nothing where it may have been computed from it.
   void hear_other_channels(const std::vector<const Candidate*>& among, Candidate& chosen) {
     Ties& ties = result_.ties;
     const auto is_alias = [&](const Candidate& c) {
@@ -298,11 +298,13 @@ class Search {
       if (is_alias(*c) || (holds_name(ties.rivals, c->name()) && same_runs(*c, chosen))) alike.push_back(c);
     const std::vector<const Candidate*> borne_out = borne_out_by_other_channels(study_, alike);
     const auto is_of_sensor = [](const Choice& choice) { return choice.effect->family == "sensor"; };
-    if (borne_out.empty() || std::ranges::none_of(borne_out.front()->choices, is_of_sensor)) return;
+    if (borne_out.empty()) return;
+    const Candidate& nearest = *borne_out.front();
+    if (std::ranges::none_of(nearest.choices, is_of_sensor) && !were_measured_apart(study_, nearest)) return;
     for (const Candidate* c : alike)
       if (std::ranges::find(borne_out, c) == borne_out.end()) result_.denied.push_back(c->choices);
-    if (borne_out.front() != &chosen && holds_name(result_.denied, chosen.name())) {
-      chosen = *borne_out.front();
+    if (holds_name(result_.denied, chosen.name())) {
+      chosen = nearest;
       if (chosen.left_out.size() == 0) run_left_out(study_, chosen);
       ties = find_ties(study_, result_.baseline, chosen, among);
     }

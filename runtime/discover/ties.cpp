@@ -29,8 +29,31 @@ double apart(const Candidate& a, const Candidate& b) {
 
 bool same_runs(const Candidate& a, const Candidate& b) { return apart(a, b) < 1e-3 * squared_error(a.fit); }
 
+namespace {
+
+/// The sets differ by one entry, and these are special cases of each other, whatever place their fits ended in.
+bool is_one_law(const Candidate& a, const Candidate& b) {
+  const Choices of_a = beyond(a.choices, b.choices), of_b = beyond(b.choices, a.choices);
+  return of_a.size() == 1 && of_b.size() == 1 && of_a.front().is_special_case(of_b.front()) &&
+         of_b.front().is_special_case(of_a.front());
+}
+
+/// Two faults with the same run are two things to mend, of which one is well.
+bool have_the_same_faults(const Candidate& a, const Candidate& b) {
+  const auto all_physics = [](const Choices& set) { return physics_in(set) == static_cast<int>(set.size()); };
+  return all_physics(beyond(a.choices, b.choices)) && all_physics(beyond(b.choices, a.choices));
+}
+
+/// By as many parameters and as much physics.
+bool do_the_same(const Candidate& a, const Candidate& b) {
+  return a.parameters() == b.parameters() && physics_in(a.choices) == physics_in(b.choices) &&
+         (same_runs(a, b) || is_one_law(a, b));
+}
+
+}  // namespace
+
 bool same_in_other_words(const Candidate& a, const Candidate& b) {
-  return a.parameters() == b.parameters() && physics_in(a.choices) == physics_in(b.choices) && same_runs(a, b);
+  return do_the_same(a, b) && have_the_same_faults(a, b);
 }
 
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
@@ -50,11 +73,7 @@ std::size_t in_the_usual_words(const Candidate& baseline, const std::vector<Cand
   std::size_t pick = alike.front();
   for (const auto i : alike) {
     const Candidate& c = field[i];
-    const auto [of_c, of_first] = std::pair(own(c.choices, first.choices), own(first.choices, c.choices));
-    // Entries that are special cases of each other are one law, though their fits may have ended apart.
-    const bool one_law = of_c && of_first && c.parameters() == first.parameters() && of_c->is_special_case(*of_first) &&
-                         of_first->is_special_case(*of_c);
-    if (c.choices.size() != first.choices.size() || !(one_law || same_in_other_words(c, first))) continue;
+    if (c.choices.size() != first.choices.size() || !do_the_same(c, first)) continue;
     const auto [usual, picked] = std::pair(own(c.choices, field[pick].choices), own(field[pick].choices, c.choices));
     const auto turned = turned_negative(baseline, c).size(),
                turned_by_pick = turned_negative(baseline, field[pick]).size();
@@ -87,13 +106,14 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
   Ties out;
   for (const Candidate* other : among) {
     const Candidate& c = *other;
-    if (!c.ran() || same(c.choices, chosen.choices) || related(c.choices, chosen.choices) || c.name() == chosen.name())
-      continue;
+    if (!c.ran() || same(c.choices, chosen.choices) || c.name() == chosen.name()) continue;
+    if (related(c.choices, chosen.choices) && !is_one_law(c, chosen)) continue;
     if (c.parameters() != chosen.parameters()) {
       if (is_fault_of_the_same_run(chosen, c)) out.rivals.push_back(c.choices);
       continue;
     }
-    // Another notation of the same force is no doubt; a fault of a sensor in place of physics is.
+    // Another notation of the same force is no doubt; a fault of a channel in place of physics or of another channel
+    // is.
     if (same_in_other_words(c, chosen))
       out.aliases.push_back(c.name());
     else if (!fits_worse(study, c, chosen) && !fits_worse(study, chosen, c) &&
@@ -105,27 +125,42 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
 
 namespace {
 
-/// Squared error of what a set says of the channels that were measured beside those that are fitted, over their squares
-/// about the mean; NaN where there are none, or a run stops.
-double error_of_other_channels(const Study& study, const Candidate& c) {
-  double error = 0, power = 0;
+/// A channel that was measured beside the fitted one of its coordinate, and what a set's run leaves of both.
+struct OtherChannel {
+  Eigen::VectorXd measured, left, left_of_fitted;
+};
+
+/// Of all training records; empty where there are none, or a run stops.
+std::vector<OtherChannel> other_channels(const Study& study, const Candidate& c) {
+  std::vector<OtherChannel> out;
   SimulateOptions options;
   options.solver = Solver::fixed;
   options.substeps = std::max(1, c.fit.substeps);
   for (const FitSegment& segment : c.fit.segments) {
     const FitData& data = study.train[static_cast<std::size_t>(segment.record)];
-    if (segment.first != 0 || segment.count != data.record.rows()) return NAN;
+    if (segment.first != 0 || segment.count != data.record.rows()) return {};
     const std::span<const double> theta = view(c.fit.theta);
     const Run run = simulate(*c.system, theta, data.excitation, segment.x0, options);
-    if (!run.summary.completed) return NAN;
+    if (!run.summary.completed) return {};
+    const auto left = [&](const std::string& channel) -> Eigen::VectorXd {
+      return as_vector(data.record[channel]) - shown(*c.system, theta, run, channel);
+    };
     for (int i = 0; i < study.degrees(); ++i)
       for (const char quantity : std::string(study.measured == "y" ? "va" : study.measured == "v" ? "a" : "")) {
         const std::string channel = study.channel(quantity, i);
         if (!data.record.has(channel) || data.record.channel(channel).derived) continue;
-        const Eigen::VectorXd measured = as_vector(data.record[channel]);
-        error += (measured - shown(*c.system, theta, run, channel)).squaredNorm() / measured.squaredNorm();
-        power += (measured.array() - measured.mean()).square().sum() / measured.squaredNorm();
+        out.push_back({as_vector(data.record[channel]), left(channel), left(study.channel(study.measured[0], i))});
       }
+  }
+  return out;
+}
+
+/// Squared error of what a set says of these channels, over their squares about the mean; NaN where there are none.
+double error_of(const std::vector<OtherChannel>& others) {
+  double error = 0, power = 0;
+  for (const OtherChannel& o : others) {
+    error += o.left.squaredNorm() / o.measured.squaredNorm();
+    power += (o.measured.array() - o.measured.mean()).square().sum() / o.measured.squaredNorm();
   }
   return power > 0 ? error / power : NAN;
 }
@@ -137,7 +172,7 @@ std::vector<const Candidate*> borne_out_by_other_channels(const Study& study,
   constexpr double follows = 0.1, clearly = 4;  // squared: of the channel; times the least
   std::vector<std::pair<double, const Candidate*>> heard;
   for (const Candidate* c : sets)
-    if (const double error = study.imposed ? NAN : error_of_other_channels(study, *c); std::isfinite(error))
+    if (const double error = study.imposed ? NAN : error_of(other_channels(study, *c)); std::isfinite(error))
       heard.emplace_back(error, c);
   std::ranges::stable_sort(heard, {}, [](const auto& h) { return h.first; });
   if (heard.empty() || !(heard.front().first < follows) || !(heard.back().first > clearly * heard.front().first))
@@ -146,6 +181,15 @@ std::vector<const Candidate*> borne_out_by_other_channels(const Study& study,
   for (const auto& [error, c] : heard)
     if (error <= clearly * heard.front().first) out.push_back(c);
   return out;
+}
+
+bool were_measured_apart(const Study& study, const Candidate& c) {
+  constexpr Eigen::Index least_rows = 200;
+  constexpr double most = 0.5;
+  const std::vector<OtherChannel> others = other_channels(study, c);
+  return !others.empty() && std::ranges::all_of(others, [&](const OtherChannel& o) {
+    return o.left.size() >= least_rows && driven_part(view(o.left), {view(o.left_of_fitted)}) < most;
+  });
 }
 
 double share_apart(const Candidate& a, const Candidate& b) { return std::sqrt(apart(a, b) / squared_error(b.fit)); }

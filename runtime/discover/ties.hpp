@@ -17,7 +17,7 @@ bool same_runs(const Candidate& a, const Candidate& b);
 /// gain off its error.
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried);
 
-/// Sets of as many parameters, and as many forces among them, with the same runs.
+/// Sets of as many parameters with the same faults and the same runs, or whose entries are one law.
 bool same_in_other_words(const Candidate& a, const Candidate& b);
 
 /// Of one force in two notations, alone or beside the same other effects, the one that turns no parameter of the
@@ -47,6 +47,10 @@ Ties find_ties(const Study& study, const Candidate& baseline, const Candidate& c
 /// follows it, or all do alike.
 std::vector<const Candidate*> borne_out_by_other_channels(const Study& study,
                                                           const std::vector<const Candidate*>& sets);
+
+/// What a fitted set leaves of the other channels does not follow, linearly, what it leaves of the fitted one: none was
+/// computed from it, and its noise with it.
+bool were_measured_apart(const Study& study, const Candidate& c);
 
 /// How far the free runs of two fitted sets lie apart, over what the second leaves open.
 double share_apart(const Candidate& a, const Candidate& b);
