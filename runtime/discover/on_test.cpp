@@ -295,7 +295,9 @@ class OnTest {
     if (!round.found.reading.empty()) return Verdict::nothing_missing;
     const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
     round.loose_test = hangs_on_parameters(study_, round.found.baseline, train, test);
-    round.driven = round.loose_test ? 0 : lacks_dynamics(study_, train, test, round.train, runs_.before_test);
+    constexpr double nearly_all = 0.7;
+    round.driven =
+        round.loose_test ? 0 : lacks_dynamics(study_, train, test, round.train, runs_.before_test, nearly_all);
     const bool open = round.driven > 0 || leaves_motion_open(study_, train) ||
                       (leaves_motion_open(study_, test) && !round.loose_test);
     const bool missing = open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));

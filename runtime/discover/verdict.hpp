@@ -54,10 +54,10 @@ bool far_from_the_floor(const Gap& gap, double least, double times = 3);
 /// Less is enough in free decays, where no force is there to be known badly.
 bool leaves_motion_open(const Study& study, const Gap& gap);
 /// The part of what a model leaves of the training and of the test records that follows the forces linearly, where that
-/// is nearly all, far above their floors, and no loop makes the forces answer it: dynamics that the model lacks and no
-/// force of its motion stands for. 0 elsewhere.
+/// is more than `least`, far above their floors, and no loop makes the forces answer it: dynamics that the model lacks
+/// and no force of its motion stands for. 0 elsewhere.
 double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
-                      const std::vector<FreeRun>& test_runs);
+                      const std::vector<FreeRun>& test_runs, double least);
 /// A model that follows the training records leaves no more open on the test than three deviations of its parameters
 /// make of it there: a sweep through a jump hangs on a damping that the training records show to a percent.
 bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test);
