@@ -9,8 +9,10 @@
 
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
+#include "discover/lines.hpp"
 #include "discover/places.hpp"
 #include "discover/proposal_fits.hpp"
+#include "expr/digits.hpp"
 #include "record/parallel.hpp"
 #include "simulate/inertia.hpp"
 #include "statistics/statistics.hpp"
@@ -38,7 +40,8 @@ bool drives_what_it_moves(const Study& study, const Model& model) {
   return !study.imposed && model.degrees() == 1 && !model.delay.valid() && !are_free(study, study.full);
 }
 
-std::vector<Feature> generic_forces(const Study& study, const Model& model, const std::optional<Place>& place) {
+std::vector<Feature> generic_forces(const Study& study, const Candidate& beside, const std::optional<Place>& place) {
+  const Model& model = beside.system->model();
   Pool& pool = *model.pool;
   const RecordScales s = scales(study, 1, place);
   const Expr u = motion_at(model, place, 'y') / rounded(s.y_std), w = motion_at(model, place, 'v') / rounded(s.v_std),
@@ -69,6 +72,11 @@ std::vector<Feature> generic_forces(const Study& study, const Model& model, cons
                            {z, "memory of the velocity", memory},
                            {slow * u, "stiffness that changes with time"},
                            {slow * w, "damping that changes with time"}};
+  if (const std::optional<double> omega = standing_modulation(study, beside, place)) {
+    const std::string words = "stiffness that goes up and down at " + number(*omega, 4) + " rad/s";
+    const Expr phase = *omega * t;
+    for (const Op wave : {Op::cos, Op::sin}) out.push_back({pool.apply(wave, {phase}) * u, words});
+  }
   if (drives_what_it_moves(study, model)) {
     const Expr force = pool.channel("F");
     for (const auto& [factor, words] : {std::pair{u, "y"}, {pow(u, 2), "y"}, {w, "v"}, {pow(w, 2), "v"}})
@@ -169,7 +177,7 @@ Generic generic_at(const Study& study, const Candidate& candidate, const std::op
   Generic out;
   out.closure.place = place;
   Model model = candidate.system->model();
-  out.features = generic_forces(study, model, place);
+  out.features = generic_forces(study, candidate, place);
   const Units units = study.units();
   for (std::size_t j = 0; j < out.features.size(); ++j) {
     if (listed && std::ranges::find(*listed, j) == listed->end()) continue;

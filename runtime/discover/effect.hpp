@@ -23,7 +23,7 @@ struct RecordScales {
   double interval;                         ///< between samples [s]
   double duration;                         ///< of the longest record [s]
   std::vector<double> lines;  ///< angular frequencies that stand out in what the model leaves open, strongest first
-  std::vector<double> modulations;  ///< the same of the force that it leaves open times y
+  std::vector<double> modulations;  ///< of a stiffness that goes up and down and would take most of it
 };
 
 /// Values for an entry's nonlinear ("shape") parameters to start from; parameters absent here are linear and solved

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "discover/lines.hpp"
 #include "discover/sensor.hpp"
 
 namespace lunid {

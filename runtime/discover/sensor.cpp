@@ -238,59 +238,6 @@ bool shows_beside(const Study& study, const Candidate& candidate, const Candidat
   return false;
 }
 
-namespace {
-
-/// The angular frequencies of the highest peaks in the spectrum of x, at most eight.
-std::vector<double> strongest_lines(Eigen::VectorXd x, double dt) {
-  constexpr std::size_t most = 8;
-  constexpr Eigen::Index padding = 4;  // bins per line of the window
-  x.array() -= x.mean();
-  for (Eigen::Index i = 0; i < x.size(); ++i)
-    x[i] *= 1 - std::cos(2 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(x.size()));
-  const Eigen::Index length = padding * power_of_two_above(x.size());
-  const Eigen::VectorXd power = half_spectrum(view(x), length).cwiseAbs2().cwiseMax(1e-300);
-  const double step = 2 * M_PI / (static_cast<double>(length) * dt);
-  const double apart = 4 * M_PI / (static_cast<double>(x.size()) * dt);  // half of the window's main lobe
-  std::vector<std::pair<double, double>> peaks;
-  for (Eigen::Index k = 1; k + 1 < power.size(); ++k) {
-    if (!(power[k] > power[k - 1] && power[k] >= power[k + 1])) continue;
-    const double a = std::log(power[k - 1]), b = std::log(power[k]), c = std::log(power[k + 1]);
-    const double bend = a - 2 * b + c;
-    peaks.emplace_back(power[k], (static_cast<double>(k) + (bend < 0 ? 0.5 * (a - c) / bend : 0)) * step);
-  }
-  std::stable_sort(peaks.begin(), peaks.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<double> lines;
-  for (const auto& [height, omega] : peaks) {
-    if (lines.size() == most) break;
-    if (std::all_of(lines.begin(), lines.end(), [&](double other) { return std::abs(other - omega) > apart; }))
-      lines.push_back(omega);
-  }
-  return lines;
-}
-
-}  // namespace
-
-std::vector<double> residual_lines(const Study& study, const Candidate& candidate) {
-  if (!candidate.ran()) return {};
-  const auto& all = candidate.fit.residual;
-  const auto longest =
-      std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  return strongest_lines(*longest,
-                         study.train[static_cast<std::size_t>(longest - all.begin()) % study.train.size()].record.dt());
-}
-
-std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
-                                     const std::optional<Place>& place) {
-  const auto longest = std::max_element(study.force.begin(), study.force.end(),
-                                        [](const auto& a, const auto& b) { return a.record.rows() < b.record.rows(); });
-  Eigen::VectorXd open =
-      force_at(open_force(candidate, candidate.best_theta(), longest->record), longest->record.rows(), place);
-  if (!open.allFinite()) return {};
-  const Eigen::VectorXd y = motion_at(longest->record, place, 'y');
-  for (Eigen::Index i = 0; i < open.size(); ++i) open[i] *= longest->use[static_cast<std::size_t>(i)] ? y[i] : 0;
-  return strongest_lines(std::move(open), longest->record.dt());
-}
-
 Record with_shaft(const Record& record) {
   const auto has = [&](const char* name) { return record.has(name); };
   constexpr std::array derived{"shaft_angle", "shaft_speed", "shaft_rate"};

@@ -27,15 +27,6 @@ void add_variant(Model& model, const Effect& effect, int variant);
 /// beside another delay.
 bool goes_with(const Choices& set, const Choice& more);
 
-/// The angular frequencies [rad/s] of the strongest lines in the displacement (force, with imposed motion) that a model
-/// leaves open, at most eight; none of a model that cannot be run.
-std::vector<double> residual_lines(const Study& study, const Candidate& candidate);
-
-/// Those at which a stiffness that goes up and down would explain most of the force that a model leaves open along the
-/// measured motion: the lines of that force times the displacement.
-std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
-                                     const std::optional<Place>& place = {});
-
 /// Orders the starts of a candidate whose fault the force along the measured motion does not show (a lag, a limit) by
 /// short fits on the trajectory. `theta`: the parameters of the model without it.
 void order_by_motion(const Study& study, Candidate& candidate, const Eigen::VectorXd& theta);

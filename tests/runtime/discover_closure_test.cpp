@@ -5,6 +5,7 @@
 #include "discover/judge.hpp"
 #include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
+#include "truth/law.hpp"
 
 namespace lunid {
 namespace {
@@ -75,6 +76,18 @@ TEST(Closure, SeesADriveWhoseForceDependsOnTheMotion) {
   const Gap before = gap(*t.baseline.system, t.baseline.fit), after = gap(*left.closure.system, left.closure.fit);
   ASSERT_GT(before.value, 2 * before.floor);
   EXPECT_GT(closed_share(before.value, after.value, after.floor), 0.9);
+}
+
+/// Its side bands lie beside the band of the motion, and went for noise of a colour.
+TEST(Closure, SeesAStiffnessThatGoesUpAndDown) {
+  truth::Physics physics;
+  physics.law = std::make_shared<const truth::Law>(
+      truth::laws::of_time([](double tau, double x, double) { return 0.06 * std::cos(0.7 * tau + 0.4) * x; }));
+  const Left left = Beside(physics).left();
+  EXPECT_TRUE(left.material);
+  const std::string words = "stiffness that goes up and down at ";
+  ASSERT_TRUE(left.closure.shape.starts_with(words)) << left.closure.shape;
+  EXPECT_NEAR(std::stod(left.closure.shape.substr(words.size())), 0.7, 0.01);
 }
 
 TEST(Closure, SeesNothingBesideTheWholeTruth) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "discover/baseline.hpp"
+#include "discover/lines.hpp"
 #include "discover/propose.hpp"
 #include "discover_catalogue.hpp"
 #include "truth/law.hpp"
@@ -22,13 +23,13 @@ struct Case {
   Study study;
   Candidate known;
 
-  explicit Case(truth::Law law, double least_damping = -INFINITY) {
+  explicit Case(truth::Law law, double least_damping = -INFINITY, double noise = 1e-4) {
     if (std::isfinite(least_damping)) model.parameters = {testing::row("k", 0), testing::row("c", least_damping)};
     truth::Physics physics;
     physics.law = std::make_shared<const truth::Law>(std::move(law));
     const truth::Motion motion =
         truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 5), 0.4, {}, 1500, spacing / 2, 24);
-    Record record = testing::noisy_record(motion, "y", motion.x, 1e-4, 3);
+    Record record = testing::noisy_record(motion, "y", motion.x, noise, 3);
     record = derive_motion(Record("half", 0, spacing / 2, {record.channel("F"), record.channel("y")}));
     study = prepare(model, {record}, {record}, options);
     std::vector<std::string> warnings;
@@ -163,6 +164,21 @@ TEST(Proposer, HearsTheFrequencyOfAModulatedStiffness) {
   const RecordScales scale = scales_beside(modulated.study, modulated.known);
   ASSERT_FALSE(scale.modulations.empty());
   EXPECT_NEAR(scale.modulations.front(), 1.7, 0.02);
+}
+
+/// Noise that is differentiated twice hides it in the force; behind the receptance it stands out, and nothing does
+/// where no stiffness goes up and down.
+TEST(Proposer, HearsAModulatedStiffnessInNoise) {
+  constexpr double noise = 0.03;  // of a motion of about 1
+  const Case modulated(
+      truth::laws::of_time([](double tau, double x, double) { return 0.06 * std::cos(0.7 * tau + 0.4) * x; }),
+      -INFINITY, noise);
+  const std::optional<double> omega = standing_modulation(modulated.study, modulated.known);
+  ASSERT_TRUE(omega);
+  EXPECT_NEAR(*omega, 0.7, 0.02);
+  const auto drag = [](double, double v) { return 0.05 * std::abs(v) * v; };
+  const Case steady(truth::laws::of_motion(drag), -INFINITY, noise);
+  EXPECT_FALSE(standing_modulation(steady.study, steady.known));
 }
 
 /// A spring that softens and then hardens: each of its two powers takes back most of what the other does.

@@ -1,4 +1,5 @@
 // Faulty sensors and inputs among the entries, on records of the independent generator; what is read off the data.
+#include "discover/lines.hpp"
 #include "discover/sensor.hpp"
 
 #include <gtest/gtest.h>
