@@ -60,7 +60,7 @@ end)
 
 spec.case("Silverbox, in volts, its mass unknown: a cubic spring", function()
   local said, json = discover("silverbox/snls80mv.csv",
-    '--window 70:84 --test-window 90:104 --mass m --restoring "k*y + c*v"')
+    '--window 70:77 --test-window 90:97 --mass m --restoring "k*y + c*v"')
   spec.contains(said, "verdict    explained")
   spec.contains(named(json), "cubic_stiffness")
   local before, after = number(json, "baseline", "gap_test"), number(json, "final", "gap_test")
