@@ -166,7 +166,9 @@ bool leaves_motion_open(const Study& study, const Gap& gap) {
 double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
                       const std::vector<FreeRun>& test_runs, double least) {
   if (!far_from_the_floor(train, little_open) || !far_from_the_floor(test, little_open)) return 0;
-  const double driven = std::min(driven_part(study, train_runs, study.full), driven_part(study, test_runs, study.test));
+  const double of_train = driven_part(study, train_runs, study.full);
+  if (!(of_train > least)) return 0;
+  const double driven = std::min(of_train, driven_part(study, test_runs, study.test));
   return driven > least && !(answer_of_force(study, train_runs) > 0) ? driven : 0;
 }
 
@@ -393,7 +395,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
     return "left much of the gap on the test record open";
   constexpr double beyond_chance = 0.3;  // light damping answers for longer than the segments of a coherence
   const bool closes_most = closed >= most_closed(round.found.chosen.choices);
-  if (!closes_most && lacks_dynamics(study, round.gap(round.train), last, round.train, after, beyond_chance) > 0)
+  if (!closes_most && lacks_dynamics(study, left.gap, last, round.train, after, beyond_chance) > 0)
     return "left much that follows the force and is no noise";
   // Several forces that follow the training motion as a series follows a curve, and leave it beyond: of three and more
   // all that is above the floor counts.
