@@ -29,7 +29,7 @@ Eigen::VectorXd check_column(lua_State* L, int index) {
 
 namespace {
 
-/// column[i], or a method by name.
+/// column[i], or a method by name. The row behind the last is nil: with it ipairs(column) ends.
 int get(lua_State* L) {
   const Column& column = check<Column>(L, 1);
   if (lua_type(L, 2) == LUA_TSTRING) {
@@ -39,6 +39,10 @@ int get(lua_State* L) {
     return 1;
   }
   const long long i = check_integer(L, 2);
+  if (i == column.values->size() + 1) {
+    lua_pushnil(L);
+    return 1;
+  }
   if (i < 1 || i > column.values->size()) {
     throw InputError("column: row " + std::to_string(i) + " is outside 1 to " + std::to_string(column.values->size()));
   }

@@ -79,7 +79,12 @@ spec.case("columns are 1-based and refuse what is outside", function()
   spec.equal(column[1], 1)
   spec.near(column[101], math.cos(2), 1e-6)  -- the fixed path's own tolerance is 1e-5 of std(y)
   spec.equal(spec.message_of(function() return column[0] end), "column: row 0 is outside 1 to 101")
-  spec.equal(spec.message_of(function() return column[102] end), "column: row 102 is outside 1 to 101")
+  spec.equal(column[102], nil)
+  spec.equal(spec.message_of(function() return column[103] end), "column: row 103 is outside 1 to 101")
+  local rows, sum = 0, 0
+  for i, value in ipairs(column) do rows, sum = i, sum + value end
+  spec.equal(rows, 101)
+  spec.near(sum / rows, column:mean(), 1e-12)
 end)
 
 spec.case("a column asked for in every row of a loop does not fill the memory", function()
