@@ -72,9 +72,9 @@ std::vector<Feature> generic_forces(const Study& study, const Candidate& beside,
                            {z, "memory of the velocity", memory},
                            {slow * u, "stiffness that changes with time"},
                            {slow * w, "damping that changes with time"}};
-  if (const std::optional<double> omega = standing_modulation(study, beside, place)) {
-    const std::string words = "stiffness that goes up and down at " + number(*omega, 4) + " rad/s";
-    const Expr phase = *omega * t;
+  if (const std::vector<double> lines = modulation_lines(study, beside, place); !lines.empty()) {
+    const std::string words = "stiffness that goes up and down at " + number(lines.front(), 4) + " rad/s";
+    const Expr phase = lines.front() * t;
     for (const Op wave : {Op::cos, Op::sin}) out.push_back({pool.apply(wave, {phase}) * u, words});
   }
   if (drives_what_it_moves(study, model)) {

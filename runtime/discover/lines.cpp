@@ -110,16 +110,15 @@ class Modulation {
     find_power();
   }
 
-  /// The frequencies at which it would take most of what is left, at most eight.
+  /// The frequencies that stand out, of those at which it would take most of what is left. What goes round less than
+  /// twice changes slowly.
   std::vector<double> lines() const {
-    return left_.size() > 0 ? strongest_lines(power_, rows(), dt()) : std::vector<double>{};
+    if (left_.size() == 0) return {};
+    std::vector<double> out = strongest_lines(power_, rows(), dt());
+    const double slowest = 4 * M_PI / data_.front().record.duration();
+    std::erase_if(out, [&](double omega) { return !(omega > slowest) || !stands_out(omega); });
+    return out;
   }
-
-  /// What goes round less than twice changes slowly.
-  double slowest() const { return 4 * M_PI / data_.front().record.duration(); }
-
-  /// Of all frequencies this one by no chance, or it takes most of what is left.
-  bool stands_out(double omega) const { return is_beyond_chance(omega) || share(omega) > 0.5; }
 
  private:
   static const FitData& longest(const Study& study) {
@@ -158,6 +157,9 @@ class Modulation {
     power_ = power_.cwiseQuotient(size.cwiseMax(1e-6 * size.maxCoeff()));
   }
 
+  /// Of all frequencies this one by no chance, or it takes most of what is left.
+  bool stands_out(double omega) const { return is_beyond_chance(omega) || share(omega) > 0.5; }
+
   /// Of noise the bins are exponential, their median ln 2 of their mean.
   bool is_beyond_chance(double omega) const {
     const Eigen::Index last = power_.size() - 1, about = last / 32;
@@ -193,14 +195,6 @@ class Modulation {
 std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
                                      const std::optional<Place>& place) {
   return Modulation(study, candidate, place).lines();
-}
-
-std::optional<double> standing_modulation(const Study& study, const Candidate& candidate,
-                                          const std::optional<Place>& place) {
-  const Modulation modulation(study, candidate, place);
-  for (const double omega : modulation.lines())
-    if (omega > modulation.slowest()) return modulation.stands_out(omega) ? std::optional(omega) : std::nullopt;
-  return {};
 }
 
 }  // namespace lunid

@@ -11,14 +11,11 @@ namespace lunid {
 /// leaves open, at most eight; none of a model that cannot be run.
 std::vector<double> residual_lines(const Study& study, const Candidate& candidate);
 
-/// Those at which a stiffness that goes up and down, a*cos(w*t)*y, would take most of what a model leaves, at most
-/// eight: of all w at once, each over the motion that it makes behind the receptance, since noise is white there.
+/// Those at which a stiffness that goes up and down, a*cos(w*t)*y, would take most of what a model leaves: of all w at
+/// once, each over the motion that it makes behind the receptance, since noise is white there. At most eight, that go
+/// round twice in the record, and stand out: by no chance (a tenth of alpha, of all w) above those about them, or by
+/// half of the squares of what is left.
 std::vector<double> modulation_lines(const Study& study, const Candidate& candidate,
                                      const std::optional<Place>& place = {});
-
-/// The strongest of these that goes round twice in the record, where it is beyond chance (a tenth of alpha, of all w)
-/// above those about it, or takes half of the squares of what is left.
-std::optional<double> standing_modulation(const Study& study, const Candidate& candidate,
-                                          const std::optional<Place>& place = {});
 
 }  // namespace lunid

