@@ -103,7 +103,8 @@ class Modulation {
     const auto& residual = candidate.fit.residual;
     const bool as_run = !study.imposed && candidate.ran() && residual.size() == study.force.size() &&
                         residual[which].size() == open.size();
-    if (!as_run && !open.allFinite()) return;
+    const bool in_use = std::ranges::find(data_.front().use, 1) != data_.front().use.end();
+    if (!in_use || (!as_run && !open.allFinite())) return;
     if (!study.imposed) receptance_ = Receptance(study, candidate, data_);
     left_ = as_run ? residual[which] : moved(open);
     y_ = motion_at(record, place, 'y');
