@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 
 #include "discover/judge.hpp"
 #include "discover/linearised.hpp"
@@ -171,33 +172,41 @@ void add_acting_force(Model& model, Expr force) {
   acting = acting + force;
 }
 
-/// Of all generic forces, or of those that are listed.
-Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place,
-                   const std::vector<std::size_t>* listed = nullptr) {
-  Generic out;
-  out.closure.place = place;
+/// The model with these of the generic forces.
+std::shared_ptr<const System> with_forces(const Study& study, const Candidate& candidate,
+                                          const std::optional<Place>& place, const std::vector<Feature>& features,
+                                          const std::vector<std::size_t>& listed) {
   Model model = candidate.system->model();
-  out.features = generic_forces(study, candidate, place);
   const Units units = study.units();
-  for (std::size_t j = 0; j < out.features.size(); ++j) {
-    if (listed && std::ranges::find(*listed, j) == listed->end()) continue;
-    const auto& state = out.features[j].state;
+  for (std::size_t j = 0; j < features.size(); ++j) {
+    if (std::ranges::find(listed, j) == listed.end()) continue;
+    const auto& state = features[j].state;
     const auto is_there = [&](const InternalState& each) { return each.symbol.id() == state->symbol.id(); };
     if (state && std::ranges::none_of(model.states, is_there)) model.states.push_back(*state);
     std::string name = "closure_" + std::to_string(j + 1);
     while (model.find(name)) name += "_more";
-    const Expr force = model.pool->parameter(name) * out.features[j].force;
-    if (out.features[j].acts)
+    const Expr force = model.pool->parameter(name) * features[j].force;
+    if (features[j].acts)
       add_acting_force(model, force);
     else
       add_force(model, place, force);
     Parameter row;
     row.name = name;
     row.value = 0;
-    row.unit = out.features[j].acts ? "" : units.force;
+    row.unit = features[j].acts ? "" : units.force;
     model.parameters.push_back(row);
   }
-  out.closure.system = std::make_shared<const System>(complete(std::move(model)));
+  return std::make_shared<const System>(complete(std::move(model)));
+}
+
+/// Of all generic forces.
+Generic generic_at(const Study& study, const Candidate& candidate, const std::optional<Place>& place) {
+  Generic out;
+  out.closure.place = place;
+  out.features = generic_forces(study, candidate, place);
+  std::vector<std::size_t> all(out.features.size());
+  std::iota(all.begin(), all.end(), 0);
+  out.closure.system = with_forces(study, candidate, place, out.features, all);
   return out;
 }
 
@@ -267,7 +276,7 @@ Closure test_closure(const Study& study, const Candidate& candidate, const White
   best.columns.extra = best.columns.extra(Eigen::all, columns).eval();
   const auto [without, with] = left_out_misfit(best.columns, study.options->blocks);
   out.gain = 1 - std::sqrt(with / without);
-  out.system = generic_at(study, candidate, out.place, &chosen).closure.system;
+  out.system = with_forces(study, candidate, out.place, best.features, chosen);
   return out;
 }
 
@@ -299,7 +308,7 @@ std::shared_ptr<const System> with_further_forces(const Study& study, const Cand
   test(study, fitted, whitening, generic);
   if (!std::isfinite(generic.left)) return {};
   const std::vector<std::size_t> chosen = select(generic.columns, study.options->alpha, most);
-  return chosen.empty() ? nullptr : generic_at(study, fitted, place, &chosen).closure.system;
+  return chosen.empty() ? nullptr : with_forces(study, fitted, place, generic.features, chosen);
 }
 
 bool is_in_force(const Model& model, Expr symbol) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "discover/receptance.hpp"
+#include "record/median.hpp"
 #include "record/spectrum.hpp"
 
 namespace lunid {
@@ -95,19 +96,23 @@ Eigen::VectorXd power_behind(const Eigen::VectorXd& filter, const Eigen::VectorX
 class Modulation {
  public:
   Modulation(const Study& study, const Candidate& candidate, const std::optional<Place>& place)
-      : data_{longest(study)}, place_(place), degrees_(study.degrees()), alpha_(study.options->alpha) {
-    const Record& record = data_.front().record;
-    const Eigen::VectorXd open = open_force(candidate, candidate.best_theta(), record);
-    const auto at = [&](const FitData& data) { return data.record.rows() == record.rows(); };
-    const auto which = static_cast<std::size_t>(std::ranges::find_if(study.force, at) - study.force.begin());
-    const auto& residual = candidate.fit.residual;
-    const bool as_run = !study.imposed && candidate.ran() && residual.size() == study.force.size() &&
-                        residual[which].size() == open.size();
-    const bool in_use = std::ranges::find(data_.front().use, 1) != data_.front().use.end();
-    if (!in_use || (!as_run && !open.allFinite())) return;
+      : place_(place), degrees_(study.degrees()), alpha_(study.options->alpha) {
+    const auto longest =
+        std::ranges::max_element(study.force, {}, [](const FitData& data) { return data.record.rows(); });
+    data_ = {*longest};
+    if (std::ranges::find(longest->use, 1) == longest->use.end()) return;
     if (!study.imposed) receptance_ = Receptance(study, candidate, data_);
-    left_ = as_run ? residual[which] : moved(open);
-    y_ = motion_at(record, place, 'y');
+    const auto& residual = candidate.fit.residual;
+    const auto which = static_cast<std::size_t>(longest - study.force.begin());
+    if (!study.imposed && candidate.ran() && residual.size() == study.force.size() &&
+        residual[which].size() == degrees_ * rows()) {
+      left_ = residual[which];
+    } else {
+      const Eigen::VectorXd open = open_force(candidate, candidate.best_theta(), longest->record);
+      if (!open.allFinite()) return;
+      left_ = moved(open);
+    }
+    y_ = motion_at(longest->record, place, 'y');
     find_power();
   }
 
@@ -122,9 +127,6 @@ class Modulation {
   }
 
  private:
-  static const FitData& longest(const Study& study) {
-    return *std::ranges::max_element(study.force, {}, [](const FitData& data) { return data.record.rows(); });
-  }
   Eigen::Index rows() const { return data_.front().record.rows(); }
   double dt() const { return data_.front().record.dt(); }
   Eigen::VectorXd moved(const Eigen::VectorXd& force) const { return receptance_.motion_of(force, data_, degrees_); }
@@ -167,9 +169,8 @@ class Modulation {
     const auto at =
         std::min(last, static_cast<Eigen::Index>(std::lround(omega * dt() / M_PI * static_cast<double>(last))));
     const Eigen::Index first = std::max<Eigen::Index>(0, at - about), end = std::min(last, at + about) + 1;
-    std::vector<double> beside(power_.data() + first, power_.data() + end);
-    std::ranges::nth_element(beside, beside.begin() + std::ssize(beside) / 2);
-    const double mean = beside[beside.size() / 2] / M_LN2, tried = 0.5 * static_cast<double>(rows());
+    const double mean = middle_value({power_.data() + first, power_.data() + end}) / M_LN2,
+                 tried = 0.5 * static_cast<double>(rows());
     return power_[at] > mean * std::log(tried / (0.1 * alpha_));
   }
 
@@ -183,7 +184,7 @@ class Modulation {
     return 1 - (left_ - taken).squaredNorm() / left_.squaredNorm();
   }
 
-  std::vector<FitData> data_;
+  std::vector<FitData> data_;  ///< the longest
   std::optional<Place> place_;
   Eigen::Index degrees_;
   double alpha_;

@@ -9,7 +9,6 @@
 #include "discover/judge.hpp"
 #include "discover/places.hpp"
 #include "discover/twins.hpp"
-#include "record/spectrum.hpp"
 #include "simulate/measures.hpp"
 
 namespace lunid {

@@ -142,7 +142,7 @@ void ModeMachine::update_drifting() noexcept {
 
 void ModeMachine::refresh_gradients() noexcept {
   if (d_.gradients.outputs() == 0) return;
-  for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) gradient_r_[i] = rate_r_[i];
+  take_inputs(gradient_r_.data());
   run_gradients_(gradient_mode_, gradient_r_.data());
 }
 
@@ -259,8 +259,7 @@ void ModeMachine::observe(const Drive& drive, const double* x, Observation& o) n
 /// The derivative tape on the loaded inputs, in its registers.
 const double* ModeMachine::run_derivatives() noexcept {
   double* r = derivative_r_.data();
-  const double* in = inputs();
-  for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) r[i] = in[i];
+  take_inputs(r);
   run_derivatives_(derivative_mode_, r);
   ++evaluations;
   const double* results = r + d_.derivatives.output_place();

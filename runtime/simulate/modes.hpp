@@ -135,6 +135,10 @@ class ModeMachine {
 
   ModeMachine(const ModeMachine&) = delete;
   double* inputs() noexcept { return rate_r_.data(); }
+  /// Into the registers of another tape: all but the parameters, which do not change.
+  void take_inputs(double* to) const noexcept {
+    for (int i = 0; i < 1 + d_.exogenous + d_.n; ++i) to[i] = rate_r_[static_cast<std::size_t>(i)];
+  }
   void load(const Drive& drive, const double* x) noexcept;
   void run_rate(const std::vector<std::int8_t>& mode, double* out) noexcept;
   void set_mode(int surface, std::int8_t mode) noexcept;
