@@ -30,7 +30,7 @@ struct Values {
   double alpha = 0.01, minimum_gain = 0.05, duration = 0, step = 0;
   long long seed = 1;
   int threads = 0;
-  bool imposed_motion = false, resample = false, quick = false;
+  bool imposed_motion = false, resample = false, quick = false, check = false;
 };
 
 using Check = std::function<std::string(const std::string&)>;
@@ -112,6 +112,7 @@ void add_discover(CLI::App& app, Values& values) {
       ->check(expects(">= 0 and < 1", [](double gain) { return gain >= 0 && gain < 1; }));
   discover->add_option("--catalogue", values.catalogue, "names of entries to try, \"clearance,cubic_stiffness\"");
   discover->add_option("--without", values.without, "names of entries that are not tried, \"bouc_wen\"");
+  discover->add_flag("--check", values.check, "say how records and baseline are read, and stop there");
   add_shared(discover, values);
 }
 
@@ -183,6 +184,7 @@ json to_json(const CLI::App& app, const Values& values) {
     put(options, "without", values.without);
     put(options, "interpolation", values.interpolation);
     options["imposed_motion"] = values.imposed_motion;
+    if (values.check) options["check"] = true;
   }
   put(options, "cases", values.cases);
   if (values.resample) options["resample"] = true;

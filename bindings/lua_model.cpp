@@ -299,10 +299,13 @@ int to_string(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   std::string text = model.equation();
   for (const Parameter& parameter : model.parameters) {
-    char line[128];
     if (std::isnan(parameter.value)) {
-      std::snprintf(line, sizeof line, "\n  %s: no first guess", parameter.name.c_str());
-    } else if (std::isfinite(parameter.std)) {
+      text +=
+          "\n  " + parameter.name + (parameter.unit.empty() ? "" : " [" + parameter.unit + "]") + ": no first guess";
+      continue;
+    }
+    char line[128];
+    if (std::isfinite(parameter.std)) {
       std::snprintf(line, sizeof line, "\n  %s = %.6g +- %.2g", parameter.name.c_str(), parameter.value, parameter.std);
     } else {
       std::snprintf(line, sizeof line, "\n  %s = %.6g", parameter.name.c_str(), parameter.value);

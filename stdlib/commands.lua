@@ -140,17 +140,32 @@ local function names(option, text)
   return list
 end
 
+--- What a discovery starts from, read as the options say.
+local function start_of_discovery(lunid, options)
+  local start = { model = baseline(lunid, options), train = read_all(lunid, options.train, options) }
+  if not options.baseline then start.model = require("lunid.units").complete(start.model, start.train[1]) end
+  start.test = options.test and read_all(lunid, options.test, options)
+  start.window = window(lunid, options.window, "window")
+  start.test_window = window(lunid, options.test_window, "test-window")
+  return start
+end
+
+local function show_start(start)
+  for _, record in ipairs(start.train) do print(record) end
+  for _, record in ipairs(start.test or {}) do print(record) end
+  print(start.model)
+end
+
 commands["discover"] = function(options)
   local lunid = require "lunid"
+  if options.check then return show_start(start_of_discovery(lunid, options)) end
   with_output("discover", options, function()
     local discovery = require "lunid.discovery"
-    local model = baseline(lunid, options)
-    local train = read_all(lunid, options.train, options)
-    if not options.baseline then model = require("lunid.units").complete(model, train[1]) end
-    local test = options.test and read_all(lunid, options.test, options)
-    local found = discovery.find { model = model, train = train, test = test, alpha = options.alpha,
-      minimum_gain = options.minimum_gain, catalogue = names("--catalogue", options.catalogue), without = names("--without", options.without),
-      window = window(lunid, options.window, "window"), test_window = window(lunid, options.test_window, "test-window") }
+    local given = start_of_discovery(lunid, options)
+    given.alpha, given.minimum_gain = options.alpha, options.minimum_gain
+    given.catalogue = names("--catalogue", options.catalogue)
+    given.without = names("--without", options.without)
+    local found = discovery.find(given)
     print(found)
     print(discovery.where_it_is(discovery.save(found)))
   end)

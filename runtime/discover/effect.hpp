@@ -65,8 +65,9 @@ struct Effect {
   std::vector<InternalState> states;
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, channels;
-  bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
-  bool separate = false;    ///< its parameters are those of one record: a test record has its own
+  std::vector<std::string> twins;  ///< parameters of the baseline that hold numbers of the entry too (twins.hpp)
+  bool any_motion = false;         ///< what it says of the channel y holds of v or a where one of these was measured
+  bool separate = false;           ///< its parameters are those of one record: a test record has its own
   bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
   int number = 1;        ///< of those; the second stands beside the first alone
   /// Of the states: velocities of masses of its own, against which a base that moves acts (frame.hpp).

@@ -79,13 +79,13 @@ Whitening residual_colour(const Study& study, const Candidate& candidate) {
   return whitening;
 }
 
-void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations) {
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations, bool force_noise) {
   if (!candidate.ran()) return;
   FitOptions options;
   options.max_iterations = iterations;
   options.tolerance = 1e-6;
   options.whitening = whitening;
-  options.force_noise = true;
+  options.force_noise = force_noise;
   options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
@@ -189,8 +189,16 @@ bool is_a_size(const Study& study, const Candidate& larger, const Candidate& sma
 std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named, double deviations) {
   std::vector<Eigen::Index> out;
   if (!baseline.ran() || !named.ran()) return out;
+  const auto& table = baseline.system->model().parameters;
+  const auto may_be_negative = [&](Eigen::Index j) {
+    return std::ranges::any_of(named.choices, [&](const Choice& choice) {
+      const std::vector<std::string>& twins = choice.effect->twins;
+      return std::ranges::find(twins, table[static_cast<std::size_t>(j)].name) != twins.end();
+    });
+  };
   for (Eigen::Index j = 0; j < baseline.parameters(); ++j)
-    if (baseline.fit.theta[j] > 0 && named.fit.theta[j] < -deviations * named.fit.deviation(j)) out.push_back(j);
+    if (baseline.fit.theta[j] > 0 && named.fit.theta[j] < -deviations * named.fit.deviation(j) && !may_be_negative(j))
+      out.push_back(j);
   return out;
 }
 

@@ -13,8 +13,10 @@ Whitening residual_colour(const Study& study, const Candidate& candidate);
 inline constexpr int judge_iterations = 30;  ///< of a fit that is judged to the end
 
 /// Refits under the whitening and fills whitened, innovations, likelihood_cost and log_likelihood. candidate.fit
-/// becomes the whitened fit, or a plain one where the whitened free run is clearly worse.
-void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations = judge_iterations);
+/// becomes the whitened fit, or a plain one where the whitened free run is clearly worse. `force_noise`: as FitOptions
+/// has it; a first look does without.
+void judge(const Study& study, Candidate& candidate, const Whitening& whitening, int iterations = judge_iterations,
+           bool force_noise = true);
 
 /// The left-out part that a row belongs to: three pieces all over the record each, so that a drift does not fall into
 /// one.
@@ -56,6 +58,7 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
 /// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names.
+/// Not what holds a number of a named entry too (Effect::twins): c of a system that swings by itself.
 std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named, double deviations = 3);
 
 /// How many of the numbers that its entries brought are as far from zero as chance brings them with at least this

@@ -40,22 +40,24 @@ class Search {
   void judge_all(std::vector<Candidate*> list) {
     constexpr int first_iterations = 6;
     constexpr double as_good = 1.1;  // in squared error
-    const auto each = [&](int iterations) {
-      parallel_for(static_cast<int>(list.size()), study_.options->threads,
-                   [&](int i) { judge(study_, *list[static_cast<std::size_t>(i)], result_.whitening, iterations); });
+    const auto each = [&](int iterations, bool force_noise) {
+      parallel_for(static_cast<int>(list.size()), study_.options->threads, [&](int i) {
+        judge(study_, *list[static_cast<std::size_t>(i)], result_.whitening, iterations, force_noise);
+      });
     };
-    each(first_iterations);
+    each(first_iterations, false);
     std::erase_if(list, [](const Candidate* c) { return !c->ran(); });
     if (list.empty()) return;
     const Candidate& best = **std::ranges::min_element(list, {}, &Candidate::likelihood_cost);
     std::erase_if(list, [&](const Candidate* c) {
       return !c->choices.empty() && c->likelihood_cost > as_good * best.likelihood_cost && fits_worse(study_, *c, best);
     });
-    each(judge_iterations);
+    each(judge_iterations, true);
   }
 
   void judge_from(std::size_t first, std::vector<Candidate>& field) const {
-    for (std::size_t i = first; i < field.size(); ++i) judge(study_, field[i], result_.whitening);
+    parallel_for(static_cast<int>(field.size() - first), study_.options->threads,
+                 [&](int i) { judge(study_, field[first + static_cast<std::size_t>(i)], result_.whitening); });
   }
 
   /// Remembers what the user's criterion refuses.

@@ -43,25 +43,30 @@ bool is_free(const Parameter& p) {
   return (std::isinf(p.min) && std::isinf(p.max)) || std::min(p.value - p.min, p.max - p.value) > 3 * p.std;
 }
 
-bool has_twin(const Model& baseline, const Model& extended, const std::string& parameter) {
+/// The name of the baseline's parameter; empty where there is none.
+std::string twin_of(const Model& baseline, const Model& extended, const std::string& parameter) {
   const std::vector<Expr> own = slopes_of(extended, parameter);
-  return !own.empty() && std::ranges::any_of(baseline.parameters, [&](const Parameter& known) {
+  if (own.empty()) return "";
+  const auto twin = std::ranges::find_if(baseline.parameters, [&](const Parameter& known) {
     return is_free(known) && same_but_for_sign(own, slopes_of(baseline, known.name));
   });
+  return twin != baseline.parameters.end() ? twin->name : "";
 }
 
-/// True of a force in every variant.
-bool is_twin(const Model& baseline, const Effect& effect, const Parameter& parameter) {
-  if (!(parameter.min <= 0 && parameter.max >= 0)) return false;
+/// That of a force in every variant.
+std::string twin_of(const Model& baseline, const Effect& effect, const Parameter& parameter) {
+  if (!(parameter.min <= 0 && parameter.max >= 0)) return "";
+  std::string twin;
   for (int i = 0; i < static_cast<int>(effect.variants.size()); ++i) {
     const EffectVariant& variant = effect.variants[static_cast<std::size_t>(i)];
-    if (!variant.force.valid() || !variant.measures.empty() || !variant.acts.empty()) return false;
+    if (!variant.force.valid() || !variant.measures.empty() || !variant.acts.empty()) return "";
     Model extended = baseline;
     extended.parameters.insert(extended.parameters.end(), effect.parameters.begin(), effect.parameters.end());
     add_variant(extended, effect, i);
-    if (!has_twin(baseline, extended, parameter.name)) return false;
+    twin = twin_of(baseline, extended, parameter.name);
+    if (twin.empty()) return "";
   }
-  return true;
+  return twin;
 }
 
 /// A formula without some of its numbers; as it was where it is no expression.
@@ -81,15 +86,17 @@ std::string formula_without(const Effect& effect, const std::string& text, const
 
 Effect without_twins(const Model& baseline, const Effect& effect) {
   if (effect.parameters.size() < 2) return effect;
-  std::vector<std::string> names;
+  std::vector<std::string> names, twins;
   Replacements zero;
   for (const Parameter& p : effect.parameters)
-    if (is_twin(baseline, effect, p)) {
+    if (const std::string twin = twin_of(baseline, effect, p); !twin.empty()) {
       names.push_back(p.name);
+      twins.push_back(twin);
       zero.emplace_back(baseline.pool->parameter(p.name), baseline.pool->constant(0));
     }
   if (names.empty() || names.size() == effect.parameters.size()) return effect;
   Effect out = effect;
+  out.twins = std::move(twins);
   std::erase_if(out.parameters, [&](const Parameter& p) { return std::ranges::find(names, p.name) != names.end(); });
   for (EffectVariant& variant : out.variants) {
     variant.force = substitute(variant.force, zero);

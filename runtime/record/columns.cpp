@@ -123,6 +123,7 @@ void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const S
     if (const Meaning* meaning = meaning_of(plan.channel)) plan.unit = meaning->units[0];
     return;
   }
+  plan.source_unit = unit;
   const auto si = si_unit(unit);
   if (!si && plan.required)
     throw InputError("column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(),
@@ -192,7 +193,7 @@ Channel channel_of(const ColumnPlan& plan) {
   channel.name = plan.channel;
   channel.unit = plan.unit;
   channel.source = plan.header.text;
-  channel.source_unit = plan.header.unit;
+  channel.source_unit = plan.source_unit;
   channel.derived = plan.derived;
   return channel;
 }

@@ -26,10 +26,11 @@ HeaderCell split_header(std::string_view text);
 struct ColumnPlan {
   std::string channel;  ///< "" : the column is left out
   HeaderCell header;
-  double factor = 1;      ///< to SI
-  std::string unit;       ///< SI unit
-  bool derived = false;   ///< from another channel, by its header's name (derived_ending)
-  bool required = false;  ///< a cell that is no number is an error; else the column is dropped with a warning
+  double factor = 1;        ///< to SI
+  std::string unit;         ///< SI unit
+  std::string source_unit;  ///< the column's: as was asked for, else as its header has it
+  bool derived = false;     ///< from another channel, by its header's name (derived_ending)
+  bool required = false;    ///< a cell that is no number is an error; else the column is dropped with a warning
 };
 
 /// Maps header cells to channels: by options.columns, else by name and the usual synonyms. Exactly one plan

@@ -40,6 +40,15 @@ ChannelSummary summary(std::span<const double> x) {
 
 namespace {
 
+/// Where a column of the file stands under another name or in another unit; else empty.
+std::string words_of_source(const Channel& channel) {
+  const std::string &source = channel.source, &unit = channel.source_unit;
+  if (channel.derived || source.empty()) return "";
+  const bool renamed = source.substr(0, source.find_first_of(" [(")) != channel.name;
+  const bool scaled = !unit.empty() && unit != channel.unit, said = source.find(unit) != std::string::npos;
+  return renamed || scaled ? "; from '" + source + "'" + (said ? "" : " [" + unit + "]") : "";
+}
+
 std::string channel_line(const Record& record, const Channel& channel) {
   const ChannelSummary s = summary(record[channel.name]);
   std::string line = "  " + channel.name + std::string(channel.name.size() < 3 ? 3 - channel.name.size() : 1, ' ');
@@ -53,6 +62,7 @@ std::string channel_line(const Record& record, const Channel& channel) {
   }
   if (s.missing > 0) line += ", " + std::to_string(s.missing) + (s.missing == 1 ? " row is" : " rows are") + " missing";
   if (s.held >= 4 && s.held + 1 < record.rows()) line += ", held for " + std::to_string(s.held + 1) + " rows";
+  line += words_of_source(channel);
   if (!channel.derivation.empty()) line += "; " + channel.derivation;
   return line;
 }

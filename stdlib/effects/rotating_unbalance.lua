@@ -14,7 +14,8 @@ return function(effect)
     signature = "does not depend on the motion: no loop of its own; once per turn, the fundamental of the shaft, and "
       .. "grows with the square of the speed",
     sentence = "something that turns is out of balance and shakes the mass",
-    note = "from a channel phase or shaft_angle [rad], speed or shaft_speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
+    note = "acts as F does, on the other side than the other entries; from a channel phase or shaft_angle [rad, deg; it may wrap], "
+      .. "speed or shaft_speed [rad/s, rpm, Hz] of the record; phi is where its mark is",
     confusers = { "missing_harmonic", "base_motion" },
     channels = { "shaft_angle" },
     source = "Den Hartog 1956, Mechanical Vibrations, chapter 2",

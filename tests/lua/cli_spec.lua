@@ -256,6 +256,20 @@ spec.case("--interpolation says what the force does between its rows", function(
   end
 end)
 
+spec.case("--check says how records and baseline are read, and writes nothing", function()
+  record("micron.csv", 100, nil, "Zeit [s],Kraft [kN],Weg")
+  local said, code = spec.lunid([[discover micron.csv --test micron.csv --columns "t=Zeit,y=Weg [um],F=Kraft" --mass 1 ]]
+    .. [[--restoring "k*y + 0.8*v" --check --out unmade]])
+  spec.equal(code, 0)
+  spec.contains(said, "record micron.csv: 100 rows, 0.99 s at 100 Hz; channels F y v* a*\n")
+  spec.contains(said, "; from 'Kraft [kN]'\n  y  ")
+  spec.contains(said, "; from 'Weg' [um]\n")
+  spec.contains(said, "\nrecord micron.csv: 100 rows")  -- the second, to test on
+  spec.contains(said, "a + k*y + 0.8*v = F\n  k [N/m]: no first guess\n")
+  spec.equal(spec.shell "ls -d unmade 2>/dev/null | wc -l", "0\n")
+  says([[discover micron.csv --mass 1 --restoring "k*y" --check]], "micron.csv", 3)
+end)
+
 spec.case("a directory or nothing in place of a study", function()
   spec.shell "mkdir -p folder"
   for _, command in ipairs { "run", "check" } do

@@ -234,5 +234,21 @@ TEST(Summary, CountsWhatIsMissingOrHeld) {
             "  warning: rounded");
 }
 
+TEST(Summary, SaysFromWhichColumnAChannelIsWhereThatIsOfAnotherNameOrUnit) {
+  const auto line = [](const std::string& source, const std::string& unit) {
+    Channel y;
+    y.name = "y", y.unit = "m", y.source = source, y.source_unit = unit;
+    y.values = Eigen::Vector2d(0, 1);
+    const std::string text = describe(Record("run.csv", 0, 0.01, {y}));
+    return text.substr(text.find('\n') + 1);
+  };
+  EXPECT_EQ(line("y", "m"), "  y  0 to 1 m, deviation 0.5");
+  EXPECT_EQ(line("y", ""), "  y  0 to 1 m, deviation 0.5");
+  EXPECT_EQ(line("y [m]", "m"), "  y  0 to 1 m, deviation 0.5");
+  EXPECT_EQ(line("y [mm]", "mm"), "  y  0 to 1 m, deviation 0.5; from 'y [mm]'");
+  EXPECT_EQ(line("Weg", "mm"), "  y  0 to 1 m, deviation 0.5; from 'Weg' [mm]");
+  EXPECT_EQ(line("Weg", ""), "  y  0 to 1 m, deviation 0.5; from 'Weg'");
+}
+
 }  // namespace
 }  // namespace lunid
