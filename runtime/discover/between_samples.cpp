@@ -31,8 +31,10 @@ std::string words_of_interpolation(const Study& study) {
   return study.imposed ? no_free_run : to_string(study.between.kind);
 }
 
+bool is_said(const Study& study) { return study.model.interpolation.has_value(); }
+
 double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
-  if (study.imposed || !model.ran() || !force_varies(study)) return 0;
+  if (is_said(study) || study.imposed || !model.ran() || !force_varies(study)) return 0;
   const BetweenSamples before = study.between;
   BetweenSamples best = before;
   const double first = squared_error(model.fit);
@@ -67,7 +69,7 @@ double part_above_noise(const Study& study, const Candidate& model) {
 std::optional<BetweenSamples> far_better_reading(const Study& study, const Candidate& model) {
   constexpr std::array smooth_kinds{Interpolation::linear, Interpolation::cubic, Interpolation::band_limited};
   constexpr double least = 0.1, part_of_what_is_open = 0.5;  // of the squared error
-  if (study.imposed || study.between.kind == Interpolation::hold || !force_varies(study)) return {};
+  if (is_said(study) || study.imposed || study.between.kind == Interpolation::hold || !force_varies(study)) return {};
   std::optional<BetweenSamples> best;
   const double first = squared_error(model.fit);
   double cost = first * (1 - std::max(least, part_of_what_is_open * part_above_noise(study, model)));

@@ -14,6 +14,8 @@ namespace lunid {
 bool one_look(const Study& study);
 
 inline constexpr auto no_free_run = "none: the motion is imposed";
+/// The baseline says how its force is read (Model::interpolation): no model is asked.
+bool is_said(const Study& study);
 /// How the force is read: "cubic", ...
 std::string words_of_interpolation(const Study& study);
 

@@ -73,11 +73,13 @@ class OnTest {
         std::string(to_string(study_.between.kind)) + "), though it looks otherwise");
   }
 
-  /// What the force does between its samples may show on the test records alone, which choose nothing: it is said.
+  /// What the force does between its samples may show on the test records alone, which choose nothing, or be otherwise
+  /// than the baseline says: it is told.
   void warn_of_reading(const Candidate& chosen) {
     constexpr double far_better = 0.8, follows = 3;  // of the squared error; times the floor
     const Gap& gap = out_.final_test;
-    if (study_.imposed || !chosen.ran() || !(gap.value < follows * gap.floor)) return;
+    const bool said = is_said(study_);
+    if (study_.imposed || !chosen.ran() || !(said || gap.value < follows * gap.floor)) return;
     const double present = error_on_test(study_, chosen);
     double least = far_better * present;
     std::optional<Interpolation> better;
@@ -94,11 +96,12 @@ class OnTest {
     }
     if (!better) return;
     const std::string name = to_string(*better);
-    out_.warnings.push_back(
-        "the test records are followed better with the force read as " + name + " between its samples (gap " +
-        number(gap.value * std::sqrt(least / present), 3) + ") than as it is (" + number(gap.value, 3) +
-        "), which the training records do not tell: where that is what it does, say " + "interpolation = \"" + name +
-        "\" (--interpolation " + name + "); the parameters change with it");
+    out_.warnings.push_back("the test records are followed better with the force read as " + name +
+                            " between its samples (gap " + number(gap.value * std::sqrt(least / present), 3) +
+                            ") than as it is " + (said ? "said " : "") + "(" + number(gap.value, 3) +
+                            (said ? ")" : "), which the training records do not tell") +
+                            ": where that is what it does, say interpolation = \"" + name + "\" (--interpolation " +
+                            name + "); the parameters change with it");
   }
 
   /// Names the one effect that the training records show by less than the least gain, where the test bears it out.

@@ -516,8 +516,11 @@ std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round,
 }
 
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
+  constexpr double hardly_open =
+      0.02;  // of the motion: three and more that followed another force did so from the first
   const SearchResult& found = round.found;
   const Gap first = round.gap(before);
+  const double least = round.left.material && found.steps.size() > 2 ? hardly_open : little_open;
   for (std::size_t count = found.steps.size(); count-- > 1;) {
     const Candidate& step = found.steps[count - 1].model;
     const std::vector<FreeRun> after = runs(study, step, study.test);
@@ -529,11 +532,11 @@ std::size_t steps_that_stand(const Study& study, const Round& round, const std::
     if (!closes || !told_from_zero(study, step, before_it) ||
         (last.value > 1.5 * last.floor && test_shows_structure(study, step, found.whitening)))
       continue;
-    if (!far_from_the_floor(last, little_open)) return count;
+    if (!far_from_the_floor(last, least)) return count;
     // Its own fit took up what the training records have of their own: beside the names that are taken back it did not.
     FitResult beside = step.fit;
     beside.theta = values_of(step, {&found.chosen});
-    if (!far_from_the_floor(round.gap(runs(study, *step.system, beside, study.test)), little_open)) return count;
+    if (!far_from_the_floor(round.gap(runs(study, *step.system, beside, study.test)), least)) return count;
   }
   return 0;
 }

@@ -79,13 +79,14 @@ local function record_of(of, force, rows, dt, noise, seed)
 end
 
 --- What the whole catalogue finds; train and test are { force, rows, dt, seed }, train may be several of them.
-local function found_in(of, noise, train, test)
+local function found_in(of, noise, train, test, interpolation)
   local function record(made) return record_of(of, made[1], made[2], made[3], noise, made[4]) end
   local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
   local records = {}
   for i, made in ipairs(type(train[1]) == "table" and train or { train }) do records[i] = record(made) end
   return lunid.discover {
-    model = lunid.model { mass = 1, restoring = k*y + c*v }, train = records, test = record(test), out = of.name,
+    model = lunid.model { mass = 1, restoring = k*y + c*v, interpolation = interpolation },
+    train = records, test = record(test), out = of.name,
     catalogue = of.catalogue,
   }
 end
@@ -210,6 +211,22 @@ spec.case("a reading of the force that the test record alone shows to be wrong i
   local found = found_in(of, 0.03, { band(0.3, 5), 1200, 0.1, 9 }, { band(0.3, 3), 1200, 0.65, 10 })
   spec.equal(found.verdict, "nothing-missing")
   spec.contains(table.concat(found.warnings, "\n"), "the test records are followed better with the force read as linear")
+end)
+
+-- What the user says of the force stands, though the training records are followed better otherwise.
+spec.case("a reading of the force that the baseline says is kept, and told where it is wrong", function()
+  local of = { name = "said", rest = function(x, u) return x + 0.1*u end, catalogue = { "cubic_stiffness", "force_delay" } }
+  local function read_as(interpolation)
+    local found = found_in(of, 0.005, { band(0.3, 5), 1200, 0.3, 9 }, { band(0.3, 3), 1200, 0.3, 10 }, interpolation)
+    return found.data.method.force_between_samples, table.concat(found.warnings, "\n")
+  end
+  local read, notes = read_as()
+  spec.equal(read == "hold", false)
+  spec.equal(notes:find("followed better", 1, true), nil)
+  read, notes = read_as "hold"
+  spec.equal(read, "hold")
+  spec.contains(notes, "with the force read as ")
+  spec.contains(notes, "than as it is said (")
 end)
 
 -- What it adds beside the band of the motion went for noise, and the verdict was that nothing is missing.

@@ -168,11 +168,11 @@ struct Tested {
   Model model = testing::baseline("k*y + c*v", 1);
   std::vector<Effect> catalogue = testing::small_catalogue(*model.pool);
 
-  Tested() {
+  explicit Tested(double level = 0.2) {
     truth::Physics physics;
     physics.k3 = 0.5;
     const truth::Motion motion =
-        truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 1500, testing::spacing, 16);
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), level, {}, 1500, testing::spacing, 16);
     const Record record = testing::noisy_record(motion, "y", motion.x, 1e-3, 5);
     study = prepare(complete(model), {record}, {record}, options);
   }
@@ -220,6 +220,30 @@ TEST(Left, IsGoneWhereItDoesNotLowerTheGapOnTheTestRecord) {
   EXPECT_TRUE(gone(0.5, 0.4));
   EXPECT_FALSE(gone(0.5, -1e3));  // cannot be run: says nothing
   EXPECT_FALSE(gone_on_test(t.study, {}, {}));
+}
+
+/// The first of three names, with a spring that is a little too soft: it leaves 3 % of the test motion.
+TEST(Steps, OfThreeThatFollowedAnotherForceStandWhereTheyLeaveHardlyAnything) {
+  Tested t(0.05);
+  const auto standing = [&](double k3, bool material) {
+    Round round;
+    round.found = t.steps(k3, 0);
+    round.found.steps.push_back(round.found.steps.back());
+    for (auto& [added, c] : round.found.steps)
+      c.fit.covariance = Eigen::VectorXd::Constant(c.parameters(), 1e-8).asDiagonal();
+    round.found.chosen = round.found.steps.back().model;
+    round.found.baseline = compile(t.study, complete(t.model), {});
+    round.found.baseline.fit.theta = Eigen::Vector2d(1, 0.06);
+    round.left.material = material;
+    const double gap = round.gap(runs(t.study, round.found.steps.front().model, t.study.test)).value;
+    return std::pair(gap, steps_that_stand(t.study, round, runs(t.study, round.found.baseline, t.study.test)));
+  };
+  const auto [gap, stand] = standing(0.494, false);
+  EXPECT_GT(gap, 0.02);
+  EXPECT_LT(gap, 0.05);
+  EXPECT_EQ(stand, 1u);
+  EXPECT_EQ(standing(0.494, true).second, 0u);
+  EXPECT_EQ(standing(0.5, true).second, 1u);
 }
 
 /// Forces of the wrong shape do not hold on the test record, which shows for itself that one is missing there.
