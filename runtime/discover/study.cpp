@@ -86,10 +86,14 @@ FitData with_force(const Study& study, const Record& record, Interpolation inter
   for (const std::string& force : study.forces)
     data.excitation.add(force, Excitation(record.start(), record.dt(), record[force], interpolation));
   if (study.forces.size() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
-  for (const std::string& name : side_channels(record))
+  const bool band_limited = interpolation == Interpolation::band_limited;
+  for (const std::string& name : side_channels(record)) {
+    const bool turns = name.starts_with("shaft");  // on and on, in no band
+    const Interpolation smooth = band_limited && !turns ? Interpolation::band_limited : Interpolation::cubic;
     data.excitation.offer(name, interpolation == Interpolation::hold
                                     ? held(record, name)
-                                    : Excitation(record.start(), record.dt(), record[name], Interpolation::cubic));
+                                    : Excitation(record.start(), record.dt(), record[name], smooth));
+  }
   return data;
 }
 
