@@ -61,7 +61,8 @@ local definition = {
     { "holdout", types.number { above = 0, max = 0.9 }, default = 0.3, help = "part held out when no test is given" },
     { "criterion", types.callable, help = "function(set) of your own: false keeps it from being named; a set has name, gap (of its "
         .. "fit) and model, as those of `lunid.rank`" },
-    { "out", types.string, help = "folder for report, model, JSON and figures, below the run's out directory" },
+    { "out", types.string, help = "folder for report, model, discovery.json and figures, below the run's out directory (--out); "
+      .. "else that directory itself, for a second discovery of the run discovery_2, and so on" },
   },
   returns = "discovery",
   example = [[local found = lunid.discover { model = model, train = train, test = test }]],

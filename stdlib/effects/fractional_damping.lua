@@ -59,7 +59,7 @@ return function(effect)
     sentence = "a viscoelastic part, such as rubber: its stiffness and its loss both grow slowly with the frequency",
     note = "at rest before the start; a Prony sum of a spring, six relaxations and a damper about w, a frequency in the band "
       .. "of the record: its complex stiffness is that of c*(i*omega)^p within 0.03 % from w/3 to 3*w, 0.6 % from w/10 to "
-      .. "10*w",
+      .. "10*w. w is held, no number of the law: c and p do not hang on it",
     confusers = { "maxwell_relaxation", "viscous_damping", "linear_stiffness" },
     source = "Bagley and Torvik 1983, Journal of Rheology 27, 201-210; "
       .. "Yuan and Agrawal 2002, Journal of Vibration and Acoustics 124, 321-324 (as a sum)",

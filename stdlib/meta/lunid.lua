@@ -1378,7 +1378,7 @@ function lunid.thesis_validation(fields) end
 ---@field blocks? integer # left-out blocks of the training records
 ---@field holdout? number # part held out when no test is given
 ---@field criterion? function # function(set) of your own: false keeps it from being named; a set has name, gap (of its fit) and model, as those of `lunid.rank`
----@field out? string # folder for report, model, JSON and figures, below the run's out directory
+---@field out? string # folder for report, model, discovery.json and figures, below the run's out directory (--out); else that directory itself, for a second discovery of the run discovery_2, and so on
 ---@param fields lunid.discover.fields
 ---@return lunid.discovery
 function lunid.discover(fields) end
