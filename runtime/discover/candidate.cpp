@@ -126,6 +126,14 @@ std::vector<Eigen::VectorXd> scan_unknown(const Candidate& candidate, const Eige
   return out;
 }
 
+/// It holds a number of an entry too: what bounds it by itself says nothing of the two.
+void release(Model& model, const std::string& twin) {
+  const auto at = std::ranges::find(model.parameters, twin, &Parameter::name);
+  if (at == model.parameters.end()) return;
+  at->min = -INFINITY;
+  at->max = INFINITY;
+}
+
 /// The baseline with the chosen effects added.
 Model extend(const Study& study, const Model& baseline, const Choices& choices,
              std::vector<std::pair<std::size_t, std::pair<double, double>>>& shown) {
@@ -137,6 +145,7 @@ Model extend(const Study& study, const Model& baseline, const Choices& choices,
         shown.push_back({model.parameters.size(), limits->second});
       model.parameters.push_back(p);
     }
+    for (const Twin& twin : c.effect->twins) release(model, twin.baseline);
     add_variant(model, *c.effect, c.variant);
   }
   return complete(std::move(model));

@@ -113,6 +113,13 @@ void warn_of_unidentifiable(const Candidate& c, Discovery& out) {
         "training records. Give one of them as a number, or train under a force that is known");
 }
 
+void say_what_the_baseline_holds(const Candidate& c, Discovery& out) {
+  for (const Choice& choice : c.choices)
+    for (const auto& [own, baseline] : choice.effect->twins)
+      out.warnings.push_back(baseline + " holds " + own + " of " + choice.effect->label() +
+                             " as well: only the two together can be seen, and have either sign");
+}
+
 /// What belongs to one record is another thing on a test record, which the parameters of the final model do not show.
 void say_what_the_test_has_of_its_own(const Study& study, const Candidate& c, Discovery& out) {
   for (const Record& record : study.test) {
@@ -329,6 +336,7 @@ class Conclusion {
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
     warn_of_bounds(found.baseline, found.chosen, out_);
     warn_of_unidentifiable(found.chosen, out_);
+    say_what_the_baseline_holds(found.chosen, out_);
     say_what_the_test_has_of_its_own(study_, found.chosen, out_);
     for (const NamedEffect& e : out_.effects)
       if (const std::string words = unit_or_sign(e, out_.baseline); !words.empty()) out_.warnings.push_back(words);

@@ -53,6 +53,12 @@ std::string words_of(const Place& place);
 /// What the force is a function of there: "y2", "y1 - y2"
 std::string motion_of(const Place& place);
 
+/// By the entry's own name, "mu", and the baseline's.
+struct Twin {
+  std::string own, baseline;
+  friend bool operator==(const Twin&, const Twin&) = default;
+};
+
 struct Effect {
   std::string name;  ///< contract: EFFECTS.md
   std::optional<Place>
@@ -65,9 +71,10 @@ struct Effect {
   std::vector<InternalState> states;
   std::vector<Expr> margins;  ///< of the parameters alone; below zero the entry is another effect, and is not named
   std::vector<std::string> special_case_of, channels;
-  std::vector<std::string> twins;  ///< parameters of the baseline that hold numbers of the entry too (twins.hpp)
-  bool any_motion = false;         ///< what it says of the channel y holds of v or a where one of these was measured
-  bool separate = false;           ///< its parameters are those of one record: a test record has its own
+  /// Numbers of the entry that are left out, since a parameter of the baseline holds them too (twins.hpp).
+  std::vector<Twin> twins;
+  bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
+  bool separate = false;    ///< its parameters are those of one record: a test record has its own
   bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
   int number = 1;        ///< of those; the second stands beside the first alone
   /// Of the states: velocities of masses of its own, against which a base that moves acts (frame.hpp).

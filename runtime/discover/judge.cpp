@@ -192,8 +192,8 @@ std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candi
   const auto& table = baseline.system->model().parameters;
   const auto may_be_negative = [&](Eigen::Index j) {
     return std::ranges::any_of(named.choices, [&](const Choice& choice) {
-      const std::vector<std::string>& twins = choice.effect->twins;
-      return std::ranges::find(twins, table[static_cast<std::size_t>(j)].name) != twins.end();
+      const std::vector<Twin>& twins = choice.effect->twins;
+      return std::ranges::find(twins, table[static_cast<std::size_t>(j)].name, &Twin::baseline) != twins.end();
     });
   };
   for (Eigen::Index j = 0; j < baseline.parameters(); ++j)

@@ -86,12 +86,13 @@ std::string formula_without(const Effect& effect, const std::string& text, const
 
 Effect without_twins(const Model& baseline, const Effect& effect) {
   if (effect.parameters.size() < 2) return effect;
-  std::vector<std::string> names, twins;
+  std::vector<std::string> names;
+  std::vector<Twin> twins;
   Replacements zero;
   for (const Parameter& p : effect.parameters)
     if (const std::string twin = twin_of(baseline, effect, p); !twin.empty()) {
       names.push_back(p.name);
-      twins.push_back(twin);
+      twins.push_back({own_name(effect, p.name), twin});
       zero.emplace_back(baseline.pool->parameter(p.name), baseline.pool->constant(0));
     }
   if (names.empty() || names.size() == effect.parameters.size()) return effect;

@@ -229,6 +229,17 @@ spec.case("a reading of the force that the baseline says is kept, and told where
   spec.contains(notes, "than as it is said (")
 end)
 
+-- The baseline alone is damped; beside what it lacks its c is negative.
+spec.case("a system that swings by itself", function()
+  local of = { name = "swings", rest = function(x, u) return x - 0.1*u + 0.4*x^2*u end,
+    catalogue = { "van_der_pol_damping", "cubic_damping", "coulomb_friction", "quadratic_drag" } }
+  local found = found_in(of, 0.01, { band(0.06, 3), 2000, 0.3, 9 }, { band(0.1, 5), 1500, 0.3, 10 })
+  spec.equal(spec.names_of(found), "van_der_pol_damping")
+  spec.near(found.model.parameters.c.value, -0.1, 0.01)
+  spec.near(found.model.parameters.van_der_pol_damping_beta.value, 0.4, 0.02)
+  spec.contains(table.concat(found.warnings, "\n"), "c holds mu of van_der_pol_damping as well")
+end)
+
 -- What it adds beside the band of the motion went for noise, and the verdict was that nothing is missing.
 spec.case("a displacement that holds a part of the force has no name", function()
   local of = { name = "compliance", rest = function(x, u) return x + 0.06*u end, gives = 1.2,

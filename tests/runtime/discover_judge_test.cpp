@@ -230,7 +230,7 @@ TEST(Verdict, AsksOfThreeNamesThatTheyLeaveNoRepeatableForce) {
 /// A dashpot that acts beyond a gap was a power of the rate, beside a damper that fed the motion.
 TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   const auto feeds = [](double c, double std, double test, const std::string& restoring, bool material = false,
-                        const std::vector<std::string>& twins = {}) {
+                        const std::vector<Twin>& twins = {}) {
     DiscoverOptions options;
     Study study;
     study.options = &options;
@@ -258,7 +258,7 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*y^3"), "");
   EXPECT_EQ(feeds(-3.1, 1.3, 0.035, "k*y + c*v"), "");
   EXPECT_EQ(feeds(-3.1, 1.3, 0.07, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
-  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v", false, {"c"}), "") << "c holds the entry's own mu";
+  EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v", false, {{"mu", "c"}}), "") << "c holds the entry's own mu";
 }
 
 /// Whether the one linear entry stands with this value beside k*y, where it leaves this part of the test motion and the

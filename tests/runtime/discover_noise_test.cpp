@@ -154,7 +154,7 @@ Effect swing(Pool& pool) {
 TEST(Twins, AreOneNumberWithTheBaselinesOwn) {
   const Model model = complete(baseline("k*y + c*v", 1));
   const Effect left = without_twins(model, swing(*model.pool));
-  EXPECT_EQ(left.twins, std::vector<std::string>{"c"});
+  EXPECT_EQ(left.twins, (std::vector<Twin>{{"mu", "c"}}));
   ASSERT_EQ(left.parameters.size(), 1u);
   EXPECT_EQ(left.parameters[0].name, "swing_beta");
   EXPECT_EQ(to_text(left.variants[0].force), "swing_beta*y^2*v");
