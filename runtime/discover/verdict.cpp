@@ -516,8 +516,8 @@ std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round,
 }
 
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
-  constexpr double hardly_open =
-      0.02;  // of the motion: three and more that followed another force did so from the first
+  // Of the motion: three and more that followed another force did so from the first.
+  constexpr double hardly_open = 0.02;
   const SearchResult& found = round.found;
   const Gap first = round.gap(before);
   const double least = round.left.material && found.steps.size() > 2 ? hardly_open : little_open;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "record/columns.hpp"
 #include "record/method_parts.hpp"
 #include "record/spectra.hpp"
 
@@ -42,11 +43,11 @@ namespace {
 
 /// Where a column of the file stands under another name or in another unit; else empty.
 std::string words_of_source(const Channel& channel) {
-  const std::string &source = channel.source, &unit = channel.source_unit;
-  if (channel.derived || source.empty()) return "";
-  const bool renamed = source.substr(0, source.find_first_of(" [(")) != channel.name;
-  const bool scaled = !unit.empty() && unit != channel.unit, said = source.find(unit) != std::string::npos;
-  return renamed || scaled ? "; from '" + source + "'" + (said ? "" : " [" + unit + "]") : "";
+  if (channel.derived || channel.source.empty()) return "";
+  const HeaderCell header = split_header(channel.source);
+  const std::string& unit = channel.source_unit;
+  if (header.name == channel.name && (unit.empty() || unit == channel.unit)) return "";
+  return "; from '" + channel.source + "'" + (unit == header.unit ? "" : " [" + unit + "]");
 }
 
 std::string channel_line(const Record& record, const Channel& channel) {

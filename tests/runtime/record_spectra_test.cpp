@@ -247,6 +247,7 @@ TEST(Summary, SaysFromWhichColumnAChannelIsWhereThatIsOfAnotherNameOrUnit) {
   EXPECT_EQ(line("y [m]", "m"), "  y  0 to 1 m, deviation 0.5");
   EXPECT_EQ(line("y [mm]", "mm"), "  y  0 to 1 m, deviation 0.5; from 'y [mm]'");
   EXPECT_EQ(line("Weg", "mm"), "  y  0 to 1 m, deviation 0.5; from 'Weg' [mm]");
+  EXPECT_EQ(line("acc_long", "g"), "  y  0 to 1 m, deviation 0.5; from 'acc_long' [g]");
   EXPECT_EQ(line("Weg", ""), "  y  0 to 1 m, deviation 0.5; from 'Weg'");
 }
 
