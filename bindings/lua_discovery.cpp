@@ -9,6 +9,7 @@
 #include "expr/external.hpp"
 #include "progress.hpp"
 #include "runtime.hpp"
+#include "stream.hpp"
 
 namespace lunid::lua {
 
@@ -276,6 +277,15 @@ int run_discovery(lua_State* L) {
   return 1;
 }
 
+/// notes_before_discovery(model, {train records}, {test records}, options) -> { text }
+int run_notes(lua_State* L) {
+  const Model& model = check<Model>(L, 1);
+  const std::vector<Record> train = read_records(L, 2), test = read_records(L, 3);
+  check_table(L, 4);
+  push_texts(L, notes_before_discovery(model, train, test, read_discover_options(L, 4)));
+  return 1;
+}
+
 void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) {
   lua_newtable(L);
   lua_Integer i = 0;
@@ -468,7 +478,8 @@ int to_string(lua_State* L) {
 void open_discoveries(lua_State* L) {
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Discovery>(L, {}, meta);
-  static constexpr Entry functions[] = {{"discover", guarded<run_discovery>}};
+  static constexpr Entry functions[] = {{"discover", guarded<run_discovery>},
+                                        {"notes_before_discovery", guarded<run_notes>}};
   set_functions(L, functions);
 }
 

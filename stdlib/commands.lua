@@ -147,25 +147,17 @@ local function start_of_discovery(lunid, options)
   start.test = options.test and read_all(lunid, options.test, options)
   start.window = window(lunid, options.window, "window")
   start.test_window = window(lunid, options.test_window, "test-window")
+  start.alpha, start.minimum_gain = options.alpha, options.minimum_gain
+  start.catalogue = names("--catalogue", options.catalogue)
+  start.without = names("--without", options.without)
   return start
 end
 
-local function show_start(start)
-  for _, record in ipairs(start.train) do print(record) end
-  for _, record in ipairs(start.test or {}) do print(record) end
-  print(start.model)
-end
-
 commands["discover"] = function(options)
-  local lunid = require "lunid"
-  if options.check then return show_start(start_of_discovery(lunid, options)) end
+  local lunid, discovery = require "lunid", require "lunid.discovery"
+  if options.check then return discovery.check(start_of_discovery(lunid, options)) end
   with_output("discover", options, function()
-    local discovery = require "lunid.discovery"
-    local given = start_of_discovery(lunid, options)
-    given.alpha, given.minimum_gain = options.alpha, options.minimum_gain
-    given.catalogue = names("--catalogue", options.catalogue)
-    given.without = names("--without", options.without)
-    local found = discovery.find(given)
+    local found = discovery.find(start_of_discovery(lunid, options))
     print(found)
     print(discovery.where_it_is(discovery.save(found)))
   end)

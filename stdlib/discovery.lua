@@ -68,8 +68,8 @@ local definition = {
   example = [[local found = lunid.discover { model = model, train = train, test = test }]],
 }
 
---- Checks the catalogue, cuts the windows and runs the search.
-local function search(given)
+--- The entries to try and the records, windows cut.
+local function prepare(given)
   local entries = catalogue.asked_for("discover", given, given.catalogue or catalogue.names)
   if not given.catalogue then  -- what these leave open is held against all
     given.first = #entries
@@ -78,6 +78,11 @@ local function search(given)
   local train = record_runs(given.train, given.window)
   local tested = given.test or given.test_window and given.train
   local test = tested and record_runs(tested, given.test_window) or {}
+  return entries, train, test
+end
+
+local function search(given)
+  local entries, train, test = prepare(given)
   return core.discover(given.model, entries, train, test, given)
 end
 
@@ -100,6 +105,24 @@ end)
 
 --- The same without writing: for the command line, which shows the result first.
 function discovery.find(given) return search(schema.validate(definition, given)) end
+
+--- What a search would start from: prints the records as they are used, the model, and what there is to say of them
+--- before anything is fitted.
+function discovery.check(given)
+  given = schema.validate(definition, given)
+  local _, train, test = prepare(given)
+  local said = {}
+  for _, list in ipairs { train, test } do
+    for _, each in ipairs(list) do
+      print(each)
+      for _, text in ipairs(each.warnings) do said[text] = true end
+    end
+  end
+  print(given.model)
+  for _, note in ipairs(core.notes_before_discovery(given.model, train, test, given)) do
+    if not said[note] then print(("%-11s%s"):format("note", note)) end
+  end
+end
 
 core.add_method("lunid.discovery", "save", function(found, folder)
   return discovery.save(found, folder)

@@ -42,6 +42,9 @@ class Spine {
     out_.baseline_before = model_.parameters;
   }
 
+  /// Of the records, as far as they are known before anything is fitted.
+  const std::vector<std::string>& notes() const { return out_.warnings; }
+
   Discovery run() {
     progress("refit the baseline", 0.05);
     baseline_ = fit_baseline(study_, model_, out_.warnings, given_);
@@ -343,6 +346,16 @@ void check_baseline(const Model& given) {
     if (input[0] != 'F')
       throw InputError("discover: a baseline driven by " + input + " is not looked at" +
                        (baseline.imposed_motion ? " with imposed motion" : "") + ": take what it does into F");
+}
+
+std::vector<std::string> notes_before_discovery(const Model& baseline, const std::vector<Record>& train,
+                                                const std::vector<Record>& test, const DiscoverOptions& options) {
+  validate(options);
+  const Frame frame(baseline);
+  check_baseline(frame.model());
+  std::vector<std::string> notes = Spine(frame.model(), {}, frame.seen(train), frame.seen(test), options).notes();
+  if (frame.moves()) notes.insert(notes.begin(), frame.note());
+  return notes;
 }
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,

@@ -62,7 +62,11 @@ std::string channel_line(const Record& record, const Channel& channel) {
     line += part;
   }
   if (s.missing > 0) line += ", " + std::to_string(s.missing) + (s.missing == 1 ? " row is" : " rows are") + " missing";
-  if (s.held >= 4 && s.held + 1 < record.rows()) line += ", held for " + std::to_string(s.held + 1) + " rows";
+  constexpr double visible = 0.02;  // of the deviation; all that is written with some digits has a step
+  const double step = channel.derived ? 0 : quantisation_step(record[channel.name]);
+  if (step > visible * s.std)
+    line += ", in steps of " + short_number(step) + (channel.unit.empty() ? "" : " " + channel.unit);
+  if (s.held >= 4 && s.held + 1 < record.rows()) line += ", up to " + std::to_string(s.held + 1) + " equal rows on end";
   line += words_of_source(channel);
   if (!channel.derivation.empty()) line += "; " + channel.derivation;
   return line;

@@ -15,16 +15,22 @@
 namespace lunid {
 namespace {
 
-/// The step of a quantised signal: the least distance of two different values, where nearly all distances are
-/// multiples of it; else 0. Also 0 where there are few values: a force that is switched on and off is no
-/// coarse measurement. `sorted`: some of the values, in any order.
-double value_step(std::vector<double> sorted) {
-  constexpr std::size_t few = 16;
+constexpr Eigen::Index enough_for_steps = 16384;  // rows
+
+/// Between neighbours among the different values; `sorted`: some of them, in any order.
+std::vector<double> distances_of(std::vector<double> sorted) {
   std::sort(sorted.begin(), sorted.end());
   const double same = 1e-9 * (sorted.back() - sorted.front());  // the same value but for rounding
   std::vector<double> distances;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i] - sorted[i - 1] > same) distances.push_back(sorted[i] - sorted[i - 1]);
+  return distances;
+}
+
+/// The least distance of two different values, where nearly all distances are multiples of it; else 0. Also 0 where
+/// there are few values: a force that is switched on and off is no coarse measurement.
+double value_step(const std::vector<double>& distances) {
+  constexpr std::size_t few = 16;
   if (distances.size() < few) return 0;
   const double step = *std::min_element(distances.begin(), distances.end());
   std::size_t off = 0;
@@ -128,8 +134,7 @@ NoiseSum::NoiseSum(Eigen::Index rows) : rows_(rows) {
 }
 
 void NoiseSum::add(std::span<const double> piece) {
-  constexpr Eigen::Index enough = 16384;
-  const Eigen::Index every = 1 + rows_ / enough;
+  const Eigen::Index every = 1 + rows_ / enough_for_steps;
   for (const double value : piece) {
     low_ = std::min(low_, value);
     high_ = std::max(high_, value);
@@ -140,9 +145,20 @@ void NoiseSum::add(std::span<const double> piece) {
 
 double NoiseSum::level() const {
   if (rows_ < 2 || !(high_ > low_)) return 0;
-  const double least = 0.5 * value_step(some_) / std::sqrt(12.0);
+  constexpr std::size_t switched = 4;  // between so few values: noise would show as more of them
+  const std::vector<double> distances = distances_of(some_);
+  if (spectrum_ && distances.size() < switched) return 0;
+  const double least = 0.5 * value_step(distances) / std::sqrt(12.0);
   if (!spectrum_) return std::max(least, noise_by_differences(some_));
   return std::max(least, std::sqrt(floor_of(spectrum_->spectrum(), static_cast<double>(rows_))));
+}
+
+double quantisation_step(std::span<const double> x) {
+  const std::size_t every = 1 + x.size() / static_cast<std::size_t>(enough_for_steps);
+  std::vector<double> some;
+  for (std::size_t i = 0; i < x.size(); i += every)
+    if (std::isfinite(x[i])) some.push_back(x[i]);
+  return some.empty() ? 0 : value_step(distances_of(std::move(some)));
 }
 
 double noise_level(std::span<const double> x) {

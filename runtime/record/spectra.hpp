@@ -87,6 +87,9 @@ struct WildRow {
 };
 std::vector<WildRow> wild_rows(std::span<const double> x);
 
+/// The step of a quantised signal, in which its values lie; 0 where it has none.
+double quantisation_step(std::span<const double> x);
+
 /// What a channel's rows are like, for print(record).
 struct ChannelSummary {
   double least = 0, most = 0, mean = 0, std = 0;  ///< of the rows that are numbers

@@ -270,6 +270,22 @@ spec.case("--check says how records and baseline are read, and writes nothing", 
   says([[discover micron.csv --mass 1 --restoring "k*y" --check]], "micron.csv", 3)
 end)
 
+spec.case("--check says what a discovery would say of the records before it fits anything", function()
+  local checked = [[discover good.csv --mass 1 --restoring "k*y + c*v" --check]]
+  says(checked, "note       no test record given: the last 30 % of each record is held out", 0)
+  says(checked .. " --test good.csv", "note       the test record good.csv holds rows of the training record good.csv: it confirms nothing", 0)
+  local said = spec.lunid(checked .. " --window 1:3 --test-window 3.5:4")
+  spec.contains(said, "record good.csv: 201 rows, 2 s at 100 Hz")
+  spec.contains(said, "record good.csv: 51 rows, 0.5 s at 100 Hz")
+  says(checked .. " --catalogue cubic_stifness", "did you mean 'cubic_stiffness'?", 2)
+  record("free.csv", 600, function(i, cells) return { cells[1], ("%.17g"):format(0.01*math.exp(-4e-3*i)*math.cos(0.1*i)) } end, "t,y")
+  says([[discover free.csv --mass 1 --restoring "k*y + c*v" --check]], "note       free.csv has no force and its motion dies away: taken for a free decay, F = 0", 0)
+  record("other.csv", 100, nil, "t,piezo,disp")
+  local other = [[discover other.csv --mass 1 --restoring "k*y + c*v" --check]]
+  says(other, "record other.csv: 100 rows", 3)
+  says(other, "the record has no channel 'F' (it has piezo, y", 3)
+end)
+
 spec.case("a directory or nothing in place of a study", function()
   spec.shell "mkdir -p folder"
   for _, command in ipairs { "run", "check" } do

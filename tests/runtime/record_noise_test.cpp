@@ -6,6 +6,7 @@
 #include <random>
 
 #include "record/record.hpp"
+#include "record/spectra.hpp"
 
 namespace lunid {
 namespace {
@@ -143,8 +144,28 @@ TEST(NoiseLevel, OfAConstantOrASwitchedSignalIsSmall) {
   EXPECT_EQ(noise_level(std::vector<double>(500, 3.25)), 0);
   EXPECT_EQ(noise_level(std::vector<double>{}), 0);
   EXPECT_EQ(noise_level(std::vector<double>{1}), 0);
-  // On and off every 50 rows: no more than what the edges leave at the highest frequencies.
-  EXPECT_LT(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)), 0.05);
+  // On and off, or between four values, at random: edges are no noise.
+  std::mt19937_64 random(1);
+  for (const int values : {2, 4}) {
+    std::vector<double> x;
+    while (x.size() < 2000) x.insert(x.end(), 1 + random() % 9, static_cast<double>(random() % values));
+    EXPECT_EQ(noise_level(x), 0) << values;
+  }
+}
+
+TEST(NoiseLevel, OfASwitchedSignalIsThatOfItsNoise) {
+  const auto square = [](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; };
+  EXPECT_NEAR(noise_level(noisy(square, 8000, 0.05, 1)), 0.05, 0.01);
+}
+
+TEST(QuantisationStep, IsThatInWhichTheValuesLie) {
+  std::vector<double> x = noisy([](double i) { return std::sin(2 * M_PI * i / 41.37); }, 40000, 0.01, 1);
+  EXPECT_EQ(quantisation_step(x), 0);
+  for (double& value : x) value = 0.02 * std::round(value / 0.02);
+  x[7] = NAN;
+  EXPECT_NEAR(quantisation_step(x), 0.02, 1e-12);
+  EXPECT_EQ(quantisation_step(std::vector<double>{}), 0);
+  EXPECT_EQ(quantisation_step(std::vector<double>{NAN, NAN}), 0);
 }
 
 TEST(NoiseLevel, OfSmoothDataIsNextToNothing) {

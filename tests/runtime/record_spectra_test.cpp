@@ -229,9 +229,21 @@ TEST(Summary, CountsWhatIsMissingOrHeld) {
   record.warn("rounded");
   EXPECT_EQ(describe(record),
             "record run.csv: 100 rows, 0.99 s at 100 Hz; channels y\n"
-            "  y  0 to 99 m, deviation 28.67, noise 0.5 (1.7 %), 1 row is missing, held for 6 rows\n"
+            "  y  0 to 99 m, deviation 28.67, noise 0.5 (1.7 %), 1 row is missing, in steps of 1 m, up to 6 equal rows "
+            "on end\n"
             "  filter: y\n"
             "  warning: rounded");
+}
+
+TEST(Summary, SaysInWhichStepsAChannelIsWhereTheyAreCoarse) {
+  const auto line = [](double step) {
+    Channel y;
+    y.name = "y", y.unit = "m";
+    y.values = sampled(400, [=](double i) { return step * std::round(std::sin(0.11 * i) / step); });
+    return describe(Record("run.csv", 0, 0.01, {y}));
+  };
+  EXPECT_NE(line(0.05).find(", in steps of 0.05 m"), std::string::npos) << line(0.05);
+  EXPECT_EQ(line(0.001).find("steps"), std::string::npos) << line(0.001);
 }
 
 TEST(Summary, SaysFromWhichColumnAChannelIsWhereThatIsOfAnotherNameOrUnit) {
