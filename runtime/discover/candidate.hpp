@@ -27,6 +27,7 @@ struct Candidate {
   double force_cost = 0;                ///< squared misfit of the smoothed force at the best start
   bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
   bool guesses_tried = false;           ///< its other guesses were, from the parent on
+  bool minimum_left = false;            ///< and from where its fit had ended, and short runs from there
   FitResult fit;
   // Filled by the judge:
   FitResult whitened;           ///< the likeliest parameters under the noise's colour

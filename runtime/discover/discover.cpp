@@ -111,6 +111,7 @@ class Spine {
   /// reaches the noise; and the long runs of that model are lost to noise alone.
   void look_in_short_runs(Round& round) {
     Ground before = ground_;
+    grown_.clear();
     ground_.whole = study_ = in_short_runs(before.whole);
     const std::string length = number(study_.run_length, 3) + " s";
     progress("runs of " + length, done_);
@@ -126,6 +127,7 @@ class Spine {
       return;
     }
     ground_ = std::move(before);
+    grown_.clear();
     if (reached) look_from(shorter.found.grown.sets, round);
   }
 
@@ -140,6 +142,7 @@ class Spine {
     parallel_for(static_cast<int>(sets.size()), options_.threads, [&](int i) {
       Candidate& c = sets[static_cast<std::size_t>(i)];
       c.fit = fit_progressively(*c.system, c.fit.theta, study_.train, fixed_fit(study_, 40, 1e-4, c.fit.substeps));
+      c.minimum_left = false;
     });
     std::erase_if(sets,
                   [&](const Candidate& c) { return !c.ran() || !(rms_error(c.fit) < 2 * study_.sensor_noise()); });
@@ -178,17 +181,25 @@ class Spine {
       progress(stage, from + (until - from) * fraction);
     };
     Round round;
+    const auto search_part = [&](const Grown& grown, bool ask_reading) {
+      round.found = search(study_, model_, baseline_, part, grown, ask_reading, step);
+      remember(round.found.grown);
+    };
     const auto search_again = [&] {
       fit(study_, baseline_, full_fit(study_, 40));
-      round.found = search(study_, model_, baseline_, part, {}, false, step);
+      search_part(grown_so_far(), false);
     };
-    round.found = search(study_, model_, baseline_, part, known, true, step);
+    search_part(known, true);
     if (const std::optional<BetweenSamples> reading = round.found.grown.reading) {
       ground_.read_force(*reading);
       search_again();
     }
     const BetweenSamples before = study_.between;
-    if (reads_otherwise(ground_, round.found)) {
+    const std::optional<double> left = reads_otherwise(ground_, round.found);
+    constexpr double near = 2;  // times the sensor's noise
+    if (left && entries < catalogue_.size() && *left > near * study_.sensor_noise()) {
+      ground_.read_force(before);  // no reading explains it: asked again beside all entries
+    } else if (left) {
       search_again();
     } else if (study_.between != before) {
       judge_again(study_, round.found);
@@ -204,6 +215,18 @@ class Spine {
     return round;
   }
 
+  /// Sets that were fitted while the force was read as now between its samples.
+  Grown grown_so_far() const {
+    const auto at = std::ranges::find(grown_, study_.between, &std::pair<BetweenSamples, Grown>::first);
+    return at != grown_.end() ? at->second : Grown{};
+  }
+
+  void remember(const Grown& grown) {
+    std::erase_if(grown_, [&](const auto& known) { return known.first == study_.between; });
+    grown_.emplace_back(study_.between, grown);
+    grown_.back().second.reading.reset();
+  }
+
   /// What the first entries leave open is held against all, what they name against the faults of sensors and of the
   /// input, and against all that runs fast, without which no physics is named. Names that were found stand unless
   /// others take their place.
@@ -214,8 +237,10 @@ class Spine {
     if (before != BetweenSamples{study_.guesses.front()}) {  // chosen beside a model that was not the right one
       ground_.read_force({study_.guesses.front()});
       fit(study_, baseline_, full_fit(study_, 40));
-      round.found.grown.sets.clear();
+      round.found.grown = grown_so_far();
     }
+    const Choices& chosen = round.found.chosen.choices;
+    if (chosen.size() > 1 && !round.left.seen) round.found.grown.settled = chosen;
     Round further = look(entries, round.found.grown, 0.9);
     if (takes_the_place(further, round)) {
       if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
@@ -316,8 +341,9 @@ class Spine {
   Ground ground_;
   Study& study_ = ground_.study;
   Candidate& baseline_ = ground_.baseline;
-  double done_ = 0;  ///< part of the work
-  int tried_ = 0;    ///< start points of entries, of all rounds
+  std::vector<std::pair<BetweenSamples, Grown>> grown_;  ///< of each reading of the force, over the present rows
+  double done_ = 0;                                      ///< part of the work
+  int tried_ = 0;                                        ///< start points of entries, of all rounds
   Discovery out_;
 };
 

@@ -12,16 +12,17 @@ namespace lunid {
 
 namespace {
 
-/// The force is left as this model would have it read. Whether that is worth a new search: by what the error drops, and
-/// below `error`.
-bool reading_shows_beside(Ground& ground, const Candidate& model, double error) {
+/// The force is left as this model would have it read. The rms error that it leaves then; none where that is not worth
+/// a new search: by what the error drops, and where it is not below this squared error.
+std::optional<double> reading_shows_beside(Ground& ground, const Candidate& model, double error) {
   constexpr double least_gain = 0.02, part_of_what_is_open = 0.1;  // of the squared error
   const double gain = rechoose_interpolation(ground.study, model, [&ground](BetweenSamples between) -> const Study& {
     ground.read_force(between);
     return ground.study;
   });
-  return gain > std::max(least_gain, part_of_what_is_open * part_above_noise(ground.study, model)) &&
-         (1 - gain) * squared_error(model.fit) < error;
+  if (!(gain > std::max(least_gain, part_of_what_is_open * part_above_noise(ground.study, model)))) return {};
+  if (!((1 - gain) * squared_error(model.fit) < error)) return {};
+  return std::sqrt(1 - gain) * rms_error(model.fit);
 }
 
 /// All that were judged, baseline and chosen set first; the last step is the chosen set.
@@ -39,7 +40,7 @@ void drop_those_that_do_not_run(SearchResult& found) {
 }
 
 /// Of several effects: a set of fewer that follows as well with the force read otherwise, which it is left as then.
-bool fewer_show_reading(Ground& ground, const SearchResult& found) {
+std::optional<double> fewer_show_reading(Ground& ground, const SearchResult& found) {
   constexpr std::size_t asked_sets = 8;
   constexpr int iterations = 20;  // where the force is read otherwise, the present values are no more than a start
   const BetweenSamples chosen = ground.study.between;
@@ -50,11 +51,11 @@ bool fewer_show_reading(Ground& ground, const SearchResult& found) {
     if (asked++ == asked_sets) break;
     if (reading_shows_beside(ground, set, INFINITY)) {
       const FitResult fit = fit_near(ground.study, set, set.fit.theta, iterations, set.fit.substeps);
-      if (std::isfinite(fit.cost) && squared_error(fit) < error) return true;
+      if (std::isfinite(fit.cost) && squared_error(fit) < error) return rms_error(fit);
     }
     ground.read_force(chosen);
   }
-  return false;
+  return {};
 }
 
 }  // namespace
@@ -69,21 +70,21 @@ void Ground::take_noise() {
   if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
 }
 
-bool reads_otherwise(Ground& ground, const SearchResult& found) {
+std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found) {
   constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
   constexpr std::size_t asked_sets = 3;
   constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
   const double error = squared_error(found.chosen.fit);
-  if (reading_shows_beside(ground, found.chosen, error)) return true;
-  if (fewer_show_reading(ground, found)) return true;
-  if (!(part_above_noise(ground.study, found.chosen) > left_open)) return false;
+  if (const auto left = reading_shows_beside(ground, found.chosen, error)) return left;
+  if (const auto left = fewer_show_reading(ground, found)) return left;
+  if (!(part_above_noise(ground.study, found.chosen) > left_open)) return {};
   const BetweenSamples chosen = ground.study.between;
   const std::vector<Candidate>& sets = found.grown.sets;
   for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
-    if (reading_shows_beside(ground, sets[i], follows_better * error)) return true;
+    if (const auto left = reading_shows_beside(ground, sets[i], follows_better * error)) return left;
     ground.read_force(chosen);
   }
-  return false;
+  return {};
 }
 
 void judge_again(const Study& study, SearchResult& found) {

@@ -40,11 +40,10 @@ class Grower {
       progress_("propose and fit, " + std::to_string(size) + (size == 1 ? " effect" : " effects"), 0.15 + 0.12 * size);
       std::vector<Candidate> level = add_one(parents, size);
       if (level.empty()) break;
-      if (ask_reading_ && nearly_follows(level.front()))
-        if ((out_.reading = far_better_reading(study_, level.front()))) return std::move(out_);
+      for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
+      if (is_read_otherwise(level)) return std::move(out_);
       const bool better = worth_growing(best, level.front(), size);
       const bool masked = size == 1 && may_mask_a_pair(level);
-      for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
       if (!better && !masked) break;
       best = level.front();
       parents = parents_of(std::move(level));
@@ -58,6 +57,16 @@ class Grower {
   }
 
  private:
+  /// By the best of a level, whenever that is another one than was asked last.
+  bool is_read_otherwise(const std::vector<Candidate>& level) {
+    if (!ask_reading_ || out_.reading || level.empty()) return out_.reading.has_value();
+    const Candidate& best = level.front();
+    if (best.fit.cost == asked_cost_ || !nearly_follows(best)) return false;
+    asked_cost_ = best.fit.cost;
+    out_.reading = far_better_reading(study_, best);
+    return out_.reading.has_value();
+  }
+
   /// It closes nearly all that the baseline leaves, but is not down to the noise.
   bool nearly_follows(const Candidate& c) const {
     constexpr double nearly = 0.9;
@@ -71,7 +80,7 @@ class Grower {
     const double least_gain = size > 2 ? 0.5 : required_gain(study_, gap(after));
     if (!after.ran()) return false;
     if (!before.ran()) return true;
-    if (closes_nearly_all(before, after)) return false;
+    if (closes_nearly_all(before, after) || known_.is_settled(after)) return false;
     return rms(after) < (1 - least_gain) * rms(before) && !leaves_noise(after);
   }
 
@@ -124,6 +133,7 @@ class Grower {
     const Offers::Round round = offers_.beside(parents, fewest_);
     const std::span<const Candidate> best(parents.data(), std::min<std::size_t>(parents.size(), beam));
     std::vector<Candidate> level = fits_.fit(round.all, round.worth_runs, size, best, fewest_);
+    if (is_read_otherwise(level)) return level;
     if (size == 1 && is_open(level)) fits_.leave_minima(level);
     const bool open = is_open(level);
     if (size == 1 || open)
@@ -189,6 +199,7 @@ class Grower {
   const Candidate& baseline_;
   const Grown& known_;
   const bool ask_reading_;
+  double asked_cost_ = -1;  ///< of the fit beside which the reading of the force was asked last
   const std::function<void(const std::string&, double)>& progress_;
   Grown out_;
   Offers offers_;
@@ -197,6 +208,12 @@ class Grower {
 };
 
 }  // namespace
+
+bool Grown::is_settled(const Candidate& c) const {
+  constexpr double less = 0.95;
+  const Candidate* set = settled.empty() ? nullptr : find_in(sets, settled);
+  return set && c.choices.size() >= settled.size() && c.ran() && rms(c) > less * rms(*set);
+}
 
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
            const Grown& known, bool ask_reading, const std::function<void(const std::string&, double)>& progress) {

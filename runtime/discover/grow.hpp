@@ -15,7 +15,16 @@ struct Grown {
   std::vector<Candidate> at_limits;       ///< the degenerate ones: of some entry of theirs a simpler one is meant
   std::vector<std::string> left_aside;    ///< entries that this record cannot show beside the baseline, with the reason
   std::optional<BetweenSamples> reading;  ///< growing ended early: the force is to be read so (far_better_reading)
-  int tried = 0;  ///< start points over which a p-value is to be corrected, those of known sets too
+  Choices settled;  ///< several in what they leave generic forces see nothing: beside as many no more are sought
+  int tried = 0;    ///< start points over which a p-value is to be corrected, those of known sets too
+
+  /// A set that was fitted, degenerate or not; null: none.
+  const Candidate* find(const Choices& set) const {
+    const Candidate* found = find_in(sets, set);
+    return found ? found : find_in(at_limits, set);
+  }
+  /// Of as many effects as the settled set, or more, and leaves as much.
+  bool is_settled(const Candidate& c) const;
 };
 
 /// Grows sets of up to max_effects entries from `baseline` (fitted) while the free runs get better. `known`: sets of

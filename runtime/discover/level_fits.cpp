@@ -72,8 +72,9 @@ std::vector<Candidate> LevelFits::fit(const std::vector<Offer>& offers, const st
     leave_limits(c, reached);
   });
   std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
-  for (const auto& c : known_.sets)
-    if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
+  for (const auto* known : {&known_.sets, &known_.at_limits})
+    for (const Candidate& c : *known)
+      if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
   sort_by_cost(level);
   return once_each(std::move(level));
 }
@@ -87,7 +88,7 @@ void LevelFits::add_faults(const Candidate& parent, std::size_t fewest, std::vec
   std::vector<std::vector<Guess>> guesses;
   for (const auto& fault : offers_.faults()) {
     if (!may_join(parent.choices, *fault.choice.effect)) continue;
-    if (find_in(known_.sets, with(parent.choices, fault.choice))) continue;
+    if (known_.find(with(parent.choices, fault.choice))) continue;
     if (!goes_with(parent.choices, fault.choice)) continue;
     if (parent.added() + fault.choice.parameters().size() >= fewest) continue;
     found.push_back(compile(study_, model_, with(parent.choices, fault.choice)));

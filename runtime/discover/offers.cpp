@@ -111,7 +111,7 @@ const Shape* Offers::first_of(const Shape& repetition) const {
 }
 
 bool Offers::is_known(const Candidate& parent, const Choice& added) const {
-  return find_in(known_.sets, with(parent.choices, added));
+  return known_.find(with(parent.choices, added));
 }
 
 const Shape* Offers::shape_of(const Choice& choice) const {
@@ -233,11 +233,12 @@ bool Offers::memory_comes_near(const std::vector<Offer>& offers, const std::opti
   for (const auto& o : offers)
     if (o.standing.shown)
       hear(o.standing.cost, *o.standing.shape->choice.effect, !o.standing.shape->system->model().states.empty());
-  for (const auto& c : known_.sets) {
-    if (c.choices.size() != 1) continue;
-    const Effect& effect = *c.choices.front().effect;
-    hear(c.force_cost, effect, !effect.states.empty());
-  }
+  for (const auto* known : {&known_.sets, &known_.at_limits})
+    for (const Candidate& c : *known) {
+      if (c.choices.size() != 1) continue;
+      const Effect& effect = *c.choices.front().effect;
+      hear(c.force_cost, effect, !effect.states.empty());
+    }
   return memory <= as_good * best;
 }
 

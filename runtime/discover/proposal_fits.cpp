@@ -121,7 +121,8 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
 }
 
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
-  if (!c.ran()) return;
+  if (!c.ran() || c.minimum_left) return;
+  c.minimum_left = true;
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
   try_short_runs(c, c.fit.theta);
 }

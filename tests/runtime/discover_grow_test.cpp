@@ -53,6 +53,62 @@ TEST(Grow, SeeksFewerParametersThanThoseOfAnEffectThatLeavesTheNoise) {
   for (const Candidate& c : found.sets) EXPECT_TRUE(c.added() < 3 || c.choices.size() == 1) << c.name();
 }
 
+/// A search that is made again fits nothing twice, what ended at a limit included: a softening spring that hardens.
+TEST(Grow, TakesUpWhatIsKnown) {
+  SpringAndDrag given;
+  given.options.max_effects = 1;
+  Pool& pool = *given.model.pool;
+  const std::vector<Effect> catalogue{entry(pool, "cubic", "cubic_a*y^3", {row("cubic_a")}),
+                                      entry(pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),
+                                      entry(pool, "soft", "-soft_a*y^3", {row("soft_a", 0)})};
+  const auto grown = [&](const Grown& known) {
+    return grow(given.study, given.model, given.baseline, catalogue, known, false, silent);
+  };
+  const Grown found = grown({});
+  EXPECT_TRUE(find_in(found.at_limits, {{&catalogue[2], 0}}));
+  EXPECT_FALSE(find_in(found.sets, {{&catalogue[2], 0}}));
+  const Grown again = grown(found);
+  EXPECT_EQ(again.tried, found.tried);
+  EXPECT_EQ(again.sets.size(), found.sets.size());
+  EXPECT_EQ(again.sets.front().fit.cost, found.sets.front().fit.cost);
+}
+
+/// A sensor that is thought to be ten times as good as it is: what two effects leave goes for more, until it is known
+/// that generic forces see nothing there.
+TEST(Grow, SeeksNoMoreBesideWhatIsSettled) {
+  SpringAndDrag given;
+  for (FitData& data : given.study.train) {
+    Channel channel = data.record.channel("y");
+    const auto rows = data.record["y"];  // those of the window
+    channel.values = Eigen::Map<const Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size()));
+    channel.noise *= 0.1;
+    data.record = data.record.with(channel);
+  }
+  Pool& pool = *given.model.pool;
+  const std::vector<Effect> catalogue{
+      entry(pool, "cubic", "cubic_a*y^3", {row("cubic_a")}), entry(pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),
+      entry(pool, "even", "even_a*y^2", {row("even_a")}), entry(pool, "fifth", "fifth_a*y^5", {row("fifth_a")})};
+  const auto most_effects = [](const Grown& grown) {
+    std::size_t most = 0;
+    for (const Candidate& c : grown.sets) most = std::max(most, c.choices.size());
+    return most;
+  };
+  const auto grown = [&](std::size_t entries, const Grown& known) {
+    return grow(given.study, given.model, given.baseline, std::span(catalogue).first(entries), known, false, silent);
+  };
+  Grown known = grown(2, {});
+  EXPECT_EQ(most_effects(grown(4, known)), 3);
+  known.settled = {{&catalogue[0], 0}, {&catalogue[1], 0}};
+  EXPECT_EQ(most_effects(grown(4, known)), 2);
+
+  Candidate both = *find_in(known.sets, known.settled), one = *find_in(known.sets, {{&catalogue[0], 0}});
+  one.fit.cost = both.fit.cost;
+  EXPECT_FALSE(known.is_settled(one));
+  EXPECT_TRUE(known.is_settled(both));
+  both.fit.cost *= 0.5;
+  EXPECT_FALSE(known.is_settled(both));
+}
+
 /// A multisine looks band-limited. Put out by straight lines between its samples it is weaker where it is fast, which a
 /// set that nearly follows the motion shows: growing ends there, before more names are put on that.
 TEST(Grow, EndsWhereASetShowsHowTheForceIsToBeRead) {
