@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "discover/sensor.hpp"
+#include "expr/joined.hpp"
 #include "simulate/measures.hpp"
 
 namespace lunid {
@@ -324,6 +325,14 @@ void find_starts(const Study& study, Candidate& candidate, const Eigen::VectorXd
   for (auto& s : starts) candidate.starts.push_back(std::move(s.theta));
   candidate.force_cost = starts.empty() ? INFINITY : starts.front().cost;
   if (!candidate.seen_by_force) order_by_motion(study, candidate, theta);
+}
+
+std::string unidentifiable(const Candidate& candidate) {
+  const auto& table = candidate.system->model().parameters;
+  std::string names;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!candidate.fit.identifiable(static_cast<Eigen::Index>(i))) append_item(names, table[i].name);
+  return names;
 }
 
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record) {

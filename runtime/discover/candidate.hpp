@@ -89,6 +89,9 @@ Model fitted(const Study& study, const Candidate& candidate);
 /// Fits on the trajectory from the best start, short free runs first.
 void fit(const Study& study, Candidate& candidate, const FitOptions& options);
 
+/// The parameters that a fit leaves open, "k, c": other values of these, together, make the same motion.
+std::string unidentifiable(const Candidate& candidate);
+
 /// What a model with these parameters leaves of the force along a record's motion, F - m*a - f [N]; of several
 /// coordinates one after another.
 Eigen::VectorXd open_force(const Candidate& candidate, const Eigen::VectorXd& theta, const Record& record);

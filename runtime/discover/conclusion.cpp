@@ -102,11 +102,7 @@ void warn_of_bounds(const Candidate& baseline, const Candidate& c, Discovery& ou
 }
 
 void warn_of_unidentifiable(const Candidate& c, Discovery& out) {
-  const auto& table = c.system->model().parameters;
-  std::string names;
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (!c.fit.identifiable(static_cast<Eigen::Index>(i))) append_item(names, table[i].name);
-  if (!names.empty())
+  if (const std::string names = unidentifiable(c); !names.empty())
     out.warnings.push_back(
         names +
         " are not identifiable and have no intervals: other values of these, together, make the same motion on the "

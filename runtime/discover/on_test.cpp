@@ -148,10 +148,13 @@ class OnTest {
           &after = shorter ? shorter->after : runs_.after_test;
     out_.test_p_value = test_p_value(study, before, after);
     const std::string fault = refuted(study, round, out_.test_p_value, before, after);
-    const std::optional<Gap> of_all =
-        fault.empty() ? std::nullopt : gap_of_one_fit_to_all(study, round, out_.test_p_value, before, after);
+    const std::optional<FitToAll> of_all =
+        fault.empty() ? std::nullopt : fit_to_all(study, round, out_.test_p_value, before, after);
     if (of_all) {
-      out_.warnings.push_back(left_open_by_training(found.chosen, fault, *of_all));
+      if (of_all->settled && !shorter)
+        take_open_from_test(round, *of_all->settled);
+      else
+        out_.warnings.push_back(left_open_by_training(found.chosen, fault, of_all->test));
     } else if (!fault.empty()) {
       if (!leave_the_tied(study, round, fault, before))
         take_back(study, round, fault, steps_that_stand(study, round, before));
@@ -159,6 +162,21 @@ class OnTest {
       take_back(study, round, "did no better on the test record than " + found.steps[stand - 1].model.name(), stand);
     }
     return shorter;
+  }
+
+  /// Parameters that no step of the training fit changes (of a hidden mode in a decay, how heavy it is) are those of
+  /// one fit to all records.
+  void take_open_from_test(Round& round, const Candidate& settled) {
+    SearchResult& found = round.found;
+    out_.test_chose = study_.test_is_known = true;
+    out_.warnings.push_back("the training records leave " + unidentifiable(found.chosen) + " of " +
+                            found.chosen.name() + " open: the values are those of one fit to all records, the test " +
+                            "records too, whose gap is not held out then. Train on one like them as well");
+    found.chosen.fit = settled.fit;
+    if (!found.steps.empty()) found.steps.back().model.fit = settled.fit;
+    round.train = runs(study_, found.chosen, study_.full);
+    runs_.after_test = runs(study_, found.chosen, study_.test);
+    out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);
   }
 
   void fill_gaps(const Round& round, const std::optional<TestRuns>& shorter) {

@@ -498,21 +498,28 @@ std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, 
   return out;
 }
 
-std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round, double p_value,
-                                         const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
-  Candidate model = round.found.chosen;
-  if (springs_among(model.choices) > 1 || !surely_lowers(study, p_value, before, after)) return {};
+std::optional<FitToAll> fit_to_all(const Study& study, const Round& round, double p_value,
+                                   const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
+  const Candidate& chosen = round.found.chosen;
+  const bool open = !unidentifiable(chosen).empty();
+  if (springs_among(chosen.choices) > 1 || !(open || surely_lowers(study, p_value, before, after))) return {};
   std::vector<FitData> all = study.train;
   for (const Record& record : study.test) all.push_back(fit_data(study, record));
-  const double freedom = model.fit.freedom;
+  Candidate model = chosen;
   model.fit = fit_trajectory(*model.system, model.fit.theta, all, full_fit(study, 40));
   if (!std::isfinite(model.fit.cost) || feeds_the_motion(round.found.baseline, model)) return {};
-  const Gap test = round.gap(runs(study, model, study.test));
-  if (!(test.value < std::max(1.1 * test.floor, test.floor + 3 * test.floor_std))) return {};
-  const double ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
-  const double rise = freedom * (ratio * ratio - 1);  // chi-square of the parameters where they are the same
+  FitToAll out{round.gap(runs(study, model, study.test)), {}};
+  if (!(out.test.value < std::max(1.1 * out.test.floor, out.test.floor + 3 * out.test.floor_std))) return {};
+  double ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
+  if (open) {  // first states are more than half of a decay: they are fitted for both, and steps do not go along theta
+    out.settled = chosen;
+    out.settled->fit = fit_near(study, chosen, model.fit.theta, 12, chosen.fit.substeps);
+    ratio = rms_error(out.settled->fit) / rms_error(chosen.fit);
+  }
+  // chi-square of the parameters where they are the same
+  const double rise = chosen.fit.freedom * (ratio * ratio - 1);
   if (!(chi_square_tail(std::max(0.0, rise), model.parameters()) > study.options->alpha / 10)) return {};
-  return test;
+  return out;
 }
 
 std::size_t steps_that_stand(const Study& study, const Round& round, const std::vector<FreeRun>& before) {

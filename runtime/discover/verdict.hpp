@@ -124,12 +124,19 @@ struct TiedRival {
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before);
 
-/// The gap on the test records of the named model fitted to training and test records together, where that is down to
-/// the noise of both, the training records allow these parameters, and the names lower the test gap as they are: the
-/// training records leave the parameters open, not the name (two single tones before a sweep through the resonance).
-/// Not of several springs at one place, which bend as a series does.
-std::optional<Gap> gap_of_one_fit_to_all(const Study& study, const Round& round, double p_value,
-                                         const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
+/// The named model fitted to training and test records together.
+struct FitToAll {
+  Gap test;  ///< the gap there
+  /// Where parameters were open that no step of the training fit changes: the named model with those of this fit, its
+  /// first states fitted to the training records.
+  std::optional<Candidate> settled;
+};
+/// Where that is down to the noise of both, the training records allow these parameters, and the names lower the test
+/// gap as they are, or have parameters that no step of the training fit changes: the training records leave the
+/// parameters open, not the name (two single tones before a sweep through the resonance). Not of several springs at one
+/// place, which bend as a series does.
+std::optional<FitToAll> fit_to_all(const Study& study, const Round& round, double p_value,
+                                   const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
 
 /// How many of the first steps the test records confirm for themselves where they do not confirm all: what a single
 /// record has of its own (a drift of its sensor) must not take the others' names. They have to close nearly all of the
