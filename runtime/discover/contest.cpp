@@ -67,7 +67,7 @@ class Contest {
     std::vector<const Candidate*> out;
     for (std::size_t size = 2; size <= static_cast<std::size_t>(study_.options->max_effects); ++size) {
       const auto best = std::ranges::find(out_.sets, size, [](const Candidate& c) { return c.choices.size(); });
-      if (best != out_.sets.end() && is_above_noise(study_, *best) && !known_.is_settled(*best)) out.push_back(&*best);
+      if (best != out_.sets.end() && is_above_noise(study_, *best)) out.push_back(&*best);
     }
     return out;
   }

@@ -196,8 +196,9 @@ class Spine {
     }
     const BetweenSamples before = study_.between;
     const std::optional<double> left = reads_otherwise(ground_, round.found);
-    constexpr double near = 2;  // times the sensor's noise
-    if (left && entries < catalogue_.size() && *left > near * study_.sensor_noise()) {
+    constexpr double near = 2, most = 0.5;  // times the sensor's noise; of what is left before
+    const double least = std::max(near * study_.sensor_noise(), most * rms_error(round.found.chosen.fit));
+    if (left && entries < catalogue_.size() && *left > least) {
       ground_.read_force(before);  // no reading explains it: asked again beside all entries
     } else if (left) {
       search_again();
@@ -239,8 +240,10 @@ class Spine {
       fit(study_, baseline_, full_fit(study_, 40));
       round.found.grown = grown_so_far();
     }
-    const Choices& chosen = round.found.chosen.choices;
-    if (chosen.size() > 1 && !round.left.seen) round.found.grown.settled = chosen;
+    constexpr double near = 1.5;  // times the sensor's noise, which colour hides
+    const Candidate& chosen = round.found.chosen;
+    if (chosen.choices.size() > 1 && !round.left.seen && rms_error(chosen.fit) < near * study_.sensor_noise())
+      round.found.grown.settled = chosen.choices;
     Round further = look(entries, round.found.grown, 0.9);
     if (takes_the_place(further, round)) {
       if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));

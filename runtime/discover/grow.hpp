@@ -15,7 +15,7 @@ struct Grown {
   std::vector<Candidate> at_limits;       ///< the degenerate ones: of some entry of theirs a simpler one is meant
   std::vector<std::string> left_aside;    ///< entries that this record cannot show beside the baseline, with the reason
   std::optional<BetweenSamples> reading;  ///< growing ended early: the force is to be read so (far_better_reading)
-  Choices settled;  ///< several in what they leave generic forces see nothing: beside as many no more are sought
+  Choices settled;  ///< several, in the little that they leave generic forces see nothing: they grow no further
   int tried = 0;    ///< start points over which a p-value is to be corrected, those of known sets too
 
   /// A set that was fitted, degenerate or not; null: none.
