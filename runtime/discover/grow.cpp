@@ -209,6 +209,14 @@ class Grower {
 
 }  // namespace
 
+std::vector<const Candidate*> Grown::of_size(std::size_t effects) const {
+  std::vector<const Candidate*> out;
+  for (const auto* all : {&sets, &at_limits})
+    for (const Candidate& c : *all)
+      if (c.choices.size() == effects) out.push_back(&c);
+  return out;
+}
+
 bool Grown::is_settled(const Candidate& c) const {
   constexpr double less = 0.95;
   const Candidate* set = settled.empty() ? nullptr : find_in(sets, settled);

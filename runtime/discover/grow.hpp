@@ -23,6 +23,8 @@ struct Grown {
     const Candidate* found = find_in(sets, set);
     return found ? found : find_in(at_limits, set);
   }
+  /// Those of so many effects, degenerate or not.
+  std::vector<const Candidate*> of_size(std::size_t effects) const;
   /// Of as many effects as the settled set, or more, and leaves as much.
   bool is_settled(const Candidate& c) const;
 };

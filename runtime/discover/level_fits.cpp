@@ -72,9 +72,7 @@ std::vector<Candidate> LevelFits::fit(const std::vector<Offer>& offers, const st
     leave_limits(c, reached);
   });
   std::erase_if(level, [](const Candidate& c) { return !c.ran(); });
-  for (const auto* known : {&known_.sets, &known_.at_limits})
-    for (const Candidate& c : *known)
-      if (static_cast<int>(c.choices.size()) == size) level.push_back(c);
+  for (const Candidate* known : known_.of_size(static_cast<std::size_t>(size))) level.push_back(*known);
   sort_by_cost(level);
   return once_each(std::move(level));
 }

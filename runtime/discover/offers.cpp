@@ -233,12 +233,10 @@ bool Offers::memory_comes_near(const std::vector<Offer>& offers, const std::opti
   for (const auto& o : offers)
     if (o.standing.shown)
       hear(o.standing.cost, *o.standing.shape->choice.effect, !o.standing.shape->system->model().states.empty());
-  for (const auto* known : {&known_.sets, &known_.at_limits})
-    for (const Candidate& c : *known) {
-      if (c.choices.size() != 1) continue;
-      const Effect& effect = *c.choices.front().effect;
-      hear(c.force_cost, effect, !effect.states.empty());
-    }
+  for (const Candidate* known : known_.of_size(1)) {
+    const Effect& effect = *known->choices.front().effect;
+    hear(known->force_cost, effect, !effect.states.empty());
+  }
   return memory <= as_good * best;
 }
 

@@ -166,14 +166,14 @@ class OnTest {
 
   /// Parameters that no step of the training fit changes (of a hidden mode in a decay, how heavy it is) are those of
   /// one fit to all records.
-  void take_open_from_test(Round& round, const Candidate& settled) {
+  void take_open_from_test(Round& round, const FitResult& settled) {
     SearchResult& found = round.found;
     out_.test_chose = study_.test_is_known = true;
     out_.warnings.push_back("the training records leave " + unidentifiable(found.chosen) + " of " +
                             found.chosen.name() + " open: the values are those of one fit to all records, the test " +
                             "records too, whose gap is not held out then. Train on one like them as well");
-    found.chosen.fit = settled.fit;
-    if (!found.steps.empty()) found.steps.back().model.fit = settled.fit;
+    found.chosen.fit = settled;
+    if (!found.steps.empty()) found.steps.back().model.fit = settled;
     round.train = runs(study_, found.chosen, study_.full);
     runs_.after_test = runs(study_, found.chosen, study_.test);
     out_.test_p_value = test_p_value(study_, runs_.before_test, runs_.after_test);

@@ -39,7 +39,7 @@ struct Study {
   Model model;                              ///< the baseline
   std::vector<std::string> forces = {"F"};  ///< what drives it: F, or F1 ... of the driven coordinates
 
-  bool test_is_known = false;     ///< its rows, or some of them, are among the training records
+  bool test_is_known = false;     ///< rows of it are among the training records, or gave a parameter its value
   std::string measured = "y";     ///< what the records hold of the motion: y, or v or a alone
   double slow = 0;                ///< [Hz]: below it integrals of v or a are drift, taken off; 0: y was measured
   bool noise_has_colour = false;  ///< of the outputs: what a run leaves beside its own band is noise too

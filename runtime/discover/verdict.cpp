@@ -510,11 +510,12 @@ std::optional<FitToAll> fit_to_all(const Study& study, const Round& round, doubl
   if (!std::isfinite(model.fit.cost) || feeds_the_motion(round.found.baseline, model)) return {};
   FitToAll out{round.gap(runs(study, model, study.test)), {}};
   if (!(out.test.value < std::max(1.1 * out.test.floor, out.test.floor + 3 * out.test.floor_std))) return {};
-  double ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
+  double ratio = 1;
   if (open) {  // first states are more than half of a decay: they are fitted for both, and steps do not go along theta
-    out.settled = chosen;
-    out.settled->fit = fit_near(study, chosen, model.fit.theta, 12, chosen.fit.substeps);
-    ratio = rms_error(out.settled->fit) / rms_error(chosen.fit);
+    out.settled = fit_near(study, chosen, model.fit.theta, 12, chosen.fit.substeps);
+    ratio = rms_error(*out.settled) / rms_error(chosen.fit);
+  } else {
+    ratio = round.gap(runs(study, model, study.full, false)).value / round.gap(round.train).value;
   }
   // chi-square of the parameters where they are the same
   const double rise = chosen.fit.freedom * (ratio * ratio - 1);

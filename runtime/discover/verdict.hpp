@@ -127,9 +127,9 @@ std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, 
 /// The named model fitted to training and test records together.
 struct FitToAll {
   Gap test;  ///< the gap there
-  /// Where parameters were open that no step of the training fit changes: the named model with those of this fit, its
-  /// first states fitted to the training records.
-  std::optional<Candidate> settled;
+  /// Where parameters were open that no step of the training fit changes: the fit to the training records with those of
+  /// the fit to all.
+  std::optional<FitResult> settled;
 };
 /// Where that is down to the noise of both, the training records allow these parameters, and the names lower the test
 /// gap as they are, or have parameters that no step of the training fit changes: the training records leave the

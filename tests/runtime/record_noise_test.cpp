@@ -144,6 +144,7 @@ TEST(NoiseLevel, OfAConstantOrASwitchedSignalIsSmall) {
   EXPECT_EQ(noise_level(std::vector<double>(500, 3.25)), 0);
   EXPECT_EQ(noise_level(std::vector<double>{}), 0);
   EXPECT_EQ(noise_level(std::vector<double>{1}), 0);
+  EXPECT_EQ(noise_level(noisy([](double i) { return std::fmod(i, 100) < 50 ? 1.0 : 0.0; }, 2000, 0, 1)), 0);
   // On and off, or between four values, at random: edges are no noise.
   std::mt19937_64 random(1);
   for (const int values : {2, 4}) {
