@@ -8,6 +8,7 @@
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
 #include "discover/proposal_fits.hpp"
+#include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
 namespace lunid {
@@ -46,17 +47,21 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
     for (const auto kind : every_interpolation)
       if (const BetweenSamples way{kind, alike}; (alike == before.alike || !as_one) && way != before)
         ways.push_back(way);
-  for (const BetweenSamples way : ways) {
-    const Study& other = read(way);
-    FitOptions options = full_fit(other, 6);
+  std::vector<std::vector<FitData>> train;
+  for (const BetweenSamples way : ways) train.push_back(read(way).train);
+  std::vector<FitResult> fits(ways.size());
+  parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    FitOptions options = full_fit(study, 6);
     options.tolerance = 1e-4;
     options.substeps = model.fit.substeps;
     options.first_states = model.fit.segments;
-    const FitResult fit = fit_trajectory(*model.system, model.fit.theta, other.train, options);
-    if (fit.cost < needed * cost) {
-      cost = fit.cost;
-      best = way;
-    }
+    fits[k] = fit_trajectory(*model.system, model.fit.theta, train[k], options);
+  });
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    if (!(fits[k].cost < needed * cost)) continue;
+    cost = fits[k].cost;
+    best = ways[k];
   }
   read(best);
   return 1 - cost / first;
@@ -70,19 +75,24 @@ std::optional<BetweenSamples> far_better_reading(const Study& study, const Candi
   constexpr std::array smooth_kinds{Interpolation::linear, Interpolation::cubic, Interpolation::band_limited};
   constexpr double least = 0.1, part_of_what_is_open = 0.5;  // of the squared error
   if (is_said(study) || study.imposed || study.between.kind == Interpolation::hold || !force_varies(study)) return {};
-  std::optional<BetweenSamples> best;
-  const double first = squared_error(model.fit);
-  double cost = first * (1 - std::max(least, part_of_what_is_open * part_above_noise(study, model)));
-  Study other = study;
-  for (const Interpolation kind : smooth_kinds) {
-    if (kind == study.between.kind) continue;
-    read_force(other, {kind, study.between.alike});
+  std::vector<BetweenSamples> ways;
+  for (const Interpolation kind : smooth_kinds)
+    if (kind != study.between.kind) ways.push_back({kind, study.between.alike});
+  std::vector<FitResult> fits(ways.size());
+  parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    Study other = study;
+    read_force(other, ways[k]);
     // Short runs first: where small differences grow, the present values are no start under another reading.
-    const FitResult fit =
+    fits[k] =
         fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 12, 1e-4, model.fit.substeps));
-    if (!std::isfinite(fit.cost) || !(squared_error(fit) < cost)) continue;
-    cost = squared_error(fit);
-    best = other.between;
+  });
+  std::optional<BetweenSamples> best;
+  double cost = squared_error(model.fit) * (1 - std::max(least, part_of_what_is_open * part_above_noise(study, model)));
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    if (!std::isfinite(fits[k].cost) || !(squared_error(fits[k]) < cost)) continue;
+    cost = squared_error(fits[k]);
+    best = ways[k];
   }
   return best;
 }

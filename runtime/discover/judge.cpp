@@ -88,6 +88,8 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.force_noise = force_noise;
   options.first_states = candidate.fit.segments;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
+  // What ran in fixed steps stays with them: a stiff solver may take minutes over a run that ends nowhere.
+  if (candidate.fit.solver.starts_with("fixed")) options.solver = Solver::fixed;
   FitResult whitened = fit_trajectory(*candidate.system, candidate.fit.theta, study.train, options);
   if (!(whitened.cost <= tolerable_loss * whitened_cost(candidate.fit, whitening))) whitened = candidate.fit;
   std::vector<Eigen::VectorXd> parts;

@@ -3,6 +3,7 @@
 
 #include "discover/gap.hpp"
 #include "discover/judge.hpp"
+#include "record/parallel.hpp"
 
 namespace lunid {
 
@@ -52,8 +53,12 @@ void run_left_out(const Study& study, Candidate& candidate) {
   Residuals residual;
   const std::size_t records = study.train.size();
   for (const auto& known : candidate.fit.residual) residual.push_back(Eigen::VectorXd::Zero(known.size()));
+  std::vector<Residuals> without(static_cast<std::size_t>(parts));
+  parallel_for(parts, study.options->threads, [&](int part) {
+    without[static_cast<std::size_t>(part)] = refitted_without(study, candidate, part, parts);
+  });
   for (int part = 0; part < parts; ++part) {
-    const Residuals own = refitted_without(study, candidate, part, parts);
+    const Residuals& own = without[static_cast<std::size_t>(part)];
     if (own.empty()) return;
     for (std::size_t r = 0; r < own.size(); ++r)
       for (Eigen::Index i = 0; i < residual[r].size(); ++i)

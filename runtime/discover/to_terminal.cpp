@@ -87,19 +87,37 @@ std::string words_of(const ClosedLoop& loop) {
   return out;
 }
 
-/// The equation, and of its states no more than can be read: an iwan has ten, each with limits of 200 characters.
-std::string short_equation(const Model& model) {
-  constexpr std::size_t widest = 160, most_states = 3;
-  std::istringstream whole(model.equation());
+constexpr std::size_t widest = 160;  // of a line of an equation
+
+/// The baseline's equation with each force that was named in it by its name; empty where that would not be all: several
+/// coordinates, a fault of a channel.
+std::string equation_in_names(const Discovery& d) {
+  const std::string baseline = d.baseline.equation();
+  const std::size_t equals = baseline.find(" = ");
+  std::string out = baseline.substr(0, equals);
+  for (const NamedEffect& e : d.effects) {
+    if (!e.place.empty() || e.family == "sensor" || e.family == "input") return {};
+    out += " + " + e.label;
+  }
+  out += baseline.substr(equals, baseline.find('\n') - equals);
+  return d.baseline.degrees() == 1 && !d.effects.empty() && out.size() <= widest ? out : std::string();
+}
+
+/// The equation, and of its states no more than can be read: an iwan has twenty, each with limits of 200 characters.
+std::string short_equation(const Discovery& d) {
+  constexpr std::size_t most_states = 3;
+  const std::string elsewhere = " (whole in model.lua and the report)";
+  std::istringstream whole(d.final.equation());
   std::string out, line;
-  const std::size_t most = static_cast<std::size_t>(model.degrees()) + most_states;
+  const std::size_t most = static_cast<std::size_t>(d.final.degrees()) + most_states;
   for (std::size_t lines = 0; std::getline(whole, line); ++lines) {
     if (lines < most && line.size() <= widest) {
       out += (lines > 0 ? "\n" : "") + line;
       continue;
     }
-    if (lines == 0) out += line.substr(0, widest - 1);
-    return out + (lines == 0 ? " ..." : "\n...") + " (whole in model.lua and the report)";
+    if (lines > 0) return out + "\n..." + elsewhere;
+    const std::string named = equation_in_names(d);
+    return (named.empty() ? line.substr(0, widest - 1) + " ..." : named) + elsewhere;
   }
   return out;
 }
@@ -150,7 +168,7 @@ std::string to_terminal(const Discovery& d) {
   }
   if (d.naming.resamples > 0) line("", resampled(d.naming));
   for (const auto& r : d.removable) line("absent?", r.term + ": " + r.reason + "; it may be removed from the baseline");
-  line("equation", short_equation(d.final));
+  line("equation", short_equation(d));
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", std::string(d.output == "F" ? "of the force" : "free run") + ", left-out blocks of train " +
                   gap(d.gap_left_out_before) + " -> " + gap(d.gap_left_out_after) + "   test " + gap(d.baseline_test) +

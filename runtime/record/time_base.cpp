@@ -97,6 +97,14 @@ std::string list_lines(const std::vector<std::size_t>& rows, std::span<const int
   return text;
 }
 
+/// Where free runs do not go through, since too much of the force is not known there (Record::pieces).
+std::string list_cuts(const std::vector<std::pair<double, double>>& gaps) {
+  if (gaps.empty()) return {};
+  const std::string first = "; free runs begin anew at t = " + number(gaps.front().second) + " s";
+  const std::string others = gaps.size() > 1 ? ", ... (" + std::to_string(gaps.size()) + " places)" : "";
+  return first + others + ", where three rows or more are missing";
+}
+
 void check_increasing(std::span<const double> t, std::span<const int> lines, const std::string& path) {
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] > t[i - 1]) continue;
@@ -179,7 +187,8 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
     if (!resample)
       throw InputError(text + where + "; set resample = true (--resample) to interpolate, or cut the file there",
                        {path, lines[row]}, Fault::data);
-    warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated");
+    warnings.push_back("line " + std::to_string(lines[row]) + ": " + text + where + ": interpolated" +
+                       list_cuts(even.gaps));
     if (const auto base = even_base_with_gaps(t, resolution, step)) {
       even.t0 = base->t0;
       even.dt = base->dt;

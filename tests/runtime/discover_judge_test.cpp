@@ -440,6 +440,27 @@ TEST(Naming, EndsWhereASetIsItsOwnRival) {
   EXPECT_EQ(bootstrap_naming(study, found, 20).of("cubic_stiffness"), 20);
 }
 
+/// A stiff solver may take minutes over what a fit in coarse fixed steps took for a motion.
+TEST(Judge, StaysWithTheStepsThatAFitWasRunIn) {
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  const truth::Motion motion =
+      truth::integrate({}, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 300, testing::spacing, 16);
+  DiscoverOptions options;
+  const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
+  Candidate c = compile(study, model, {});
+  FitOptions few = full_fit(study, 1);
+  const auto judged_after = [&](const std::string& solver) {
+    c.fit = fit_trajectory(*c.system, Eigen::Vector2d(1, 1e4), study.train, few);
+    EXPECT_EQ(c.fit.solver, "CVODE BDF");
+    c.fit.solver = solver;
+    for (Eigen::VectorXd& r : c.fit.residual) r *= 2;
+    judge(study, c, {}, 1);
+    return c.whitened.solver;
+  };
+  EXPECT_EQ(judged_after("fixed DP5, 1 substep"), "fixed DP5, 1 substep");
+  EXPECT_EQ(judged_after("CVODE BDF"), "CVODE BDF");
+}
+
 /// Two outputs of three records: the rows of a record's second output stand behind those of all first ones.
 TEST(Linearised, WithoutFirstStatesLeavesTheSameParametersAndMisfit) {
   constexpr Eigen::Index rows = 12, outputs = 2, records = 3, parameters = 2, states = 3;

@@ -300,6 +300,20 @@ TEST(Discovery, TheTerminalShowsNoMoreOfAnEquationThanCanBeRead) {
   EXPECT_NE(shown.find("... (whole in model.lua and the report)"), std::string::npos) << shown;
 }
 
+TEST(Discovery, TheTerminalNamesForcesThatAreTooLongToRead) {
+  Discovery d;
+  d.final = d.baseline = baseline("k*y + c*v", 1);
+  for (int i = 0; i < 20; ++i)
+    d.final.restoring = d.final.restoring + 0.1234567890123456 * d.final.pool->state("iwan_z" + std::to_string(i));
+  d.effects.emplace_back();
+  d.effects[0].label = "iwan";
+  EXPECT_NE(to_terminal(d).find("equation   a + k*y + c*v + iwan = F (whole in model.lua and the report)\n"),
+            std::string::npos)
+      << to_terminal(d);
+  d.effects[0].family = "input";  // what it changes is no force beside the others
+  EXPECT_NE(to_terminal(d).find("... (whole in model.lua and the report)"), std::string::npos) << to_terminal(d);
+}
+
 TEST(Discovery, SameBitsForAnyNumberOfThreads) {
   const truth::Case& which = truth::case_named("cubic_hardening");
   const truth::Scale& scale = truth::scale_named("milli");

@@ -126,6 +126,9 @@ TEST(Time, PiecesOfARecordHoldNoRowThatWasMissing) {
   const TextFile file(with_stamps(t, "%.2f"));
   const Record record = read_csv(file.path(), {{}, true});
   ASSERT_EQ(record.rows(), 600);
+  EXPECT_EQ(record.warnings().front(),
+            "line 204: gap: 10 rows are missing before t = 2.12 s; gaps before lines 204, 222, 231: interpolated; free "
+            "runs begin anew at t = 2.12 s, ... (2 places), where three rows or more are missing");
   const std::vector<Record> all = record.pieces(20);
   ASSERT_EQ(all.size(), 3u);
   const std::pair<double, Eigen::Index> expected[] = {{0, 202}, {2.12, 28}, {4, 200}};
