@@ -12,6 +12,7 @@ FitOptions full_fit(const Study& study, int iterations) {
   FitOptions o;
   o.max_iterations = iterations;
   o.tolerance = 1e-6;
+  o.threads = study.options->threads;
   o.cancelled = study.options->cancelled;
   return o;
 }

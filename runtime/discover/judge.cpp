@@ -87,6 +87,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   options.whitening = whitening;
   options.force_noise = force_noise;
   options.first_states = candidate.fit.segments;
+  options.threads = study.options->threads;
   options.cancelled = study.options->cancelled;  // substeps: chosen anew, the search used coarse ones
   // What ran in fixed steps stays with them: a stiff solver may take minutes over a run that ends nowhere.
   if (candidate.fit.solver.starts_with("fixed")) options.solver = Solver::fixed;

@@ -11,11 +11,10 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index searched_rows = 3000, most_searched = 6000;  // of all training records together
-constexpr Index searched_part = 4;                           // of long ones: one row in so many
-constexpr Index fewest_rows = 1500;                          // of a piece
-constexpr double fewest_periods = 20;                        // of the motion in a piece
-constexpr Index run_rows = 12000;  // of all parts of the records together, where those are cut into short runs
+constexpr Index searched_rows = 6000;  // of all training records together
+constexpr Index fewest_rows = 1500;    // of a piece
+constexpr double fewest_periods = 20;  // of the motion in a piece
+constexpr Index run_rows = 12000;      // of all parts of the records together, where those are cut into short runs
 constexpr Index fewest_rows_of_run = 40;
 
 struct Piece {
@@ -51,14 +50,13 @@ std::vector<Piece> pieces_of(const Study& study) {
   Index all = 0;
   for (const FitData& data : study.train) all += data.record.rows();
   if (study.imposed || study.run_length > 0 || all <= searched_rows * 5 / 4) return {};
-  const auto searched = static_cast<double>(std::clamp(all / searched_part, searched_rows, most_searched));
   std::vector<Piece> out;
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const Record& record = study.train[r].record;
     const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 0;
     const Index length = std::max(fewest_rows, static_cast<Index>(std::ceil(fewest_periods * period)));
     const auto share = static_cast<double>(record.rows()) / static_cast<double>(all);
-    const auto count = std::max<Index>(1, std::lround(share * searched / static_cast<double>(length)));
+    const auto count = std::max<Index>(1, std::lround(share * searched_rows / static_cast<double>(length)));
     if (count * length < record.rows())
       cut(record, r, study.output(), length, count, out);
     else

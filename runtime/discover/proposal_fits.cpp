@@ -13,6 +13,7 @@ FitOptions fixed_fit(const Study& study, int iterations, double tolerance, int s
   options.tolerance = tolerance;
   options.solver = Solver::fixed;
   options.substeps = substeps;
+  options.threads = study.options->threads;
   options.cancelled = study.options->cancelled;
   return options;
 }

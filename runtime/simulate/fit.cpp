@@ -120,6 +120,7 @@ void validate(const FitOptions& o) {
   if (o.whitening.average < 1)
     refuse("whitening.average: expected >= 1 rows, got " + std::to_string(o.whitening.average));
   if (o.substeps < 0) refuse("substeps: expected >= 0, got " + std::to_string(o.substeps));
+  if (o.threads < 0) refuse("threads: expected >= 0, got " + std::to_string(o.threads));
 }
 
 namespace {

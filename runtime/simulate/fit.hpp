@@ -80,6 +80,7 @@ struct FitOptions {
   std::vector<int> hold;                    ///< entries of the fitted vector that stay where they start
   Solver solver = Solver::automatic;        ///< fixed, bdf or adams; automatic: fixed, or bdf where the start is stiff
   Gradient gradient = Gradient::automatic;  ///< adjoint: by the fixed path, of residuals that are not whitened
+  int threads = 1;  ///< for the runs of segments, >= 0; 0: all cores. The result does not depend on it
   const std::atomic<bool>* cancelled = nullptr;
 };
 /// Throws InputError naming option, value and the admissible range.

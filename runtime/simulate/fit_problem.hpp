@@ -2,9 +2,12 @@
 // The least-squares problem of a trajectory fit: free runs against measured channels, and their normal equations.
 // Internal to this room.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "record/parallel.hpp"
 #include "simulate/fit.hpp"
 #include "simulate/measures.hpp"
 
@@ -70,51 +73,78 @@ class Problem {
 
   /// The cost at (theta, first states), and the normal equations when asked for.
   Normal evaluate(const Eigen::VectorXd& theta, const std::vector<FitSegment>& segments, bool derivatives) {
+    std::vector<Ran> ran(segments.size());
+    std::atomic<std::size_t> failed{segments.size()};  // the first one that did; what comes after it is not wanted
+    parallel_for(static_cast<int>(segments.size()), options_.threads, [&](int i) {
+      const auto s = static_cast<std::size_t>(i);
+      if (s > failed) return;
+      ran[s] = run_whitened(theta, segments[s], s, derivatives);
+      std::size_t first = failed;
+      while (ran[s].failed && s < first && !failed.compare_exchange_weak(first, s)) continue;
+    });
     Normal normal;
     normal.cost = 0;
     normal.a.setZero(layout_.size(), layout_.size());
     normal.b.setZero(layout_.size());
-    for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s)
-      add(theta, segments[s], s, derivatives, normal);
+    for (std::size_t s = 0; s < segments.size() && std::isfinite(normal.cost); ++s) {
+      ++runs;
+      add(std::move(ran[s]), segments[s], derivatives, normal);
+    }
     return normal;
   }
 
   long runs = 0;
 
  private:
-  void add(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives,
-           Normal& normal) {
-    const FitData& data = data_[static_cast<std::size_t>(segment.record)];
-    const Eigen::Index p = layout_.size();
+  /// Of one segment.
+  struct Ran {
     Normal::Part part;
-    if (!run(layout_.of_record(theta, segment.record), segment, index, data, derivatives, part.residual, part.columns,
-             normal))
-      return;
+    Eigen::Index rows = 0;
+    std::optional<std::string> failed;  ///< why, if it did
+  };
+
+  Ran run_whitened(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, bool derivatives) const {
+    const FitData& data = data_[static_cast<std::size_t>(segment.record)];
+    Ran out;
+    Normal::Part& part = out.part;
+    out.failed =
+        run(layout_.of_record(theta, segment.record), segment, index, data, derivatives, part.residual, part.columns);
+    if (out.failed) return out;
     std::vector<std::uint8_t> keep(static_cast<std::size_t>(segment.count), 1);
     for (Eigen::Index i = 0; i < segment.count; ++i)
       keep[static_cast<std::size_t>(i)] =
           (data.use.empty() || data.use[static_cast<std::size_t>(segment.first + i)] != 0);
     const Eigen::Index channels = part.residual.size() / segment.count;
-    normal.rows += channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
+    out.rows = channels * (std::count(keep.begin(), keep.end(), 1) / options_.whitening.average);
     whiten_channels(part.residual, keep, part.error);
     if (derivatives) whiten_columns(keep, part.error.size(), part.columns);
     part.error *= data.weight;
     if (derivatives) part.columns *= data.weight;
-    if (clip > 0) clip_outliers(part, derivatives, normal);
-    normal.cost += part.error.squaredNorm();
-    if (!derivatives) {
-      normal.parts.push_back(std::move(part));
+    if (derivatives && !layout_.shared()) part.columns = spread(part.columns, segment.record);
+    return out;
+  }
+
+  void add(Ran ran, const FitSegment& segment, bool derivatives, Normal& normal) const {
+    if (ran.failed) {
+      normal.cost = std::numeric_limits<double>::infinity();
+      normal.cause = std::move(*ran.failed);
       return;
     }
-    if (!layout_.shared()) part.columns = spread(part.columns, segment.record);
-    const auto jt = part.columns.leftCols(p);
-    normal.a.noalias() += jt.transpose() * jt;
-    normal.b.noalias() += jt.transpose() * part.error;
-    if (!imposed()) {
-      const auto jx = part.columns.rightCols(part.columns.cols() - p);
-      normal.ax.push_back(jt.transpose() * jx);
-      normal.axx.push_back(jx.transpose() * jx);
-      normal.bx.push_back(jx.transpose() * part.error);
+    Normal::Part& part = ran.part;
+    normal.rows += ran.rows;
+    if (clip > 0) clip_outliers(part, derivatives, normal);
+    normal.cost += part.error.squaredNorm();
+    if (derivatives) {
+      const Eigen::Index p = layout_.size();
+      const auto jt = part.columns.leftCols(p);
+      normal.a.noalias() += jt.transpose() * jt;
+      normal.b.noalias() += jt.transpose() * part.error;
+      if (!imposed()) {
+        const auto jx = part.columns.rightCols(part.columns.cols() - p);
+        normal.ax.push_back(jt.transpose() * jx);
+        normal.axx.push_back(jx.transpose() * jx);
+        normal.bx.push_back(jx.transpose() * part.error);
+      }
     }
     normal.parts.push_back(std::move(part));
   }
@@ -167,27 +197,27 @@ class Problem {
     columns = std::move(out);
   }
 
-  /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); false when the run failed.
-  bool run(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index, const FitData& data,
-           bool derivatives, Eigen::VectorXd& error, Eigen::MatrixXd& jacobian, Normal& normal) {
-    ++runs;
+  /// error = measured - model and its (negative) Jacobian d model / d(theta, x0); why the run failed, if it did.
+  std::optional<std::string> run(const Eigen::VectorXd& theta, const FitSegment& segment, std::size_t index,
+                                 const FitData& data, bool derivatives, Eigen::VectorXd& error,
+                                 Eigen::MatrixXd& jacobian) const {
     const std::span<const double> parameters(theta.data(), static_cast<std::size_t>(theta.size()));
     if (imposed()) {
       const Eigen::VectorXd model =
           imposed_force(system_, parameters, data.record, derivatives ? &jacobian : nullptr, run_options_.substeps);
       error = acting_forces(system_.model(), data.record) - model;
-      if (!error.allFinite()) return fail(normal, "the model's force is not finite");
-      return true;
+      if (!error.allFinite()) return "the model's force is not finite";
+      return {};
     }
-    limit_events(segment.count);
+    const SimulateOptions run_options = with_fewer_events(segment.count);
     const std::vector<Output>& outputs = outputs_[static_cast<std::size_t>(segment.record)];
     if (derivatives) {
       std::vector<int> wanted;
       for (const Output& o : outputs)
         for (const int state : shown_states(system_, o.channel)) wanted.push_back(state);
       SensitivityRun r =
-          simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options_, wanted);
-      if (!r.run.summary.completed) return fail(normal, r.run.summary.cause);
+          simulate_sensitivities(system_, parameters, excitations_[index], segment.x0, run_options, wanted);
+      if (!r.run.summary.completed) return r.run.summary.cause;
       error = difference(data.record, segment, outputs, parameters, r.run);
       const int state = state_of(system_.model(), outputs[0].channel);
       if (outputs.size() == 1 && state >= 0 && !system_.measure(outputs[0].channel)) {
@@ -201,23 +231,25 @@ class Problem {
           row += segment.count;
         }
       }
-      if (!jacobian.allFinite()) return fail(normal, "the sensitivities are not finite");
+      if (!jacobian.allFinite()) return "the sensitivities are not finite";
       hold_anchored(system_.model(), segment, jacobian);
     } else {
-      const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options_);
-      if (!r.summary.completed) return fail(normal, r.summary.cause);
+      const Run r = simulate(system_, parameters, excitations_[index], segment.x0, run_options);
+      if (!r.summary.completed) return r.summary.cause;
       error = difference(data.record, segment, outputs, parameters, r);
     }
-    return true;
+    return {};
   }
 
   /// A motion that chatters between its samples is not what was measured; it would be followed for minutes. Of a run
   /// of so many rows: each switch twice a row, and no more than one a row in a long one.
-  void limit_events(Eigen::Index rows) {
+  SimulateOptions with_fewer_events(Eigen::Index rows) const {
+    SimulateOptions options = run_options_;
     const auto switches =
         static_cast<Eigen::Index>(system_.dynamics().surfaces.size() + system_.dynamics().bounds.size());
     const Eigen::Index most = std::min(100 + 2 * rows * switches, 1000 + rows);
-    run_options_.max_events = static_cast<int>(std::min<Eigen::Index>(most, SimulateOptions().max_events));
+    options.max_events = static_cast<int>(std::min<Eigen::Index>(most, SimulateOptions().max_events));
+    return options;
   }
 
   /// Measured - model, weighted, channel after channel.
@@ -231,12 +263,6 @@ class Problem {
       row += segment.count;
     }
     return error;
-  }
-
-  static bool fail(Normal& normal, std::string cause) {
-    normal.cost = std::numeric_limits<double>::infinity();
-    normal.cause = std::move(cause);
-    return false;
   }
 
   const System& system_;

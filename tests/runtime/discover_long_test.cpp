@@ -62,19 +62,8 @@ TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
   EXPECT_TRUE(part.in_pieces);
 }
 
-/// One of 8 s at 800 Hz is searched in half the time.
-TEST(Pieces, OfARecordOfSixThousandRowsAreTwo) {
-  const Record record = seldom_strong(0, 1).slice(burst - 3000, 6400);
-  const Model model = baseline("k*y + c*v", 1);
-  const DiscoverOptions options;
-  const Study part = shortened(prepare(model, {record}, {record}, options));
-  ASSERT_EQ(part.train.size(), 2u);
-  EXPECT_EQ(part.train[0].record.rows() + part.train[1].record.rows(), 3000);
-  EXPECT_EQ(part.full.front().rows(), 6400);
-}
-
 TEST(Pieces, OfAShortRecordAreTheRecord) {
-  const Record record = seldom_strong(0, 1).slice(0, 3700);
+  const Record record = seldom_strong(0, 1).slice(0, 6400);
   const Model model = baseline("k*y + c*v", 1);
   const DiscoverOptions options;
   const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);

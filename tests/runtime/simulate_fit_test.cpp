@@ -205,6 +205,30 @@ TEST(FitTrajectory, GivesUpOnARunThatChattersBetweenItsSamples) {
   EXPECT_NE(stopped.find("more than 160 switches"), std::string::npos) << stopped;
 }
 
+/// Multiple shooting on several threads, with a start from which the later runs do not come to their end, too.
+TEST(FitTrajectory, HasTheSameBitsOnAnyNumberOfThreads) {
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 1)),
+                                  data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 2))};
+  for (const double k3 : {0.9e8, -1e12}) {
+    std::vector<FitResult> fits;
+    for (const int threads : {1, 2, 7}) {
+      FitOptions options;
+      options.segment = 500;
+      options.substeps = 2;
+      options.threads = threads;
+      fits.push_back(fit_trajectory(system, vector({1.95e4, 15, k3}), data, options));
+      const FitResult &one = fits.front(), &own = fits.back();
+      EXPECT_EQ(own.cost, one.cost);
+      EXPECT_EQ(own.runs, one.runs);
+      EXPECT_EQ(own.stopped, one.stopped);
+      EXPECT_EQ(own.theta, one.theta);
+      EXPECT_EQ(own.covariance, one.covariance);
+    }
+    EXPECT_EQ(std::isfinite(fits.front().cost), k3 > 0);
+  }
+}
+
 TEST(FitTrajectory, OfTwoRecordsSharesWhatIsNotSeparate) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
   const std::vector<FitData> data{data_of(system, record_of(duffing(2e4, 10, 1e8), {"y"}, {2e-5}, 1)),
