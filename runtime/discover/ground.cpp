@@ -39,6 +39,36 @@ void drop_those_that_do_not_run(SearchResult& found) {
   if (found.faint && !found.faint->ran()) found.faint.reset();
 }
 
+/// The simplest of the rivals of one effect and no more parameters than the chosen set that follow all rows better,
+/// each beyond chance: those that are not rejected against the likeliest of them.
+const Candidate* better_on_all_rows(const Study& study, const SearchResult& found) {
+  std::vector<const Candidate*> better;
+  for (const Beaten& rival : found.rivals) {
+    const Candidate& c = rival.model;
+    const bool simple = c.choices.size() == 1 && !(simplicity(found.chosen) < simplicity(c));
+    if (simple && !c.degenerate() && fits_worse(study, found.chosen, c)) better.push_back(&c);
+  }
+  if (better.empty()) return nullptr;
+  const Candidate& best = **std::ranges::min_element(better, {}, &Candidate::likelihood_cost);
+  std::erase_if(better, [&](const Candidate* c) { return !not_rejected(study, *c, best, found.grown.tried); });
+  return *std::ranges::min_element(better, {}, [](const Candidate* c) { return simplicity(*c); });
+}
+
+/// Pieces do not show where the states of an entry begin: what they put behind may follow all rows better.
+void name_what_all_rows_show(const Study& study, SearchResult& found) {
+  if (found.chosen.choices.empty()) return;
+  const Candidate* better = better_on_all_rows(study, found);
+  if (!better) return;
+  Candidate before = std::move(found.chosen);
+  name_alone(found, Candidate(*better));
+  found.rivals.insert(found.rivals.begin(), Beaten{std::move(before), Beaten::By::training, "fits all rows worse"});
+  judge_again(study, found);
+  std::vector<const Candidate*> among;
+  for (const Beaten& rival : found.rivals) among.push_back(&rival.model);
+  found.ties = find_ties(study, found.baseline, found.chosen, among);
+  remark_ties(found);
+}
+
 /// Of several effects: a set of fewer that follows as well with the force read otherwise, which it is left as then.
 std::optional<double> fewer_show_reading(Ground& ground, const SearchResult& found) {
   constexpr std::size_t asked_sets = 8;
@@ -111,6 +141,7 @@ void fit_all_rows(Ground& ground, Round& round) {
   drop_those_that_do_not_run(found);
   found.whitening = residual_colour(study, found.chosen.ran() ? found.chosen : found.baseline);
   judge_again(study, found);
+  name_what_all_rows_show(study, found);
   ground.baseline = found.baseline;
   decide(study, round);
 }

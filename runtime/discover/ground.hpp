@@ -24,8 +24,8 @@ std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found)
 /// What was found, judged on the study as it is now. The names stay; rivals are judged where they are, nearly.
 void judge_again(const Study& study, SearchResult& found);
 
-/// What was found on pieces of long records is fitted to all their rows, and decided again. The names stay. Nothing is
-/// done where all rows were looked at.
+/// What was found on pieces of long records is fitted to all their rows, and decided again. The names stay, but where a
+/// single effect with no more parameters follows all rows better. Nothing is done where all rows were looked at.
 void fit_all_rows(Ground& ground, Round& round);
 
 }  // namespace lunid

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "discover/baseline.hpp"
+#include "discover/ground.hpp"
 #include "discover/study.hpp"
 #include "discover_catalogue.hpp"
 
@@ -70,6 +72,50 @@ TEST(Pieces, OfAShortRecordAreTheRecord) {
   ASSERT_EQ(part.train.size(), 1u);
   EXPECT_EQ(part.train.front().record.rows(), whole.train.front().record.rows());
   EXPECT_FALSE(part.in_pieces);
+}
+
+/// What pieces preferred gives its place to a rival that follows all rows better; a rival with more parameters does not
+/// take it.
+TEST(Pieces, LeaveTheirNameForOneThatFollowsAllRowsBetter) {
+  truth::Physics physics;
+  physics.k3 = 0.3;
+  const truth::Motion motion = truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 9000, spacing, 8);
+  const Record record = testing::noisy_record(motion, "y", motion.x, 2e-3, 5);
+  const Model model = complete(baseline("k*y + c*v", 1));
+  Pool& pool = *model.pool;
+  const std::vector<Effect> catalogue{
+      testing::entry(pool, "cubic", "cubic_a*y^3", {testing::row("cubic_a")}),
+      testing::entry(pool, "quintic", "quintic_a*y^5", {testing::row("quintic_a")}),
+      testing::entry(pool, "both", "both_a*y^3 + both_b*y^5", {testing::row("both_a"), testing::row("both_b")})};
+  const DiscoverOptions options;
+  const auto named = [&](const std::vector<std::size_t>& chosen_first) {
+    Ground ground;
+    ground.whole = prepare(model, {record}, {record}, options);
+    ground.study = shortened(ground.whole);
+    EXPECT_TRUE(ground.study.in_pieces);
+    Round round;
+    SearchResult& found = round.found;
+    const auto fitted = [&](Choices set) {
+      Candidate c = compile(ground.study, model, std::move(set));
+      find_starts(ground.study, c, {}, {});
+      fit(ground.study, c, full_fit(ground.study, 20));
+      return c;
+    };
+    found.baseline = ground.baseline = fitted({});
+    for (const std::size_t i : chosen_first) {
+      const Choice choice{&catalogue[i], 0};
+      if (i != chosen_first.front()) {
+        found.rivals.push_back({fitted({choice}), Beaten::By::training, {}});
+        continue;
+      }
+      found.chosen = fitted({choice});
+      found.steps = {{choice, found.chosen}};
+    }
+    fit_all_rows(ground, round);
+    return found.chosen.name() + " before " + found.rivals.front().model.name();
+  };
+  EXPECT_EQ(named({1, 2, 0}), "cubic before quintic");
+  EXPECT_EQ(named({0, 2, 1}), "cubic before both");
 }
 
 /// The spring shows in one part of fifty; the final parameters and gaps are of all rows.
