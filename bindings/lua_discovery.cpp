@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "discovery.hpp"
-#include "expr/external.hpp"
+#include "model_threads.hpp"
 #include "progress.hpp"
 #include "runtime.hpp"
 #include "stream.hpp"
@@ -222,9 +222,7 @@ DiscoverOptions read_discover_options(lua_State* L, int index) {
   options.blocks = static_cast<int>(number_field(L, index, "blocks").value_or(options.blocks));
   options.holdout = number_field(L, index, "holdout").value_or(options.holdout);
   options.seed = runtime(L).seed;
-  options.threads = runtime(L).threads;
-  for (const FunctionPtr& function : runtime(L).pool()->functions())
-    if (!function->thread_safe()) options.threads = 1;
+  options.threads = model_threads(L);
   options.cancelled = &runtime(L).cancelled();
   if (on_terminal()) options.progress = show_with_time_left();
   return options;

@@ -4,6 +4,7 @@
 
 #include "expr/external.hpp"
 #include "expr/joined.hpp"
+#include "model_threads.hpp"
 #include "record/spectra.hpp"
 #include "runtime.hpp"
 #include "simulate/fit_check.hpp"
@@ -66,7 +67,7 @@ int parameter_index(const Model& model, const std::string& name, const std::stri
 FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {
   FitOptions options;
   options.max_iterations = static_cast<int>(number_field(L, index, "max_iterations").value_or(options.max_iterations));
-  options.threads = 0;
+  options.threads = model_threads(L);
   options.cancelled = &runtime(L).cancelled();
   options.shorten_steps = true;
   options.force_noise = boolean_field(L, index, "force_noise", false);

@@ -4,7 +4,7 @@
 
 #include "discover/stages.hpp"
 #include "discovery.hpp"
-#include "expr/external.hpp"
+#include "model_threads.hpp"
 #include "runtime.hpp"
 
 namespace lunid::lua {
@@ -87,9 +87,7 @@ ExperimentOptions read_experiment(lua_State* L, int index) {
   o.measured = string_field(L, index, "measured").value_or("y");
   o.units = read_units(L, index);
   o.seed = runtime(L).seed;
-  o.threads = runtime(L).threads;
-  for (const FunctionPtr& function : runtime(L).pool()->functions())
-    if (!function->thread_safe()) o.threads = 1;
+  o.threads = model_threads(L);
   o.cancelled = &runtime(L).cancelled();
   return o;
 }

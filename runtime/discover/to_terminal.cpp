@@ -87,7 +87,7 @@ std::string words_of(const ClosedLoop& loop) {
   return out;
 }
 
-constexpr std::size_t widest = 160;  // of a line of an equation
+constexpr std::size_t widest = 240;  // an equation that is shown whole
 
 /// The baseline's equation with each force that was named in it by its name; empty where that would not be all: several
 /// coordinates, a fault of a channel.
@@ -105,13 +105,13 @@ std::string equation_in_names(const Discovery& d) {
 
 /// The equation, and of its states no more than can be read: an iwan has twenty, each with limits of 200 characters.
 std::string short_equation(const Discovery& d) {
-  constexpr std::size_t most_states = 3;
+  constexpr std::size_t most_states = 3, widest_state = 160;
   const std::string elsewhere = " (whole in model.lua and the report)";
   std::istringstream whole(d.final.equation());
   std::string out, line;
   const std::size_t most = static_cast<std::size_t>(d.final.degrees()) + most_states;
   for (std::size_t lines = 0; std::getline(whole, line); ++lines) {
-    if (lines < most && line.size() <= widest) {
+    if (lines < most && line.size() <= (lines == 0 ? widest : widest_state)) {
       out += (lines > 0 ? "\n" : "") + line;
       continue;
     }
