@@ -63,10 +63,7 @@ void name_what_all_rows_show(const Study& study, SearchResult& found) {
   name_alone(found, Candidate(*better));
   found.rivals.insert(found.rivals.begin(), Beaten{std::move(before), Beaten::By::training, "fits all rows worse"});
   judge_again(study, found);
-  std::vector<const Candidate*> among;
-  for (const Beaten& rival : found.rivals) among.push_back(&rival.model);
-  found.ties = find_ties(study, found.baseline, found.chosen, among);
-  remark_ties(found);
+  find_ties_again(study, found);
 }
 
 /// Of several effects: a set of fewer that follows as well with the force read otherwise, which it is left as then.

@@ -306,7 +306,7 @@ class OnTest {
     }
     round.train = runs(study_, found.chosen, study_.full);
     round.left = look_for_structure(study_, found.chosen, round.train, found.whitening);
-    if (stand > 0) find_ties_of_the_rest(found);
+    if (stand > 0) find_ties_again(study_, found);  // what is left of a larger set has rivals of its own
     round.verdict = stand > 0 ? found.ties.verdict() : verdict_without_names(round, patched);
   }
 
@@ -323,14 +323,6 @@ class OnTest {
                       (leaves_motion_open(study_, test) && !round.loose_test);
     const bool missing = open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
     return missing ? Verdict::unknown_effect : Verdict::nothing_missing;
-  }
-
-  /// What is left of a larger set has rivals of its own.
-  void find_ties_of_the_rest(SearchResult& found) const {
-    std::vector<const Candidate*> rivals;
-    for (const Beaten& rival : found.rivals) rivals.push_back(&rival.model);
-    found.ties = find_ties(study_, found.baseline, found.chosen, rivals);
-    remark_ties(found);
   }
 
   Ground& ground_;

@@ -287,6 +287,13 @@ void remark_ties(SearchResult& found) {
   }
 }
 
+void find_ties_again(const Study& study, SearchResult& found) {
+  std::vector<const Candidate*> rivals;
+  for (const Beaten& rival : found.rivals) rivals.push_back(&rival.model);
+  found.ties = find_ties(study, found.baseline, found.chosen, rivals);
+  remark_ties(found);
+}
+
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after) {
   std::vector<double> a, b;
   for (std::size_t r = 0; r < before.size(); ++r) {

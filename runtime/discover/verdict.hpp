@@ -97,6 +97,8 @@ void name_alone(SearchResult& found, Candidate chosen);
 
 /// Rivals that are ties say so.
 void remark_ties(SearchResult& found);
+/// Of a chosen set that another had the place of: its ties among the rivals.
+void find_ties_again(const Study& study, SearchResult& found);
 
 /// That the named model is better than the baseline on the test records, by their runs over these.
 double test_p_value(const Study& study, const std::vector<FreeRun>& before, const std::vector<FreeRun>& after);
