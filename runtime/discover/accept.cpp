@@ -84,14 +84,19 @@ Channel no_force(const std::string& name, const Record& record) {
   return force;
 }
 
-/// To half from the first quarter to the last, or by a tenth and never up from one eighth to the next.
-bool falls(std::span<const double> y) {
-  const std::size_t quarter = y.size() / 4, eighth = y.size() / 8;
+/// To half from the first quarter to the last, or by a tenth and never up from one eighth to the next, or from one part
+/// of two periods.
+bool falls(std::span<const double> y, double dt) {
+  constexpr double periods = 2, fewest = 3, most = 8;
+  const std::size_t quarter = y.size() / 4;
   const double first = standard_deviation(y.first(quarter)), last = standard_deviation(y.last(quarter));
   if (last < 0.5 * first) return true;
+  const double of_motion = dominant_frequency(y, dt) / (2 * M_PI) * dt * static_cast<double>(y.size());
+  const auto part = static_cast<std::size_t>(static_cast<double>(y.size()) /
+                                             std::clamp(std::floor(of_motion / periods), fewest, most));
   double before = INFINITY;
-  for (std::size_t at = 0; at + eighth <= y.size(); at += eighth) {
-    const double now = standard_deviation(y.subspan(at, eighth));
+  for (std::size_t at = 0; at + part <= y.size(); at += part) {
+    const double now = standard_deviation(y.subspan(at, part));
     if (!(now < before)) return false;
     before = now;
   }
@@ -103,17 +108,25 @@ bool dies_away(const Study& study, const Record& record) {
   for (int i = 0; i < study.degrees(); ++i) {
     const std::string channel = measured_channel(record, suffix_of(study, i));
     if (!record.has(channel)) return false;
-    if (!falls(record[channel])) return false;
+    if (!falls(record[channel], record.dt())) return false;
   }
   return true;
 }
 
-/// A record without a force is that of a free decay where its motion dies away; any other is returned as it is.
-Record with_force_of_decay(const Study& study, const Record& record, std::vector<std::string>& warnings) {
+bool has_force(const Study& study, const Record& record) {
   const auto shown = [&](const std::string& force) { return record.has(force); };
-  if (record.has("F") || std::any_of(study.forces.begin(), study.forces.end(), shown)) return record;
-  if (!dies_away(study, record)) return record;
-  warnings.push_back(record.name() + " has no force and its motion dies away: taken for a free decay, F = 0");
+  return record.has("F") || std::ranges::any_of(study.forces, shown);
+}
+
+/// A record without a force is that of a free decay where its motion dies away or `decays`; any other is returned as it
+/// is.
+Record with_force_of_decay(const Study& study, const Record& record, bool decays, std::vector<std::string>& warnings) {
+  if (has_force(study, record)) return record;
+  const bool dies = dies_away(study, record);
+  if (!dies && !decays) return record;
+  warnings.push_back(record.name() + " has no force and " +
+                     (dies ? "its motion dies away" : "the training records are free decays") +
+                     ": taken for a free decay, F = 0");
   Record out = record;
   for (const std::string& force : study.forces) out = out.with(no_force(force, record));
   return out;
@@ -302,8 +315,10 @@ std::string words_of_missing(const Study& study, const Record& record, const std
     return what +
            "the motion of every coordinate of the model has to be measured: name its column, or take a model without "
            "it";
-  const bool shaken = missing.front()[0] == 'F' && (record.has("yb") || record.has("vb") || record.has("ab"));
+  const bool drives = missing.front()[0] == 'F',
+             shaken = drives && (record.has("yb") || record.has("vb") || record.has("ab"));
   return what + "name its column, e.g. --columns \"" + columns + "\"" +
+         (drives && !shaken ? ", or say F=0 there where nothing drives it" : "") +
          (shaken ? "; where the base drives, the baseline holds differences to it, as k*(y - yb) + c*(v - vb), or m*ab"
                  : "");
 }
@@ -330,8 +345,14 @@ void check_record(const Study& study, const Record& record) {
                      Fault::data);
 }
 
-Record with_known_forces(const Study& study, const Record& record, std::vector<std::string>& warnings) {
-  return until_rest(study, with_all_forces(study, with_force_of_decay(study, record, warnings), warnings), warnings);
+Record with_known_forces(const Study& study, const Record& record, bool decays, std::vector<std::string>& warnings) {
+  const Record driven = with_all_forces(study, with_force_of_decay(study, record, decays, warnings), warnings);
+  return until_rest(study, driven, warnings);
+}
+
+bool are_decays(const Study& study, const std::vector<Record>& records) {
+  return std::ranges::all_of(
+      records, [&](const Record& record) { return !has_force(study, record) && dies_away(study, record); });
 }
 
 void choose_output(Study& study, const std::vector<Record>& train) {

@@ -9,9 +9,12 @@ namespace lunid {
 
 /// The record with all forces that the study's model is driven by: none acts in a free decay, where the motion dies
 /// away; of several coordinates F is the force of the one that is driven, and what the record lacks beside others is
-/// zero. A free decay ends where all has come to rest. `warnings` says what was taken for what. Throws InputError for a
-/// force F that may act on several.
-Record with_known_forces(const Study& study, const Record& record, std::vector<std::string>& warnings);
+/// zero. A free decay ends where all has come to rest. `decays`: the training records are free decays, and so is this
+/// one where it has no force. `warnings` says what was taken for what. Throws InputError for a force F that may act on
+/// several.
+Record with_known_forces(const Study& study, const Record& record, bool decays, std::vector<std::string>& warnings);
+/// No force was measured, and all motions die away.
+bool are_decays(const Study& study, const std::vector<Record>& records);
 
 /// No force acts: each that drives the study's model is in the record, and zero throughout.
 bool is_free(const Study& study, const Record& record);

@@ -35,7 +35,7 @@ class Spine {
     progress("check the data", 0.0);
     ground_.whole = prepare(model_, train, test, options_);
     ground_.whole.test_is_known = warn_of_known_rows(train, test, ground_.whole.warnings);
-    study_ = shortened(ground_.whole);
+    study_ = shortened(ground_.whole, ground_.searched);
     out_.warnings = study_.warnings;
     for (const auto& data : ground_.whole.train)
       for (const auto& w : data.record.warnings()) out_.warnings.push_back(w);
@@ -52,8 +52,8 @@ class Spine {
     if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
-    if (study_.in_pieces) progress("fit all rows", 0.92);
-    fit_all_rows(ground_, round);
+    fit_all(round);
+    if (leaves_anything(round) && ground_.take_more_rows()) look_at_more_rows(round);
     doubt_names(round);
     progress("open the test record", 0.94);
     const ModelRuns runs = judge_on_test(ground_, round, out_);
@@ -90,6 +90,27 @@ class Spine {
     else if (without_states_ > first_ && round.names())
       look_further(round, "the rivals without memory", without_states_);
     return round;
+  }
+
+  // ---- long records ----
+  void fit_all(Round& round) {
+    if (study_.in_pieces) progress("fit all rows", 0.92);
+    fit_all_rows(ground_, round);
+  }
+
+  /// What a search of few rows has led down to the noise of all is not searched for on more.
+  bool leaves_anything(const Round& round) const {
+    return round.verdict == Verdict::unknown_effect || round.left.seen || !near_the_floor(round.left.gap);
+  }
+
+  void look_at_more_rows(Round& round) {
+    progress("search more rows", done_);
+    grown_.clear();
+    ground_.read_force({study_.guesses.front()});
+    std::vector<std::string> unsaid;
+    baseline_ = fit_baseline(study_, model_, unsaid, given_);
+    round = look_at_all();
+    fit_all(round);
   }
 
   // ---- motions that forget where they came from ----
@@ -285,10 +306,11 @@ class Spine {
   bool leaves_open(const Round& round) const {
     const Closure& generic = round.left.closure;
     const bool hints = generic.p_value < options_.alpha / 10 && generic.gain > options_.minimum_gain;
-    return round.verdict == Verdict::unknown_effect || round.left.seen || hints ||
-           round.found.chosen.choices.size() > 1 || !(round.left.gap.value < 1.2 * round.left.gap.floor) ||
+    return leaves_anything(round) || hints || round.found.chosen.choices.size() > 1 ||
            has_simpler_form(round.found.chosen.choices);
   }
+
+  static bool near_the_floor(const Gap& gap) { return gap.value < 1.2 * gap.floor; }
 
   bool has_simpler_form(const Choices& named) const {
     const auto others = std::span<const Effect>(catalogue_).subspan(first_);

@@ -89,12 +89,21 @@ std::optional<double> fewer_show_reading(Ground& ground, const SearchResult& fou
 
 void Ground::read_force(BetweenSamples between) {
   lunid::read_force(whole, between);
-  study = shortened(whole);
+  study = shortened(whole, searched);
 }
 
 void Ground::take_noise() {
-  study = shortened(whole);
+  study = shortened(whole, searched);
   if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
+}
+
+bool Ground::take_more_rows() {
+  const Study before = shortened(whole, searched);
+  searched = Searched::again;
+  Study more = shortened(whole, searched);
+  if (more.rows() == before.rows()) return false;
+  study = std::move(more);
+  return true;
 }
 
 std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found) {

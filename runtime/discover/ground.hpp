@@ -9,10 +9,13 @@ namespace lunid {
 struct Ground {
   Study whole, study;  ///< of all rows, and of those that are looked at now: pieces of long records in the search
   Candidate baseline;  ///< fitted to the latter
+  Searched searched = Searched::first;
 
   void read_force(BetweenSamples between);
   /// Several outputs weigh by their noise: the fit of the baseline is another one.
   void take_noise();
+  /// More rows, for a new search; false where no more are searched.
+  bool take_more_rows();
 };
 
 /// Whether the force is to be read otherwise between its samples, by so much that a new search is worth it; it is then

@@ -27,9 +27,8 @@ constexpr std::size_t runs_by_motion = 3;  // of what the force does not show
 constexpr double near_enough = 0.5;        // of the motion, for that
 
 int runs_per_size(const Study& study) {
-  double rows = 0;
-  for (const FitData& data : study.train) rows += static_cast<double>(data.record.rows());
-  return static_cast<int>(std::clamp<double>(rows_of_runs / rows, least_per_size, most_per_size));
+  return static_cast<int>(
+      std::clamp<double>(rows_of_runs / static_cast<double>(study.rows()), least_per_size, most_per_size));
 }
 
 /// The best proposal at other places: a rival of itself.

@@ -11,10 +11,11 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index searched_rows = 6000;  // of all training records together
-constexpr Index fewest_rows = 1500;    // of a piece
-constexpr double fewest_periods = 20;  // of the motion in a piece
-constexpr Index run_rows = 12000;      // of all parts of the records together, where those are cut into short runs
+constexpr Index searched_rows = 6000;   // of all training records together
+constexpr Index searched_first = 3000;  // the same, and a quarter of the rows of longer records
+constexpr Index fewest_rows = 1500;     // of a piece
+constexpr double fewest_periods = 20;   // of the motion in a piece
+constexpr Index run_rows = 12000;       // of all parts of the records together, where those are cut into short runs
 constexpr Index fewest_rows_of_run = 40;
 
 struct Piece {
@@ -46,17 +47,18 @@ void cut(const Record& record, std::size_t index, const std::string& channel, In
   }
 }
 
-std::vector<Piece> pieces_of(const Study& study) {
-  Index all = 0;
-  for (const FitData& data : study.train) all += data.record.rows();
-  if (study.imposed || study.run_length > 0 || all <= searched_rows * 5 / 4) return {};
+std::vector<Piece> pieces_of(const Study& study, Searched searched) {
+  const Index all = study.rows();
+  const Index wanted = searched == Searched::first ? std::clamp(all / 4, searched_first, searched_rows) : searched_rows;
+  if (study.imposed || study.run_length > 0 || all <= wanted * 5 / 4) return {};
   std::vector<Piece> out;
   for (std::size_t r = 0; r < study.train.size(); ++r) {
     const Record& record = study.train[r].record;
     const double period = study.omega > 0 ? 2 * M_PI / study.omega / record.dt() : 0;
     const Index length = std::max(fewest_rows, static_cast<Index>(std::ceil(fewest_periods * period)));
     const auto share = static_cast<double>(record.rows()) / static_cast<double>(all);
-    const auto count = std::max<Index>(1, std::lround(share * searched_rows / static_cast<double>(length)));
+    const auto count =
+        std::max<Index>(1, std::lround(share * static_cast<double>(wanted) / static_cast<double>(length)));
     if (count * length < record.rows())
       cut(record, r, study.output(), length, count, out);
     else
@@ -117,8 +119,8 @@ Study in_short_runs(const Study& whole, double periods) {
   return out;
 }
 
-Study shortened(const Study& whole) {
-  const std::vector<Piece> pieces = pieces_of(whole);
+Study shortened(const Study& whole, Searched searched) {
+  const std::vector<Piece> pieces = pieces_of(whole, searched);
   if (pieces.empty()) return whole;
   Study out = of_pieces(whole, pieces);
   out.in_pieces = true;

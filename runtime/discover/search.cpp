@@ -82,7 +82,8 @@ class Search {
     std::vector<Candidate*> list{&result_.baseline};
     for (auto& c : field) list.push_back(&c);
     judge_all(list);
-    std::erase_if(field, [&](const Candidate& c) { return c.degenerate() || !may_be_named(c); });
+    while (drop_those_at_limits(field)) hear_the_next(field);
+    std::erase_if(field, [&](const Candidate& c) { return !may_be_named(c); });
     if (field.empty()) {
       run_left_out(study_, result_.baseline);
       result_.chosen = result_.baseline;
@@ -93,6 +94,24 @@ class Search {
                      [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
     refit_baseline(field.front());
     choose(field);
+  }
+
+  /// What the colour of the noise has led to a limit is no contender, nor what others were held against. False where
+  /// there is none.
+  bool drop_those_at_limits(std::vector<Candidate>& field) {
+    const auto is_there = [&](const Candidate& set) {
+      const Candidate* judged = find_in(field, set.choices);
+      return judged && judged->degenerate();
+    };
+    std::erase_if(result_.grown.sets, is_there);
+    return std::erase_if(field, [](const Candidate& c) { return c.degenerate(); }) > 0;
+  }
+
+  void hear_the_next(std::vector<Candidate>& field) {
+    const std::size_t judged = field.size();
+    for (Candidate& c : contenders())
+      if (!find_in(field, c.choices)) field.push_back(std::move(c));
+    judge_from(judged, field);
   }
 
   /// An effect may look needed only because the baseline's own fit ended in a worse place than that beside it: from

@@ -226,6 +226,12 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
   return Record(record.name(), record.start(), record.dt(), std::move(channels));
 }
 
+Eigen::Index Study::rows() const {
+  Eigen::Index sum = 0;
+  for (const FitData& data : train) sum += data.record.rows();
+  return sum;
+}
+
 std::string Study::channel(char quantity, int coordinate) const { return model.channel(quantity, coordinate); }
 
 Units Study::units() const { return units_of(full.front(), channel('y', 0), forces.front()); }
@@ -308,9 +314,11 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   study.imposed = baseline.imposed_motion;
   study.model = complete(baseline);
   if (!study.imposed) study.forces = study.model.inputs();
+  const bool decays = !study.imposed && are_decays(study, train);
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed) record = with_known_forces(study, without_wild_rows(record, study.warnings), study.warnings);
+      if (!study.imposed)
+        record = with_known_forces(study, without_wild_rows(record, study.warnings), decays, study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(study, record);

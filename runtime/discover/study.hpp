@@ -46,6 +46,7 @@ struct Study {
   double least_left = INFINITY;   ///< [first output] rms that some set left of the training records: noise is no more
   double motion_noise = 0;        ///< [N] rms: what noise of a prescribed motion makes of the baseline's force
 
+  Eigen::Index rows() const;  ///< of the training records together
   int degrees() const { return model.pool ? model.degrees() : 1; }
   std::string channel(char quantity, int coordinate) const;
   /// What free runs are held against, one channel for each coordinate.
@@ -76,10 +77,12 @@ FitData fit_data(const Study& study, const Record& record);
 /// The forces of these records look like that of the first training record between their samples.
 bool look_alike(const Study& study, const std::vector<Record>& records);
 
+/// How many rows of long records are searched: few at first, more where what is found on these leaves anything.
+enum class Searched { first, again };
 /// The study on pieces of its training records where those are long: a search that takes minutes to each candidate on
 /// all rows is made on these. `full` and `test` stay what they are; short records, and an imposed motion, whose
 /// internal states need all that came before, are taken whole. To be made again after read_force.
-Study shortened(const Study& whole);
+Study shortened(const Study& whole, Searched searched);
 
 /// The study on consecutive parts of its records, each so many periods of its upper frequency long and with a first
 /// state of its own: for a motion that forgets where it came from (chaos, several attractors), which a run over the

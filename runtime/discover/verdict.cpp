@@ -191,7 +191,21 @@ bool is_patchwork(const Study& study, const Round& round) {
   return share_closed(first) < 0.8 * share_closed(after.value);
 }
 
-/// What keeps names that close this share of the squared excess over left-out blocks from being the answer; or "".
+/// Of the squared excess, by the names: over left-out blocks, whose first states are fitted to each; or in runs over
+/// whole training records, where those leave hardly anything of the motion. A free decay that falls behind is far off
+/// in the end, which blocks do not show.
+double share_closed(const Study& study, const Round& round) {
+  constexpr double hardly_open = 0.01;
+  const SearchResult& found = round.found;
+  if (!std::isfinite(found.baseline.left_out_gap)) return 1;
+  const double of_blocks = closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap());
+  const Gap after = round.gap(round.train);
+  if (!round.names() || far_from_the_floor(after, hardly_open)) return of_blocks;
+  const Gap before = round.gap(runs(study, found.baseline, study.full, false));
+  return std::max(of_blocks, closed_share(at_most_all(before.value), after.value, after.floor));
+}
+
+/// What keeps names that close this share of the squared excess from being the answer; or "".
 std::string why_no_explanation(const Study& study, const Round& round, double closed) {
   if (round.found.chosen.degenerate()) return "a parameter sits where the effect is another one, or none";
   if (closed >= most_closed(round.found.chosen.choices)) return "";
@@ -210,9 +224,7 @@ void decide(const Study& study, Round& round) {
     withdraw(round, Beaten::By::training, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
-  const double closed = std::isfinite(found.baseline.left_out_gap)
-                            ? closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap())
-                            : 1;
+  const double closed = share_closed(study, round);
   const Choices& names = found.chosen.choices;
   const bool series = is_series(names) || is_loose_series(names, round.gap(round.train), closed);
   if (series) {

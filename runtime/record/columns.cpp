@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "expr/joined.hpp"
@@ -72,11 +74,19 @@ std::string list_headers(const std::vector<HeaderCell>& header) {
   return text;
 }
 
+bool is_header(const HeaderCell& cell, const ColumnMap& map) {
+  return cell.text == map.header || cell.name == map.header;
+}
+
+bool has_header(const std::vector<HeaderCell>& header, const ColumnMap& map) {
+  return std::ranges::any_of(header, [&](const HeaderCell& cell) { return is_header(cell, map); });
+}
+
 /// The column that `map` asks for.
 std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& map, const SourceSpan& where) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < header.size(); ++i) {
-    if (header[i].text == map.header || header[i].name == map.header) return i;
+    if (is_header(header[i], map)) return i;
     names.push_back(header[i].name);
   }
   const std::string near = nearest_word(map.header, names);
@@ -242,6 +252,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   };
   for (std::size_t i = 0; i < header.size(); ++i) plans[i].header = header[i];
   for (const ColumnMap& map : options.columns) {
+    if (constant_of(map) && !has_header(header, map)) continue;
     const std::size_t i = find_header(header, map, where);
     if (plans[i].required)
       throw InputError(
@@ -275,6 +286,31 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     if (!plan.required && !plan.derived) plan_extra(plan, plans, where, warnings);
   if (no_time) plans[*no_time].channel.clear(), plans[*no_time].required = false;
   return plans;
+}
+
+std::optional<double> constant_of(const ColumnMap& map) {
+  double value = 0;
+  const char* end = map.header.data() + map.header.size();
+  const auto [at, error] = std::from_chars(map.header.data(), end, value);
+  if (error != std::errc() || at != end || !std::isfinite(value)) return {};
+  return value;
+}
+
+Record with_constants(const Record& record, const std::vector<ColumnMap>& columns) {
+  Record out = record;
+  const bool turns = record.has("y") && record.channel("y").unit == "rad";
+  for (const ColumnMap& map : columns) {
+    const std::optional<double> value = constant_of(map);
+    if (!value || map.channel == "t" || out.has(map.channel)) continue;
+    ColumnPlan plan;
+    plan.channel = plan.header.text = plan.header.name = map.channel;
+    std::vector<std::string> warnings;
+    set_unit(plan, map.unit.empty() && turns && map.channel == "F" ? "N m" : map.unit, true, {record.name()}, warnings);
+    Channel channel = channel_of(plan);
+    channel.values = Eigen::VectorXd::Constant(record.rows(), *value * plan.factor);
+    out = out.with(std::move(channel));
+  }
+  return out;
 }
 
 ColumnMap parse_column(std::string_view channel, std::string_view text) {

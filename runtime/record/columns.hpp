@@ -41,6 +41,12 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
                                      const SourceSpan& where, std::vector<std::string>& warnings,
                                      bool needs_time = true);
 
+/// The number of "F=0": a channel that the file lacks and that is the same in every row (nothing drives a free decay).
+/// A column of that header goes before. Nothing for other maps.
+std::optional<double> constant_of(const ColumnMap& map);
+/// The record with those channels. Throws InputError (Fault::data) for a unit that is none of the channel's.
+Record with_constants(const Record& record, const std::vector<ColumnMap>& columns);
+
 /// What a derived channel's column is called in files, after its name, so that it is not read back as a measured one.
 inline constexpr std::string_view derived_ending = "_derived";
 std::string name_in_files(const Channel& channel);

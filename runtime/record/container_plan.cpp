@@ -28,6 +28,7 @@ bool has(const ContainerPlan& plan, const std::string& name) {
 ContainerPlan candidates_of(const Container& file, const std::string& path, ReadOptions& options) {
   ContainerPlan found;
   for (ColumnMap& map : options.columns) {
+    if (constant_of(map)) continue;
     const ContainerChoice choice = choose_variable(file, path, map.header, "for channel '" + map.channel + "'");
     const Variable& variable = file.variables()[choice.variable];
     if (choice.column < 0) map.header = variable.name;

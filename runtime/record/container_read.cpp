@@ -90,11 +90,11 @@ Record read_container(const std::string& path, const ReadOptions& options) {
 }
 
 Record read_record(const std::string& path, const ReadOptions& options) {
-  if (is_container(path)) return read_container(path, options);
+  if (is_container(path)) return with_constants(read_container(path, options), options.columns);
   if (!options.interval_name.empty() || !options.rate_name.empty())
     fail(path, "rate and interval: expected a number for a CSV file, got the name '" +
                    (options.rate_name.empty() ? options.interval_name : options.rate_name) + "'");
-  return read_csv(path, options);
+  return with_constants(read_csv(path, options), options.columns);
 }
 
 namespace {

@@ -9,7 +9,7 @@ return function(effect)
       return { { vr = 0.01 * scale.v_max }, { vr = 0.05 * scale.v_max }, { vr = 0.2 * scale.v_max } }
     end,
     range = function(scale, variant)  -- never seen: the first form; always: viscous_damping
-      return variant == 2 and { vr = { 2e-3 * scale.v_max, scale.v_max } } or {}
+      return variant == 2 and { vr = { 2e-3 * scale.v_max, 0.5 * scale.v_max } } or {}
     end,
     passive = true,
     signature = "odd in v, even in y; odd harmonics; a rectangular loop; weighs less the larger the amplitude; sticks",

@@ -35,7 +35,7 @@ TEST(Pieces, OfALongRecordHoldItsLargestMotionAndSpreadOverIt) {
   const Record record = seldom_strong(0, 1);
   const Model model = baseline("k*y + c*v", 1);
   const DiscoverOptions options;
-  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);
+  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole, Searched::again);
   const Record& all = whole.train.front().record;
   ASSERT_GE(part.train.size(), 4u);
   Eigen::Index sum = 0;
@@ -68,10 +68,60 @@ TEST(Pieces, OfAShortRecordAreTheRecord) {
   const Record record = seldom_strong(0, 1).slice(0, 6400);
   const Model model = baseline("k*y + c*v", 1);
   const DiscoverOptions options;
-  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole);
+  const Study whole = prepare(model, {record}, {record}, options), part = shortened(whole, Searched::again);
   ASSERT_EQ(part.train.size(), 1u);
   EXPECT_EQ(part.train.front().record.rows(), whole.train.front().record.rows());
   EXPECT_FALSE(part.in_pieces);
+}
+
+TEST(Pieces, AreFewAtFirstAndMoreOnce) {
+  const Model model = baseline("k*y + c*v", 1);
+  const DiscoverOptions options;
+  const Record all = seldom_strong(0, 1), test = all.slice(0, 500);
+  const auto searched = [&](int length) {
+    Ground ground;
+    ground.whole = prepare(model, {all.slice(0, length)}, {test}, options);
+    ground.study = shortened(ground.whole, ground.searched);
+    std::vector<Eigen::Index> out{ground.study.rows()};
+    while (ground.take_more_rows()) out.push_back(ground.study.rows());
+    return out;
+  };
+  EXPECT_EQ(searched(3000), (std::vector<Eigen::Index>{3000}));
+  EXPECT_EQ(searched(6400), (std::vector<Eigen::Index>{3000, 6400}));
+  EXPECT_EQ(searched(12000), (std::vector<Eigen::Index>{3000, 6000}));
+  EXPECT_EQ(searched(rows), (std::vector<Eigen::Index>{6000}));
+}
+
+/// A burst in rows that are not among the first pieces.
+TEST(Pieces, AreMoreWhereTheFirstLeaveAnything) {
+  constexpr int length = 6400, at = 2400, width = 300;
+  truth::Physics physics;
+  const auto burst_at = [](double t) {
+    const double off = (t / spacing - at) / width;
+    return 0.02 * std::cos(0.6 * t) * std::exp(-off * off);
+  };
+  const auto measured = [&](std::uint64_t seed) {
+    const truth::Signal random = truth::multisine(0.2, 2.2, 40, seed);
+    const auto with_burst = [&](double t) { return random(t) + burst_at(t) / 0.1; };
+    truth::Motion motion = truth::integrate(physics, with_burst, 0.1, {}, length, spacing, 8);
+    for (int i = 0; i < length; ++i) motion.force[static_cast<std::size_t>(i)] -= burst_at(i * spacing);
+    return testing::noisy_record(motion, "y", motion.x, 2e-3, seed);
+  };
+  const Record record = measured(5);
+  const Model model = baseline("k*y + c*v", 1);
+  const DiscoverOptions options;
+  for (const FitData& data : shortened(prepare(model, {record}, {record}, options), Searched::first).train) {
+    const double from = data.record.start() / spacing, to = from + static_cast<double>(data.record.rows());
+    ASSERT_TRUE(from > at + 2 * width || to < at - 2 * width) << from;
+  }
+  std::vector<Effect> catalogue = small_catalogue(*model.pool);
+  const std::string shape =
+      "burst_a*cos(0.6*t)*exp(-((t - " + std::to_string(at * spacing) + ")/" + std::to_string(width * spacing) + ")^2)";
+  catalogue.push_back(testing::entry(*model.pool, "burst", shape, {testing::row("burst_a")}));
+  const Discovery d = discover(model, catalogue, {record}, {measured(6)}, options);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "burst");
+  EXPECT_NEAR(d.effects[0].parameters.front().value, -0.02, 0.001);
 }
 
 /// What pieces preferred gives its place to a rival that follows all rows better; a rival with more parameters does not
@@ -91,7 +141,8 @@ TEST(Pieces, LeaveTheirNameForOneThatFollowsAllRowsBetter) {
   const auto named = [&](const std::vector<std::size_t>& chosen_first) {
     Ground ground;
     ground.whole = prepare(model, {record}, {record}, options);
-    ground.study = shortened(ground.whole);
+    ground.searched = Searched::again;
+    ground.study = shortened(ground.whole, ground.searched);
     EXPECT_TRUE(ground.study.in_pieces);
     Round round;
     SearchResult& found = round.found;
