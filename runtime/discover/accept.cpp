@@ -84,16 +84,17 @@ Channel no_force(const std::string& name, const Record& record) {
   return force;
 }
 
-/// To half from the first quarter to the last, or by a tenth and never up from one eighth to the next, or from one part
-/// of two periods.
+/// To half from the first quarter to the last, or by a tenth and never up from one part to the next, eight or fewer of
+/// two whole periods and more.
 bool falls(std::span<const double> y, double dt) {
   constexpr double periods = 2, fewest = 3, most = 8;
   const std::size_t quarter = y.size() / 4;
   const double first = standard_deviation(y.first(quarter)), last = standard_deviation(y.last(quarter));
   if (last < 0.5 * first) return true;
-  const double of_motion = dominant_frequency(y, dt) / (2 * M_PI) * dt * static_cast<double>(y.size());
-  const auto part = static_cast<std::size_t>(static_cast<double>(y.size()) /
-                                             std::clamp(std::floor(of_motion / periods), fewest, most));
+  const double period = 2 * M_PI / dominant_frequency(y, dt) / dt, all = static_cast<double>(y.size()) / period;
+  const double own = std::floor(all / std::clamp(std::floor(all / periods), fewest, most));
+  if (!(own >= 1)) return false;
+  const auto part = static_cast<std::size_t>(std::lround(own * period));
   double before = INFINITY;
   for (std::size_t at = 0; at + part <= y.size(); at += part) {
     const double now = standard_deviation(y.subspan(at, part));

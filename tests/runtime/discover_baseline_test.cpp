@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/study.hpp"
 #include "discover_catalogue.hpp"
 #include "message.hpp"
 #include "record/random.hpp"
@@ -52,6 +53,67 @@ TEST(DiscoveryTakes, AFreeDecayOfLightDamping) {
   EXPECT_TRUE(testing::warns(d, "decay 1 has no force and its motion dies away: taken for a free decay, F = 0"));
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+}
+
+/// The last three periods of it, as a test, hardly fall: beside decays that were trained on they are one.
+TEST(DiscoveryTakes, AShortTestWithoutAForceBesideFreeDecays) {
+  const Model model = baseline("k*y + c*v", 1);
+  const Record whole = decay(2, 1, "m", 0.003);
+  const Discovery d = discover(model, small_catalogue(*model.pool), {whole.slice(0, 600)}, {whole.slice(600, 100)});
+  EXPECT_TRUE(testing::warns(
+      d, "decay 1 has no force and the training records are free decays: taken for a free decay, F = 0"));
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+}
+
+/// 400 rows to a period, of a strong cubic spring and a noise of a ten-thousandth.
+struct FastDecay {
+  static constexpr int rows = 16000;
+  static constexpr double noise = 1e-4;
+  truth::Motion fine;  ///< twice as often
+  Record record;
+};
+
+FastDecay fast_decay() {
+  truth::Physics physics;
+  physics.zeta = 0.005;
+  physics.k3 = 0.5;
+  const double spacing = 2 * M_PI / 400;
+  const truth::Motion fine =
+      truth::integrate(physics, truth::none(), 0, {1.5, 0, 0}, 2 * FastDecay::rows, spacing / 2, 8);
+  std::vector<double> y(FastDecay::rows);
+  Philox random(4, 0);
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = fine.x[2 * i] + FastDecay::noise * random.normal();
+  return {fine, Record("fast", 0, spacing, {channel("y", "m", y)})};
+}
+
+TEST(DiscoveryTakes, OfAFastRecordTheValuesInTheMiddleOfItsMeans) {
+  const FastDecay fast = fast_decay();
+  const DiscoverOptions options;
+  const Study study = prepare(baseline("k*y + c*v", 1), {fast.record}, {fast.record.slice(0, 4000)}, options);
+  const Record& thin = study.train.front().record;
+  const auto mean_of = static_cast<std::size_t>(std::lround(thin.dt() / fast.record.dt()));
+  ASSERT_GT(mean_of, 4u);
+  double squares = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(thin.rows()); ++i)
+    squares += std::pow(thin["y"][i] - fast.fine.x[2 * i * mean_of + mean_of - 1], 2);
+  const double expected = thin.channel("y").noise;
+  EXPECT_NEAR(expected, FastDecay::noise / std::sqrt(static_cast<double>(mean_of)), 0.2 * expected);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(thin.rows())), 1.1 * expected);
+}
+
+/// The force of a mean is not the mean of the force.
+TEST(DiscoveryTakes, AFastRecordDownToItsNoise) {
+  const FastDecay fast = fast_decay();
+  const Model model = baseline("k*y + c*v", 1);
+  const Discovery d =
+      discover(model, small_catalogue(*model.pool), {fast.record.slice(0, 12000)}, {fast.record.slice(12000, 4000)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "cubic_stiffness");
+  const Parameter& k3 = d.effects[0].parameters.front();
+  EXPECT_NEAR(k3.value, 0.5, 4 * k3.std);
+  EXPECT_LT(d.final_test.value, 1.2 * d.final_test.floor);
+  EXPECT_LT(d.final_train.value, 1.2 * d.final_train.floor);
 }
 
 /// A cubic spring and Coulomb friction that hold the mass fast after two periods: 40 rows of motion before 1500 of

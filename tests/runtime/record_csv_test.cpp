@@ -94,6 +94,24 @@ TEST(Csv, MapsColumnsByName) {
   EXPECT_DOUBLE_EQ(record["column y"][0], 9);  // the file's own y must not pass for the channel
 }
 
+TEST(Csv, ANumberInPlaceOfAHeaderIsAConstantChannel) {
+  const TextFile file("t,y [rad],2\n" + rows(8));
+  const auto with = [&](const std::string& columns) {
+    ReadOptions options;
+    options.columns = parse_columns(columns);
+    return read_record(file.path(), options);
+  };
+  const Record free = with("F=0");
+  ASSERT_TRUE(free.has("F"));
+  EXPECT_EQ(free["F"][0], 0);
+  EXPECT_EQ(free["F"][7], 0);
+  EXPECT_EQ(free.channel("F").unit, "N m");  // beside an angle
+  EXPECT_DOUBLE_EQ(with("F=1.5 [kN m]")["F"][3], 1500);
+  EXPECT_EQ(with("F=2")["F"][3], with("v=2")["v"][3]);  // a column of that name goes before
+  EXPECT_NE(with("F=2")["F"][3], 2);
+  EXPECT_THROW(with("F=0 [mm]"), InputError);
+}
+
 TEST(Csv, HeaderOfAMapMayBeTheWholeCell) {
   ReadOptions options;
   options.columns = {{"y", "laser [mm]", ""}};
