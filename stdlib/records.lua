@@ -28,7 +28,7 @@ local channels = { time = "t", force = "F", displacement = "y", velocity = "v", 
 local columns_fields = {
   { "path", types.string, required = true, help = "file, beside the study or from the current directory" },
   { "time", types.string, help = "header of the time column, with its unit: \"t [ms]\"" },
-  { "force", types.string, help = "header of the force column: \"load [kN]\"" },
+  { "force", types.string, help = "header of the force column: \"load [kN]\"; \"0\" where nothing drives" },
   { "displacement", types.string, help = "header of the displacement column: \"y [mm]\"" },
   { "velocity", types.string, help = "header of the velocity column" },
   { "acceleration", types.string, help = "header of the acceleration column" },

@@ -6,6 +6,7 @@
 #include "expr/joined.hpp"
 #include "record/blockwise.hpp"
 #include "record/checks.hpp"
+#include "record/columns.hpp"
 #include "record/container.hpp"
 #include "record/method_parts.hpp"
 #include "record/row_source.hpp"
@@ -144,6 +145,10 @@ Stream open_stream(const std::string& path, const StreamOptions& options) {
     return [&options, from](double fraction) { options.progress(from + fraction / 2); };
   };
   auto file = (container ? open_container_rows : open_csv_rows)(path, options.read, part(0));
+  for (const ColumnMap& map : options.read.columns)
+    if (constant_of(map) && !find(file->layout().channels, map.channel))
+      refuse(where, map.channel + "=" + map.header + ": a stream has the columns of its file, which has no '" +
+                        map.header + "': see lunid.read");
   return Stream(std::make_shared<DerivedRows>(std::move(file), options, part(0.5)));
 }
 

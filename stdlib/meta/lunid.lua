@@ -17,7 +17,7 @@ function lunid.option(fields) end
 ---@class lunid.read.fields
 ---@field path string # file, beside the study or from the current directory
 ---@field time? string # header of the time column, with its unit: "t [ms]"
----@field force? string # header of the force column: "load [kN]"
+---@field force? string # header of the force column: "load [kN]"; "0" where nothing drives
 ---@field displacement? string # header of the displacement column: "y [mm]"
 ---@field velocity? string # header of the velocity column
 ---@field acceleration? string # header of the acceleration column
@@ -44,7 +44,7 @@ function lunid.record(fields) end
 ---@class lunid.stream.fields
 ---@field path string # file, beside the study or from the current directory
 ---@field time? string # header of the time column, with its unit: "t [ms]"
----@field force? string # header of the force column: "load [kN]"
+---@field force? string # header of the force column: "load [kN]"; "0" where nothing drives
 ---@field displacement? string # header of the displacement column: "y [mm]"
 ---@field velocity? string # header of the velocity column
 ---@field acceleration? string # header of the acceleration column

@@ -307,6 +307,10 @@ TEST(Stream, RefusesWhatNeedsTheWholeRecord) {
   options.read.resample = true;
   EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
             "stream: resample: a stream is not resampled: see lunid.read");
+  options = {};
+  options.read.columns = parse_columns("Fb=0");
+  EXPECT_EQ(message([&] { open_stream(file.path(), options); }),
+            "stream: Fb=0: a stream has the columns of its file, which has no '0': see lunid.read");
   const TextFile accelerations(ringing(2000, "t [ms],F,a,temperature"));
   EXPECT_EQ(test::message_of(accelerations, [&] { open_stream(accelerations.path()).channel("y"); }),
             "run3.csv: no channel 'y': the stream has F, a, temperature; it would be an integral: see "
