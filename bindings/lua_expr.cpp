@@ -340,6 +340,9 @@ int get(lua_State* L) {
   luaL_getmetafield(L, 1, "__methods");
   lua_pushvalue(L, 2);
   lua_gettable(L, -2);
+  if (lua_isnil(L, -1) && lua_type(L, 2) == LUA_TNUMBER)
+    throw InputError("an expression is no list and has no [" + std::string(luaL_tolstring(L, 2, nullptr)) +
+                     "]; several come as several values: local y1, y2 = lunid.displacements(2)");
   if (!lua_isnil(L, -1) || lua_type(L, 2) != LUA_TSTRING) return 1;
   std::vector<std::string> names;
   std::string all;

@@ -108,7 +108,9 @@ void check_excitation(const Study& study, const Model& model, const Candidate& b
                            "record that reaches it",
                        {}, Fault::data);
   }
-  if (mass_free && !(force > 0))
+  bool scaled = false;  // by a mass that is known: others are ratios to it
+  for (int i = 0; i < model.degrees(); ++i) scaled = scaled || model.coordinate(i).mass.is_constant();
+  if (mass_free && !scaled && !(force > 0))
     throw InputError("discover: with F = 0 throughout only ratios to the mass can be seen; give --mass as a number", {},
                      Fault::data);
   for (Eigen::Index j = 0; j < p; ++j) warn_of_collinear(gram, j, table, warnings);

@@ -203,6 +203,24 @@ std::string words_of(const std::vector<NamedEffect>& effects) {
   return text;
 }
 
+/// Of names that were taken back: whether by the test records.
+std::string by_the_test(const Round& round) {
+  const std::vector<Beaten>& rivals = round.found.rivals;
+  const bool tested = !rivals.empty() && rivals.front().by == Beaten::By::test;
+  return tested ? ", which the test record does not bear out" : "";
+}
+
+/// An unknown effect of which the baseline's run, lost, says nothing.
+void warn_of_a_lost_baseline(Discovery& out) {
+  constexpr double lost = 0.9;
+  if (out.verdict != Verdict::unknown_effect || !(out.baseline_train.value > lost)) return;
+  out.warnings.push_back(
+      "the baseline does not follow the motion at all (gap " + number(out.baseline_train.value, 2) +
+      " on train): its values, and what it leaves, say little of the machine. Without a spring, or in a "
+      "loop, small errors of the force add up: try shorter windows, or a baseline that holds what is "
+      "surely there");
+}
+
 /// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
 /// there.
 std::string sentence(const Study& study, const Round& round, const Discovery& out) {
@@ -261,7 +279,7 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     return said + (rough ? text : "");
   }
   if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
-  const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn;
+  const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn + by_the_test(round);
   if (!left.seen && round.driven > 0) {
     std::snprintf(text, sizeof text, "%.0f %% of what is left (gap %.2g on test, %.2g from noise alone) ",
                   100 * round.driven, out.final_test.value, out.final_test.floor);
@@ -330,6 +348,7 @@ class Conclusion {
     for (const auto& [c, by, remark] : found.rivals)
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
+    warn_of_a_lost_baseline(out_);
     warn_of_bounds(found.baseline, found.chosen, out_);
     warn_of_unidentifiable(found.chosen, out_);
     say_what_the_baseline_holds(found.chosen, out_);

@@ -130,6 +130,13 @@ std::vector<std::size_t> find_gaps(std::span<const double> t, std::span<const do
   return gaps;
 }
 
+/// No step is off by more than 2 % and what stamps are rounded by: what adds up to half a step and more is a clock that
+/// goes now faster, now slower.
+bool drifts(double least, double most, double step, double resolution) {
+  const double off = 0.02 * step + resolution;
+  return least > step - off && most < step + off;
+}
+
 /// The even base of stamps between which whole rows are missing, as even_base() has it; nullopt when the stamps are not
 /// roundings of it. The median step alone is a rounded one: rows that lie between stamps would all be interpolated.
 std::optional<TimeBase> even_base_with_gaps(std::span<const double> t, std::span<const double> resolution,
@@ -202,6 +209,11 @@ TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolu
     return line;
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
+  if (drifts(*least, *most, step, resolution.back()) && found.largest < 1e-4 * (t.back() - t[0])) {
+    warnings.push_back("time stamps drift from even ones by up to " + number(found.largest) + " s (" +
+                       number(100 * found.largest / (t.back() - t[0])) + " % of the record): taken as even");
+    return line;
+  }
   const std::string text =
       "time is uneven: steps from " + number(*least) + " to " + number(*most) + " s, median " + number(step) + " s";
   if (!resample) {

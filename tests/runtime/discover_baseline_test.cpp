@@ -134,6 +134,14 @@ TEST(DiscoveryTakes, OfADecayWhatMoves) {
   EXPECT_EQ(names, (std::vector<std::string>{"coulomb_friction", "cubic_stiffness"})) << d.sentence;
 }
 
+TEST(DiscoveryTakes, ABaselineThatFollowsNothingAndSaysSo) {
+  const Model model = baseline("c*v", 1);
+  const std::vector<Effect> catalogue{small_catalogue(*model.pool)[2]};
+  const Discovery d = discover(model, catalogue, {decay(2, 1, "m")}, {decay(1.4, 2, "m")});
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
+  EXPECT_TRUE(testing::warns(d, "the baseline does not follow the motion at all (gap "));
+}
+
 /// q's column is zero where p is, and the regression puts p there: its bound holds it off the truth's negative value.
 /// From the values that p and q were given both are seen.
 TEST(DiscoveryTakes, ATermWhoseFactorTheRegressionPutsAtZero) {

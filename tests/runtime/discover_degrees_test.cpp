@@ -76,6 +76,32 @@ void expect_named(const Discovery& d, const std::string& name, const std::string
 truth::Chain two_masses() { return truth::in_a_row({1, 1}, 1, 0.06); }
 truth::Chain three_masses() { return truth::in_a_row({1, 1, 1}, 1, 0.06, true); }
 
+/// Pushed once and left alone: with one mass known the other is a ratio to it that the two modes show.
+TEST(Degrees, AMassBesideAKnownOneInAFreeDecay) {
+  truth::Chain chain = truth::in_a_row({1, 2.5}, 1, 0.01, true);
+  constexpr double spacing = 2 * M_PI / 40;
+  const auto push = [](double tau) { return tau < 4 ? std::sin(2 * M_PI * tau / 8) : 0.0; };
+  const truth::ChainMotion motion = truth::integrate(chain, {push}, 1, 60, 1200, spacing, 20);
+  Philox random(3, 0);
+  std::vector<Channel> channels{channel("F1", "N", motion.F[0])};
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::vector<double> y = motion.x[i];
+    for (double& value : y) value += 0.005 * random.normal();
+    channels.push_back(channel("y" + std::to_string(i + 1), "m", y));
+  }
+  const Record free("free", 0, spacing, std::move(channels));
+  Model model = baseline_of(chain, truth::scale_named("metre"));
+  model.further.front().mass = model.pool->parameter("m2");
+  model.mass = model.pool->constant(1);
+  model.parameters = {row("m2", 0)};
+  const Discovery d = discover(model, small_catalogue(*model.pool), {free.slice(0, 800)}, {free.slice(800, 400)});
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << to_terminal(d);
+  const auto m2 = std::ranges::find(d.final.parameters, "m2", &Parameter::name);
+  ASSERT_NE(m2, d.final.parameters.end());
+  EXPECT_NEAR(m2->value, 2.5, 4 * m2->std);
+  EXPECT_LT(m2->std, 0.1);
+}
+
 TEST(Degrees, NamesACubicSpringInAJointAtThreeScales) {
   truth::Chain chain = two_masses();
   chain.links[1].k3 = 0.15;

@@ -159,6 +159,18 @@ TEST(Time, SmallJitterIsEvenTimeWithAWarning) {
   EXPECT_NE(record.warnings()[0].find("jitter"), std::string::npos);
 }
 
+TEST(Time, AClockThatDriftsIsEvenTimeWithAWarning) {
+  std::vector<double> t;  // a ten-thousandth faster in the middle: half a step and more, stamps of 10 us
+  for (int i = 0; i < 20000; ++i) t.push_back(0.01 * i + 0.006 * std::sin(2 * M_PI * i / 20000.0));
+  const TextFile file(with_stamps(t, "%.5f"));
+  const Record record = read_csv(file.path());
+  EXPECT_EQ(record.rows(), 20000);
+  EXPECT_NEAR(record.dt(), 0.01, 1e-6);
+  ASSERT_EQ(record.warnings().size(), 1u);
+  EXPECT_NE(record.warnings()[0].find("time stamps drift from even ones by up to 0.00"), std::string::npos)
+      << record.warnings()[0];
+}
+
 TEST(Time, UnevenTimeIsAnErrorUnlessResampled) {
   std::vector<double> t;
   for (int i = 0; i < 500; ++i) t.push_back(0.01 * i + 0.004 * std::sin(0.05 * i));
