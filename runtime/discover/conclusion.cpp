@@ -10,6 +10,7 @@
 #include "discover/gap.hpp"
 #include "discover/locate.hpp"
 #include "discover/naming.hpp"
+#include "discover/one_motion.hpp"
 #include "discover/places.hpp"
 #include "discover/removable.hpp"
 #include "discover/sensor.hpp"
@@ -221,6 +222,18 @@ void warn_of_a_lost_baseline(Discovery& out) {
       "surely there");
 }
 
+/// Of what is named, or was.
+void warn_of_one_motion(const Study& study, const Round& round, Discovery& out) {
+  if (!round.names() && round.withdrawn.empty()) return;
+  std::vector<Record> all = study.full;
+  all.insert(all.end(), study.test.begin(), study.test.end());
+  const double omega = one_motion(study, all);
+  if (!(omega > 0)) return;
+  out.warnings.push_back("all records, the test too, hold one tone (" + number(omega / (2 * M_PI), 3) +
+                         " Hz) at one level: laws that part at other levels or frequencies cannot be told apart, and "
+                         "more than two names are not given: measure at another level and another frequency");
+}
+
 /// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
 /// there.
 std::string sentence(const Study& study, const Round& round, const Discovery& out) {
@@ -349,6 +362,7 @@ class Conclusion {
       out_.rivals.push_back({c.name(), rms_error(c.fit) / study_.measured_std(), c.log_likelihood,
                              corrected(improvement_p_value(found.baseline, c)), remark, fitted(study_, c)});
     warn_of_a_lost_baseline(out_);
+    warn_of_one_motion(study_, round_, out_);
     warn_of_bounds(found.baseline, found.chosen, out_);
     warn_of_unidentifiable(found.chosen, out_);
     say_what_the_baseline_holds(found.chosen, out_);

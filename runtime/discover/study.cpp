@@ -7,6 +7,7 @@
 
 #include "discover/accept.hpp"
 #include "discover/sensor.hpp"
+#include "expr/digits.hpp"
 #include "record/derive.hpp"
 #include "record/spectrum.hpp"
 #include "record/treat.hpp"
@@ -113,6 +114,18 @@ double upper_frequency(const Study& study, const Record& record) {
     if (v > 0) highest = std::max(highest, standard_deviation(record[study.channel('a', i)]) / v);
   }
   return highest;
+}
+
+/// A floor that no model comes near to.
+void warn_of_no_noise(Study& study, const Record& record) {
+  constexpr double least = 1e-6;
+  for (const std::string& output : study.imposed ? std::vector<std::string>{"F"} : study.outputs()) {
+    const double part = record.channel(output).noise / standard_deviation(record[output]);
+    if (part < least)
+      study.warnings.push_back(output + " of " + record.name() + " has no noise to speak of (" + number(part, 2) +
+                               " of its size): it was computed, or a filter took away what lies above the motion. What "
+                               "noise alone would leave is no measure then: give the rows as they were measured");
+  }
 }
 
 /// The values in the middle of so many rows each, by their means: of a curve these differ by its second derivative, of
@@ -356,6 +369,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (!study.imposed) choose_output(study, kept);
   for (const auto& record : kept) {
     if (!study.imposed) compare_sensors(study, record, study.warnings);
+    warn_of_no_noise(study, record);
     const Record moved = with_shaft(with_motion(study, record));
     for (int i = 0; i < study.degrees(); ++i)
       study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));

@@ -150,7 +150,9 @@ std::string to_terminal(const Discovery& d) {
                  gap(o.baseline_test) + " -> " + gap(o.final_test) + "   (noise alone: train " +
                  number(o.final_train.floor, 3) + ", test " + number(o.final_test.floor, 3) + ")");
   line("where", d.where);
-  if (!d.rivals.empty()) line("rivals", rivals(d) + "   (gap on train after the fit)");
+  if (!d.rivals.empty())
+    line("rivals", rivals(d) + "   (gap on train after the fit; " + (d.effects.empty() ? "baseline " : "named ") +
+                       gap(d.gap_fit) + ")");
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.label + "  " + e.formula + ", " + list(e.parameters));

@@ -12,6 +12,7 @@
 #include "discover/closed_loop.hpp"
 #include "discover/judge.hpp"
 #include "discover/locate.hpp"
+#include "discover/one_motion.hpp"
 #include "discover/proposal_fits.hpp"
 #include "statistics/distributions.hpp"
 #include "statistics/statistics.hpp"
@@ -226,9 +227,12 @@ void decide(const Study& study, Round& round) {
   }
   const double closed = share_closed(study, round);
   const Choices& names = found.chosen.choices;
-  const bool series = is_series(names) || is_loose_series(names, round.gap(round.train), closed);
+  const bool one_loop = names.size() > 2 && one_motion(study, study.full) > 0;
+  const bool series = one_loop || is_series(names) || is_loose_series(names, round.gap(round.train), closed);
   if (series) {
-    withdraw(round, Beaten::By::training, "a curve of another kind, followed as by a series");
+    withdraw(round, Beaten::By::training,
+             one_loop ? "several forces that follow one loop at one level"
+                      : "a curve of another kind, followed as by a series");
     round.train = runs(study, found.chosen, study.full);
   }
   round.left = look_for_structure(study, found.chosen, round.train, found.whitening);
