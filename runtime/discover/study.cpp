@@ -118,7 +118,7 @@ double upper_frequency(const Study& study, const Record& record) {
 
 /// A floor that no model comes near to.
 void warn_of_no_noise(Study& study, const Record& record) {
-  constexpr double least = 1e-6;
+  constexpr double least = 1e-5;
   for (const std::string& output : study.imposed ? std::vector<std::string>{"F"} : study.outputs()) {
     const double part = record.channel(output).noise / standard_deviation(record[output]);
     if (part < least)

@@ -102,6 +102,19 @@ TEST(DiscoveryTakes, OfAFastRecordTheValuesInTheMiddleOfItsMeans) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(thin.rows())), 1.1 * expected);
 }
 
+TEST(DiscoveryTakes, ARecordWithoutNoiseAndSaysSo) {
+  const FastDecay fast = fast_decay();
+  std::vector<double> y(4000);
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = fast.fine.x[2 * i];
+  const DiscoverOptions options;
+  const auto warnings_of = [&](const Record& record) {
+    return prepare(baseline("k*y + c*v", 1), {record}, {fast.record}, options).warnings;
+  };
+  const auto tells = [](const std::string& w) { return w.find("has no noise to speak of (") != std::string::npos; };
+  EXPECT_TRUE(std::ranges::any_of(warnings_of(Record("made", 0, fast.record.dt(), {channel("y", "m", y)})), tells));
+  EXPECT_FALSE(std::ranges::any_of(warnings_of(fast.record), tells));
+}
+
 /// The force of a mean is not the mean of the force.
 TEST(DiscoveryTakes, AFastRecordDownToItsNoise) {
   const FastDecay fast = fast_decay();

@@ -24,7 +24,8 @@ Record driven(double level, double omega, std::uint64_t seed) {
     const double phase = omega * testing::spacing * static_cast<double>(i);
     y[i] = level * std::sin(phase);
     v[i] = level * omega * std::cos(phase);
-    force[i] = y[i] + 0.05 * v[i] + 0.5 * std::pow(y[i], 3) + 0.3 + 0.2 * std::tanh(v[i] / 0.02) + 0.01 * random.normal();
+    force[i] =
+        y[i] + 0.05 * v[i] + 0.5 * std::pow(y[i], 3) + 0.3 + 0.2 * std::tanh(v[i] / 0.02) + 0.01 * random.normal();
   }
   return derive_motion(Record("driven " + std::to_string(seed), 0, testing::spacing,
                               {channel("F", "N", force), channel("y", "m", y), channel("v", "m/s", v)}));
@@ -38,7 +39,8 @@ Model imposed() {
 
 TEST(StrongestTone, LiesBetweenTheLinesOfTheSpectrum) {
   std::vector<double> x;
-  for (int i = 0; i < 700; ++i) x.push_back(4 + 2.5 * std::sin(3.217 * 0.01 * i + 0.3) + 0.1 * std::sin(9.6 * 0.01 * i));
+  for (int i = 0; i < 700; ++i)
+    x.push_back(4 + 2.5 * std::sin(3.217 * 0.01 * i + 0.3) + 0.1 * std::sin(9.6 * 0.01 * i));
   const Tone tone = strongest_tone(x, 0.01);
   EXPECT_NEAR(tone.omega, 3.217, 0.02);
   EXPECT_NEAR(tone.amplitude, 2.5, 0.03);
