@@ -7,6 +7,7 @@
 #include "discover/views.hpp"
 #include "expr/digits.hpp"
 #include "expr/joined.hpp"
+#include "record/columns.hpp"
 #include "record/motion.hpp"
 #include "record/spectra.hpp"
 #include "record/spectrum.hpp"
@@ -79,7 +80,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
 Channel no_force(const std::string& name, const Record& record) {
   Channel force;
   force.name = force.source = name;
-  force.unit = record.has("y") && record.channel("y").unit == "rad" ? "N m" : "N";
+  force.unit = unit_of_force(record);
   force.values = Eigen::VectorXd::Zero(record.rows());
   return force;
 }

@@ -2,9 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "discover/views.hpp"
 
@@ -43,16 +41,17 @@ Tone strongest_tone(std::span<const double> x, double dt) {
 
 double one_motion(const Study& study, const std::vector<Record>& records) {
   constexpr double nearly_all = 0.97, frequency = 0.02, level = 0.1;
-  if (study.degrees() > 1 || records.empty()) return 0;
+  if (study.degrees() > 1) return 0;
   const std::string moves = study.imposed ? "y" : study.output();
-  std::vector<Tone> tones;
-  for (const Record& record : records) tones.push_back(strongest_tone(record[moves], record.dt()));
-  const Tone& first = tones.front();
-  const bool same = std::ranges::all_of(tones, [&](const Tone& tone) {
-    return tone.share > nearly_all && std::abs(tone.omega - first.omega) < frequency * first.omega &&
-           std::abs(tone.amplitude - first.amplitude) < level * first.amplitude;
-  });
-  return same ? first.omega : 0;
+  double omega = 0, amplitude = 0;  // of the first
+  for (const Record& record : records) {
+    const Tone tone = strongest_tone(record[moves], record.dt());
+    if (!(tone.share > nearly_all)) return 0;
+    if (omega == 0) omega = tone.omega, amplitude = tone.amplitude;
+    if (!(std::abs(tone.omega - omega) < frequency * omega && std::abs(tone.amplitude - amplitude) < level * amplitude))
+      return 0;
+  }
+  return omega;
 }
 
 }  // namespace lunid

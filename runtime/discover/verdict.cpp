@@ -181,38 +181,38 @@ bool lowers_the_gap(const Study& study, const std::vector<FreeRun>& before, cons
 namespace {
 
 /// Several names that leave the training records far above their noise, of which none closes most of what all close:
-/// another force, followed.
-bool is_patchwork(const Study& study, const Round& round) {
+/// another force, followed. `before`: the baseline's gap over the training records.
+bool is_patchwork(const Study& study, const Round& round, double before) {
   const SearchResult& found = round.found;
   const Gap after = round.gap(round.train);
   if (found.steps.size() < 2 || !far_from_the_floor(after, little_open)) return false;
-  const auto share_closed = [&, before = pool_gap(runs(study, found.baseline, study.full, false), 0).value](
-                                double gap) { return closed_share(before, gap, after.floor); };
+  const auto closes = [&](double gap) { return closed_share(before, gap, after.floor); };
   const double first = pool_gap(runs(study, found.steps.front().model, study.full, false), 0).value;
-  return share_closed(first) < 0.8 * share_closed(after.value);
+  return closes(first) < 0.8 * closes(after.value);
 }
 
 /// Of the squared excess, by the names: over left-out blocks, whose first states are fitted to each; or in runs over
 /// whole training records, where those leave hardly anything of the motion. A free decay that falls behind is far off
-/// in the end, which blocks do not show.
-double share_closed(const Study& study, const Round& round) {
+/// in the end, which blocks do not show. `before`: the baseline's gap over these.
+double share_closed(const Study& study, const Round& round, double before) {
   constexpr double hardly_open = 0.01;
   const SearchResult& found = round.found;
   if (!std::isfinite(found.baseline.left_out_gap)) return 1;
   const double of_blocks = closed_share(found.baseline.left_out_gap, found.chosen.left_out_gap, study.noise_gap());
   const Gap after = round.gap(round.train);
   if (!round.names() || far_from_the_floor(after, hardly_open)) return of_blocks;
-  const Gap before = round.gap(runs(study, found.baseline, study.full, false));
-  return std::max(of_blocks, closed_share(at_most_all(before.value), after.value, after.floor));
+  return std::max(of_blocks, closed_share(before, after.value, after.floor));
 }
 
-/// What keeps names that close this share of the squared excess from being the answer; or "".
-std::string why_no_explanation(const Study& study, const Round& round, double closed) {
+/// What keeps names that close this share of the squared excess from being the answer; or "". `before`: the baseline's
+/// gap over the training records.
+std::string why_no_explanation(const Study& study, const Round& round, double before, double closed) {
   if (round.found.chosen.degenerate()) return "a parameter sits where the effect is another one, or none";
   if (closed >= most_closed(round.found.chosen.choices)) return "";
   const std::string words = round.left.closure.words();
   if (round.left.material) return "leaves a repeatable force" + (words.empty() ? "" : ": " + words);
-  if (is_patchwork(study, round)) return "several forces that leave this far above the noise follow another one";
+  if (is_patchwork(study, round, before))
+    return "several forces that leave this far above the noise follow another one";
   return "";
 }
 
@@ -221,11 +221,14 @@ std::string why_no_explanation(const Study& study, const Round& round, double cl
 void decide(const Study& study, Round& round) {
   SearchResult& found = round.found;
   round.train = runs(study, found.chosen, study.full);
-  if (round.names() && !lowers_the_gap(study, runs(study, found.baseline, study.full, false), round.train)) {
+  const std::vector<FreeRun> of_baseline =
+      round.names() ? runs(study, found.baseline, study.full, false) : std::vector<FreeRun>();
+  if (round.names() && !lowers_the_gap(study, of_baseline, round.train)) {
     withdraw(round, Beaten::By::training, "does not lower the gap of the training record");
     round.train = runs(study, found.chosen, study.full);
   }
-  const double closed = share_closed(study, round);
+  const double before = pool_gap(of_baseline, 0).value;
+  const double closed = share_closed(study, round, before);
   const Choices& names = found.chosen.choices;
   const bool one_loop = names.size() > 2 && one_motion(study, study.full) > 0;
   const bool series = one_loop || is_series(names) || is_loose_series(names, round.gap(round.train), closed);
@@ -241,7 +244,7 @@ void decide(const Study& study, Round& round) {
   } else if (!round.names()) {
     const bool open = round.left.material || leaves_motion_open(study, round.gap(round.train));
     round.verdict = open && found.reading.empty() ? Verdict::unknown_effect : Verdict::nothing_missing;
-  } else if (const std::string fault = why_no_explanation(study, round, closed); !fault.empty()) {
+  } else if (const std::string fault = why_no_explanation(study, round, before, closed); !fault.empty()) {
     withdraw(round, Beaten::By::training, "nearest, but " + fault);
     round.train = runs(study, found.chosen, study.full);
     round.verdict = Verdict::unknown_effect;

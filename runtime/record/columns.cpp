@@ -288,6 +288,10 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   return plans;
 }
 
+std::string unit_of_force(const Record& record) {
+  return record.has("y") && record.channel("y").unit == "rad" ? "N m" : "N";
+}
+
 std::optional<double> constant_of(const ColumnMap& map) {
   double value = 0;
   const char* end = map.header.data() + map.header.size();
@@ -298,14 +302,14 @@ std::optional<double> constant_of(const ColumnMap& map) {
 
 Record with_constants(const Record& record, const std::vector<ColumnMap>& columns) {
   Record out = record;
-  const bool turns = record.has("y") && record.channel("y").unit == "rad";
   for (const ColumnMap& map : columns) {
     const std::optional<double> value = constant_of(map);
     if (!value || map.channel == "t" || out.has(map.channel)) continue;
     ColumnPlan plan;
     plan.channel = plan.header.text = plan.header.name = map.channel;
     std::vector<std::string> warnings;
-    set_unit(plan, map.unit.empty() && turns && map.channel == "F" ? "N m" : map.unit, true, {record.name()}, warnings);
+    const bool is_force = map.unit.empty() && map.channel == "F";
+    set_unit(plan, is_force ? unit_of_force(record) : map.unit, true, {record.name()}, warnings);
     Channel channel = channel_of(plan);
     channel.values = Eigen::VectorXd::Constant(record.rows(), *value * plan.factor);
     out = out.with(std::move(channel));

@@ -41,6 +41,9 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
                                      const SourceSpan& where, std::vector<std::string>& warnings,
                                      bool needs_time = true);
 
+/// SI unit of a force that no file names: "N m" beside an angle, else "N".
+std::string unit_of_force(const Record& record);
+
 /// The number of "F=0": a channel that the file lacks and that is the same in every row (nothing drives a free decay).
 /// A column of that header goes before. Nothing for other maps.
 std::optional<double> constant_of(const ColumnMap& map);
