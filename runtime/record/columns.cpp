@@ -293,6 +293,7 @@ std::string unit_of_force(const Record& record) {
 }
 
 std::optional<double> constant_of(const ColumnMap& map) {
+  if (map.channel == "t") return {};
   double value = 0;
   const char* end = map.header.data() + map.header.size();
   const auto [at, error] = std::from_chars(map.header.data(), end, value);
@@ -304,7 +305,7 @@ Record with_constants(const Record& record, const std::vector<ColumnMap>& column
   Record out = record;
   for (const ColumnMap& map : columns) {
     const std::optional<double> value = constant_of(map);
-    if (!value || map.channel == "t" || out.has(map.channel)) continue;
+    if (!value || out.has(map.channel)) continue;
     ColumnPlan plan;
     plan.channel = plan.header.text = plan.header.name = map.channel;
     std::vector<std::string> warnings;

@@ -45,7 +45,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
 std::string unit_of_force(const Record& record);
 
 /// The number of "F=0": a channel that the file lacks and that is the same in every row (nothing drives a free decay).
-/// A column of that header goes before. Nothing for other maps.
+/// A column of that header goes before. Nothing for other maps, and for the time.
 std::optional<double> constant_of(const ColumnMap& map);
 /// The record with those channels. Throws InputError (Fault::data) for a unit that is none of the channel's.
 Record with_constants(const Record& record, const std::vector<ColumnMap>& columns);

@@ -110,6 +110,7 @@ TEST(Csv, ANumberInPlaceOfAHeaderIsAConstantChannel) {
   EXPECT_EQ(with("F=2")["F"][3], with("v=2")["v"][3]);  // a column of that name goes before
   EXPECT_NE(with("F=2")["F"][3], 2);
   EXPECT_THROW(with("F=0 [mm]"), InputError);
+  EXPECT_THROW(with("t=0"), InputError);  // no time stands still
 }
 
 TEST(Csv, HeaderOfAMapMayBeTheWholeCell) {
