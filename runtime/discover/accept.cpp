@@ -248,14 +248,7 @@ Record without_wild_rows(const Record& record, std::vector<std::string>& warning
                        " off all neighbours, first at t = " + number(record.time(wild.front().row)) +
                        " s: taken for wild points and for what the neighbours say");
   }
-  if (!any) return record;
-  std::vector<Channel> measured;
-  for (const Channel& channel : out.channels())
-    if (!channel.derived) measured.push_back(of_window(out, channel.name));
-  const Record again = derive_motion(Record(record.name(), record.start(), record.dt(), std::move(measured)));
-  for (const Channel& channel : record.channels())
-    if (channel.derived && again.has(channel.name)) out = out.with(again.channel(channel.name));
-  return out;
+  return any ? derive_motion_anew(out) : record;
 }
 
 void compare_sensors(const Study& study, const Record& record, std::vector<std::string>& warnings) {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "discover/views.hpp"
-#include "record/derive.hpp"
+#include "record/motion.hpp"
 #include "record/parallel.hpp"
 #include "statistics/statistics.hpp"
 
@@ -180,17 +180,14 @@ Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& th
 /// The record with the noise of its sensors on the measured motion once more, and what is derived from it anew.
 Record with_motion_noise_again(const Record& record, Philox& random) {
   Record out = record;
-  DeriveOptions derived;
   for (const char* name : {"y", "v", "a"}) {
     Channel channel = of_window(record, name);
-    if (channel.derived) {
-      derived.channels.emplace_back(name);
-      continue;
-    }
+    if (channel.derived) continue;
     for (double& value : channel.values) value += channel.noise * random.normal();
+    channel.noise *= M_SQRT2;  // what was there is joined by as much: taken for motion it would not be smoothed
     out = out.with(std::move(channel));
   }
-  return derived.channels.empty() ? out : derive(out, derived);
+  return derive_motion_anew(out);
 }
 
 /// What the noise of the sensors of a prescribed motion makes of the force along it: mean squares over the last rows.

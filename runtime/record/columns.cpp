@@ -105,13 +105,28 @@ bool turns(const std::vector<HeaderCell>& header, const HeaderCell& cell) {
   });
 }
 
+/// An angle or a torque, which are y and F of what turns where a file has both.
+bool is_of_rotation(const Meaning& meaning, const HeaderCell& cell) {
+  return (meaning.channel == "y" && lower(cell.name) == "angle") ||
+         (meaning.channel == "F" && lower(cell.name) == "torque");
+}
+
+bool has_rotation(const std::vector<HeaderCell>& header) {
+  return std::ranges::all_of(std::array{"y", "F"}, [&](std::string_view channel) {
+    return std::ranges::any_of(header,
+                               [&](const HeaderCell& cell) { return is_of_rotation(*meaning_of(channel), cell); });
+  });
+}
+
 /// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
 std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
                                         const Meaning& meaning, const SourceSpan& where) {
+  const bool rotation = has_rotation(header);
   for (int strength : {2, 1}) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
-      if (plans[i].required || likeness(meaning, header[i].name) != strength) continue;
+      const int likely = rotation && is_of_rotation(meaning, header[i]) ? 1 : likeness(meaning, header[i].name);
+      if (plans[i].required || likely != strength) continue;
       if (strength == 1 && names_its_unit(header[i])) continue;
       if (turns(header, header[i])) continue;
       if (found)
@@ -130,7 +145,8 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
 void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const SourceSpan& where,
               std::vector<std::string>& warnings) {
   if (unit.empty()) {
-    if (const Meaning* meaning = meaning_of(plan.channel)) plan.unit = meaning->units[0];
+    if (const Meaning* meaning = meaning_of(plan.channel))
+      plan.unit = meaning->units[is_of_rotation(*meaning, plan.header) ? 1 : 0];
     return;
   }
   plan.source_unit = unit;

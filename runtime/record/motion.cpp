@@ -112,6 +112,21 @@ Record derive_motion(const Record& record) {
   return result;
 }
 
+Record derive_motion_anew(const Record& record) {
+  std::vector<Channel> measured;
+  for (const Channel& channel : record.channels()) {
+    if (channel.derived) continue;
+    const std::span<const double> rows = record[channel.name];
+    measured.push_back(channel);
+    measured.back().values = Eigen::Map<const Eigen::VectorXd>(rows.data(), record.rows());
+  }
+  const Record again = derive_motion(Record(record.name(), record.start(), record.dt(), std::move(measured)));
+  Record result = record;
+  for (const Channel& channel : record.channels())
+    if (channel.derived && again.has(channel.name)) result = result.with(again.channel(channel.name));
+  return result;
+}
+
 std::string measured_channel(const Record& record, const std::string& suffix) {
   for (const char* quantity : {"y", "v", "a"})
     if (record.has(quantity + suffix) && !record.channel(quantity + suffix).derived) return quantity + suffix;

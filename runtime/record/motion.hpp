@@ -13,6 +13,8 @@ namespace lunid {
 std::vector<std::string> coordinates(const Record& record);
 /// The unit of the derivative of this rank (0: y, 1: v, 2: a) where a channel of the coordinate has the unit `from`.
 std::string motion_unit(const std::string& from, int rank);
+/// The record with its derived motion made anew (derive_motion) from what is measured, where that has changed since.
+Record derive_motion_anew(const Record& record);
 /// The derivative of a channel that is constant: zero, without the rounding errors that a filter would make of it.
 Channel at_rest(Channel channel, const std::string& from, Eigen::Index rows);
 /// Rows [first, first + count) of an integral by cubics through four samples, which is `start` at row `first`; of a

@@ -134,8 +134,9 @@ end)
 
 -- ---- units ----
 
--- Of entries whose second form has a parameter that the first has not.
-local further_samples = { coulomb_friction = { Fc = 1.5, vr = 0.3 }, sinusoidal_stiffness = { k = 5, p = 60, kc = 2 } }
+-- Of entries whose forms do not all have the same parameters: a value of each.
+local further_samples = { coulomb_friction = { Fc = 1.5, vr = 0.3 }, sinusoidal_stiffness = { k = 5, p = 60, kc = 2 },
+  position_dependent_friction = samples.position_dependent_friction }
 
 --- A unit such as "N s^p/m" in other units of length, time and force, by the language itself.
 local function size_of(unit, base, at)
@@ -276,6 +277,15 @@ spec.case("friction that is rounded at rest is the second form, whose speed the 
   spec.equal(tostring(effects.coulomb_friction { Fc = 2 }), "coulomb_friction_Fc*sign(v)")
   spec.contains(spec.message_of(function() effects.coulomb_friction { Fc = 2, vr = 0.3 } end),
     "effects.coulomb_friction: vr: variant 1, Fc*sign(v), has no vr")
+end)
+
+spec.case("friction that grows from nothing with the displacement is the second form, which has no Fc", function()
+  local hysteretic = effects.position_dependent_friction { alpha = 20, variant = 2 }
+  for _, y in ipairs { -0.05, 0, 0.03 } do
+    for _, v in ipairs { -2, 0, 0.1 } do
+      spec.near(hysteretic:at { y = y, v = v }, v == 0 and 0 or 20 * math.abs(y) * v / math.abs(v), 1e-12)
+    end
+  end
 end)
 
 spec.case("a force that repeats over the displacement is a sine, a cosine or both", function()

@@ -1,6 +1,8 @@
 // What a CSV file may look like, and what becomes of it.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "record_file.hpp"
 
 namespace lunid {
@@ -129,6 +131,22 @@ TEST(Csv, TheOwnNameIsStrongerThanALikeness) {
   EXPECT_EQ(record["V"][0], 2);
   EXPECT_EQ(record["x"][0], 3);
   EXPECT_EQ(record["y"][0], 4);
+}
+
+TEST(Csv, AnAngleBesideATorqueIsTheMotion) {
+  const auto with = [](std::string header) {
+    for (int i = 0; i < 8; ++i) header += std::to_string(i) + ",180,3\n";
+    return read(header);
+  };
+  const Record turning = with("t,Angle [deg],torque\n");
+  EXPECT_DOUBLE_EQ(turning["y"][0], std::numbers::pi);
+  EXPECT_EQ(turning.channel("y").unit, "rad");
+  EXPECT_EQ(turning.channel("F").unit, "N m");
+  EXPECT_EQ(turning["F"][0], 3);
+  EXPECT_EQ(with("t,angle,torque\n").channel("y").unit, "rad");
+  const Record shaft = with("t,angle,y\n");  // of a shaft, beside what moves
+  EXPECT_EQ(shaft["angle"][0], 180);
+  EXPECT_EQ(shaft["y"][0], 3);
 }
 
 TEST(Csv, AVoltageIsNoVelocity) {
