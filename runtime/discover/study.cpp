@@ -81,11 +81,25 @@ Excitation held(const Record& record, const std::string& name) {
   return {record.start(), record.dt(), {values.data(), record[name].size()}, Interpolation::hold};
 }
 
-FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
+/// Of rows that were joined, a force that was held from one recorded row to the next: half of such a row late, and no
+/// longer held.
+Excitation held_before_joined(const Record& record, const std::string& name, double recorded_dt) {
+  const Interpolation between = jumps_and_stays(record[name]) ? Interpolation::linear : Interpolation::cubic;
+  const Excitation recorded(record.start(), record.dt(), record[name], between);
+  Eigen::VectorXd values(record.rows());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = recorded.at(record.time(i) - 0.5 * recorded_dt);
+  return {record.start(), record.dt(), view(values), between};
+}
+
+/// The rows of a record, of which those as recorded were `recorded_dt` apart, with the force that drives them.
+FitData with_force(const Study& study, const Record& record, Interpolation interpolation, double recorded_dt) {
   FitData data{record, {}, {}};
   if (study.imposed) return data;
+  const bool was_held = interpolation == Interpolation::hold && record.dt() > 1.5 * recorded_dt;
+  if (was_held) interpolation = Interpolation::cubic;
   for (const std::string& force : study.forces)
-    data.excitation.add(force, Excitation(record.start(), record.dt(), record[force], interpolation));
+    data.excitation.add(force, was_held ? held_before_joined(record, force, recorded_dt)
+                                        : Excitation(record.start(), record.dt(), record[force], interpolation));
   if (study.forces.size() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
   const bool band_limited = interpolation == Interpolation::band_limited;
   for (const std::string& name : side_channels(record)) {
@@ -374,6 +388,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     for (int i = 0; i < study.degrees(); ++i)
       study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));
     study.full.push_back(moved);
+    study.recorded_dt.push_back(moved.dt());
     study.train.push_back({study.imposed ? moved : thinned(study, moved), {}, {}});
   }
   smooth_all(study);
@@ -384,7 +399,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
 }
 
 FitData fit_data(const Study& study, const Record& record) {
-  return with_force(study, record, between_samples(study, guess_interpolation(study, record)));
+  return with_force(study, record, between_samples(study, guess_interpolation(study, record)), record.dt());
 }
 
 bool look_alike(const Study& study, const std::vector<Record>& records) {
@@ -396,7 +411,8 @@ bool look_alike(const Study& study, const std::vector<Record>& records) {
 void read_force(Study& study, BetweenSamples between) {
   study.between = between;
   for (std::size_t i = 0; i < study.train.size(); ++i)
-    study.train[i] = with_force(study, study.train[i].record, between_samples(study, study.guesses[i]));
+    study.train[i] =
+        with_force(study, study.train[i].record, between_samples(study, study.guesses[i]), study.recorded_dt[i]);
 }
 
 double upper_frequency(const Study& study) {

@@ -34,6 +34,7 @@ struct Study {
   std::vector<std::string> warnings;
   double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
+  std::vector<double> recorded_dt;     ///< [s] between the rows of each training record before they were joined
   BetweenSamples between;
 
   Model model;                              ///< the baseline

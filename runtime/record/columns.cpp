@@ -19,11 +19,11 @@ struct Meaning {
   std::array<std::string_view, 5> units;
 };
 constexpr std::array meanings{
-    Meaning{"t", {"time"}, {"s"}},
-    Meaning{"F", {"force", "load"}, {"N", "N m", "V", "A", "Pa"}},
-    Meaning{"y", {"displacement", "disp", "position"}, {"m", "rad", "V", "C"}},
-    Meaning{"v", {"velocity", "vel", "speed"}, {"m/s", "rad/s", "V", "A"}},
-    Meaning{"a", {"acceleration", "acc", "accel"}, {"m/s^2", "rad/s^2", "V", "A/s"}},
+    Meaning{"t", {"time", "zeit"}, {"s"}},
+    Meaning{"F", {"force", "load", "kraft"}, {"N", "N m", "V", "A", "Pa"}},
+    Meaning{"y", {"displacement", "disp", "position", "weg"}, {"m", "rad", "V", "C"}},
+    Meaning{"v", {"velocity", "vel", "speed", "geschwindigkeit"}, {"m/s", "rad/s", "V", "A"}},
+    Meaning{"a", {"acceleration", "acc", "accel", "beschleunigung"}, {"m/s^2", "rad/s^2", "V", "A/s"}},
 };
 
 std::string lower(std::string_view text) {

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "discover/baseline.hpp"
+#include "discover/judge.hpp"
 #include "discover/study.hpp"
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
@@ -71,6 +73,7 @@ TEST(BetweenSamples, WhatMovesTheBaseIsReadAsTheForceIs) {
     study.model.interpolation = said;
     study.forces = {"F"};
     study.guesses = {said};
+    study.recorded_dt = {record.dt()};
     read_force(study, {said});
     const FitData data = fit_data(study, record);
     for (int i = 0; i < data.excitation.count(); ++i)
@@ -81,6 +84,44 @@ TEST(BetweenSamples, WhatMovesTheBaseIsReadAsTheForceIs) {
   EXPECT_EQ(read(Interpolation::band_limited, "shaft_angle"), Interpolation::cubic);
   EXPECT_EQ(read(Interpolation::linear, "ab"), Interpolation::cubic);
   EXPECT_EQ(read(Interpolation::hold, "ab"), Interpolation::hold);
+}
+
+/// A mass of 1 on k = 1 and c = 0.06 under a force that a controller holds from row to row, exactly: 250 rows a period,
+/// of which each step of the force is one hundredth.
+Record held_and_fast(std::uint64_t seed) {
+  constexpr int count = 6000;
+  constexpr double dt = 2 * M_PI / 250, c = 0.06, decay = 0.5 * c;
+  const double w = std::sqrt(1 - decay * decay), e = std::exp(-decay * dt), cosine = e * std::cos(w * dt),
+               sine = e * std::sin(w * dt) / w;
+  const truth::Signal lines = truth::multisine(0.3, 1.7, 20, seed);
+  Philox random(seed, 8);
+  truth::Motion out;
+  double x = 0, v = 0;
+  for (int row = 0; row < count; ++row) {
+    const double force = 0.1 * lines(row * dt) + 0.01 * random.normal(), from = x - force;
+    out.x.push_back(x);
+    out.force.push_back(force);
+    x = force + (cosine + decay * sine) * from + sine * v;
+    v = (cosine - decay * sine) * v - sine * from;
+  }
+  const double noise = 1e-3 * moments::standard_deviation(out.x);
+  for (double& x_of_row : out.x) x_of_row += noise * random.normal();
+  return Record("held", 0, dt, {testing::channel("F", "N", out.force), testing::channel("y", "m", out.x)});
+}
+
+/// Taken for held from one joined row to the next, the force came so much late that k was a percent off, 40 floors
+/// open.
+TEST(BetweenSamples, AForceThatWasHeldIsSmoothOfRowsThatWereJoined) {
+  Model model = testing::baseline("k*y + c*v", 1);
+  model.interpolation = Interpolation::hold;
+  const DiscoverOptions options;
+  Study study = prepare(model, {held_and_fast(1)}, {held_and_fast(2)}, options);
+  ASSERT_GT(study.train.front().record.dt(), 1.5 * study.full.front().dt());
+  std::vector<std::string> warnings;
+  const Candidate candidate = fit_baseline(study, study.model, warnings);
+  EXPECT_NEAR(candidate.fit.theta[0], 1, 1e-3);
+  EXPECT_NEAR(candidate.fit.theta[1], 0.06, 1e-3);
+  EXPECT_LT(rms_error(candidate.fit), 1.3 * study.sensor_noise());
 }
 
 TEST(BetweenSamples, APartThatIsHeldIsNoMass) {

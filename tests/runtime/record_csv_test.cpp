@@ -133,6 +133,16 @@ TEST(Csv, TheOwnNameIsStrongerThanALikeness) {
   EXPECT_EQ(record["y"][0], 4);
 }
 
+TEST(Csv, AGermanLoggersHeadersAreKnown) {
+  std::string text = "Messung 3\nZeit [s];Kraft [kN];Weg [mm];Beschleunigung [m/s^2]\n";
+  for (int i = 0; i < 8; ++i) text += "0,0" + std::to_string(i) + ";0,5;-2,5;7\n";
+  const Record record = read(text);
+  EXPECT_DOUBLE_EQ(record["F"][0], 500);
+  EXPECT_DOUBLE_EQ(record["y"][0], -2.5e-3);
+  EXPECT_FALSE(record.channel("a").derived);
+  EXPECT_DOUBLE_EQ(record.dt(), 0.01);
+}
+
 TEST(Csv, AnAngleBesideATorqueIsTheMotion) {
   const auto with = [](std::string header) {
     for (int i = 0; i < 8; ++i) header += std::to_string(i) + ",180,3\n";
