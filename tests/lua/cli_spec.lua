@@ -257,13 +257,13 @@ spec.case("--interpolation says what the force does between its rows", function(
 end)
 
 spec.case("--check says how records and baseline are read, and writes nothing", function()
-  record("micron.csv", 100, nil, "Zeit [s],Kraft [kN],Weg")
-  local said, code = spec.lunid([[discover micron.csv --test micron.csv --columns "t=Zeit,y=Weg [um],F=Kraft" --mass 1 ]]
+  record("micron.csv", 100, nil, "temps [s],effort [kN],course")
+  local said, code = spec.lunid([[discover micron.csv --test micron.csv --columns "t=temps,y=course [um],F=effort" --mass 1 ]]
     .. [[--restoring "k*y + 0.8*v" --check --out unmade]])
   spec.equal(code, 0)
   spec.contains(said, "record micron.csv: 100 rows, 0.99 s at 100 Hz; channels F y v* a*\n")
-  spec.contains(said, "; from 'Kraft [kN]'\n  y  ")
-  spec.contains(said, "; from 'Weg' [um]\n")
+  spec.contains(said, "; from 'effort [kN]'\n  y  ")
+  spec.contains(said, "; from 'course' [um]\n")
   spec.contains(said, "\nrecord micron.csv: 100 rows")  -- the second, to test on
   spec.contains(said, "a + k*y + 0.8*v = F\n  k [N/m]: no first guess\n")
   spec.equal(spec.shell "ls -d unmade 2>/dev/null | wc -l", "0\n")
