@@ -72,22 +72,26 @@ Interpolation between_samples(const Study& study, Interpolation guess) {
   return study.between.alike || guess == study.guesses.front() ? study.between.kind : guess;
 }
 
+/// What a channel is so much later [s] than at its rows.
+Eigen::VectorXd values_later(const Record& record, const std::string& name, Interpolation between, double time) {
+  const Excitation signal(record.start(), record.dt(), record[name], between);
+  Eigen::VectorXd values(record.rows());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = signal.at(record.time(i) + time);
+  return values;
+}
+
 /// Beside a held force, where signals have to be held: one that is smooth at the middle of each interval.
 Excitation held(const Record& record, const std::string& name) {
-  const Excitation smooth(record.start(), record.dt(), record[name], Interpolation::cubic);
   Eigen::VectorXd values = as_vector(record[name]);
-  if (!jumps_and_stays(record[name]))
-    for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = smooth.at(record.time(i) + 0.5 * record.dt());
-  return {record.start(), record.dt(), {values.data(), record[name].size()}, Interpolation::hold};
+  if (!jumps_and_stays(record[name])) values = values_later(record, name, Interpolation::cubic, 0.5 * record.dt());
+  return {record.start(), record.dt(), view(values), Interpolation::hold};
 }
 
 /// Of rows that were joined, a force that was held from one recorded row to the next: half of such a row late, and no
 /// longer held.
 Excitation held_before_joined(const Record& record, const std::string& name, double recorded_dt) {
   const Interpolation between = jumps_and_stays(record[name]) ? Interpolation::linear : Interpolation::cubic;
-  const Excitation recorded(record.start(), record.dt(), record[name], between);
-  Eigen::VectorXd values(record.rows());
-  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = recorded.at(record.time(i) - 0.5 * recorded_dt);
+  const Eigen::VectorXd values = values_later(record, name, between, -0.5 * recorded_dt);
   return {record.start(), record.dt(), view(values), between};
 }
 

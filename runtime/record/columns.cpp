@@ -12,16 +12,18 @@
 namespace lunid {
 namespace {
 
-/// A channel of the language, the words that a header may use for it (lower case), and its SI units.
+/// A channel of the language, the words that a header may use for it (lower case), its SI units, and a word that it has
+/// in files of what turns, where all that have such a word are there.
 struct Meaning {
   std::string_view channel;
   std::array<std::string_view, 4> words;
   std::array<std::string_view, 5> units;
+  std::string_view turning{};
 };
 constexpr std::array meanings{
     Meaning{"t", {"time", "zeit"}, {"s"}},
-    Meaning{"F", {"force", "load", "kraft"}, {"N", "N m", "V", "A", "Pa"}},
-    Meaning{"y", {"displacement", "disp", "position", "weg"}, {"m", "rad", "V", "C"}},
+    Meaning{"F", {"force", "load", "kraft"}, {"N", "N m", "V", "A", "Pa"}, "torque"},
+    Meaning{"y", {"displacement", "disp", "position", "weg"}, {"m", "rad", "V", "C"}, "angle"},
     Meaning{"v", {"velocity", "vel", "speed", "geschwindigkeit"}, {"m/s", "rad/s", "V", "A"}},
     Meaning{"a", {"acceleration", "acc", "accel", "beschleunigung"}, {"m/s^2", "rad/s^2", "V", "A/s"}},
 };
@@ -105,16 +107,15 @@ bool turns(const std::vector<HeaderCell>& header, const HeaderCell& cell) {
   });
 }
 
-/// An angle or a torque, which are y and F of what turns where a file has both.
 bool is_of_rotation(const Meaning& meaning, const HeaderCell& cell) {
-  return (meaning.channel == "y" && lower(cell.name) == "angle") ||
-         (meaning.channel == "F" && lower(cell.name) == "torque");
+  return !meaning.turning.empty() && lower(cell.name) == meaning.turning;
 }
 
+/// An angle and a torque: y and F of what turns.
 bool has_rotation(const std::vector<HeaderCell>& header) {
-  return std::ranges::all_of(std::array{"y", "F"}, [&](std::string_view channel) {
-    return std::ranges::any_of(header,
-                               [&](const HeaderCell& cell) { return is_of_rotation(*meaning_of(channel), cell); });
+  return std::ranges::all_of(meanings, [&](const Meaning& meaning) {
+    const auto names = [&](const HeaderCell& cell) { return is_of_rotation(meaning, cell); };
+    return meaning.turning.empty() || std::ranges::any_of(header, names);
   });
 }
 
