@@ -84,13 +84,13 @@ Study of_pieces(const Study& whole, const std::vector<Piece>& pieces) {
   out.smooth.clear();
   out.force.clear();
   out.guesses.clear();
-  out.recorded_dt.clear();
+  out.recorded.clear();
   for (const Piece& piece : pieces) {
     out.train.push_back(whole.train[piece.record].part(piece.first, piece.count));
     out.smooth.push_back(whole.smooth[piece.record].slice(piece.first, piece.count));
     out.force.push_back(whole.force[piece.record].part(piece.first, piece.count));
     out.guesses.push_back(whole.guesses[piece.record]);
-    out.recorded_dt.push_back(whole.recorded_dt[piece.record]);
+    out.recorded.push_back(whole.recorded[piece.record]);
   }
   return out;
 }

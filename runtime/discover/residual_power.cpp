@@ -8,6 +8,7 @@
 #include "record/median.hpp"
 #include "record/spectra.hpp"
 #include "statistics/distributions.hpp"
+#include "statistics/moments.hpp"
 
 namespace lunid {
 
@@ -114,9 +115,13 @@ BinnedMap rms_map(const ResidualRows& rows, const VectorXd& x, double low, doubl
   return map;
 }
 
+/// That of a tone, whatever its phase; in a wide band the motion's own mean frequency is what keeps it within the
+/// motion.
 VectorXd local_amplitude(const ResidualRows& rows) {
-  if (!(rows.omega > 0)) return rows.y.cwiseAbs();
-  return (rows.y.array().square() + (rows.v.array() / rows.omega).square()).sqrt();
+  const double y = moments::standard_deviation({rows.y.data(), static_cast<std::size_t>(rows.y.size())});
+  const double v = moments::standard_deviation({rows.v.data(), static_cast<std::size_t>(rows.v.size())});
+  if (!(y > 0 && v > 0)) return rows.y.cwiseAbs();
+  return (rows.y.array().square() + (y / v * rows.v.array()).square()).sqrt();
 }
 
 }  // namespace

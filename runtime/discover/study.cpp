@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "discover/accept.hpp"
@@ -72,6 +73,12 @@ Interpolation between_samples(const Study& study, Interpolation guess) {
   return study.between.alike || guess == study.guesses.front() ? study.between.kind : guess;
 }
 
+/// The part of three means' second difference by which the middle one differs from the value in its middle.
+double curvature_part(Eigen::Index rows) {
+  const auto own = static_cast<double>(rows);
+  return (own * own - 1) / (24 * own * own);
+}
+
 /// What a channel is so much later [s] than at its rows.
 Eigen::VectorXd values_later(const Record& record, const std::string& name, Interpolation between, double time) {
   const Excitation signal(record.start(), record.dt(), record[name], between);
@@ -87,33 +94,69 @@ Excitation held(const Record& record, const std::string& name) {
   return {record.start(), record.dt(), view(values), Interpolation::hold};
 }
 
-/// Of rows that were joined, a force that was held from one recorded row to the next: half of such a row late, and no
-/// longer held.
-Excitation held_before_joined(const Record& record, const std::string& name, double recorded_dt) {
-  const Interpolation between = jumps_and_stays(record[name]) ? Interpolation::linear : Interpolation::cubic;
-  const Eigen::VectorXd values = values_later(record, name, between, -0.5 * recorded_dt);
-  return {record.start(), record.dt(), view(values), between};
+/// Means of so many rows each, one from every row on that has enough after it: as values in their middle. Of a curve
+/// a mean differs by its second derivative, of which the next means tell. A nonlinear force of a mean is not the mean
+/// of the force: of 40 means a period, taken as they are, a cubic spring would be off by some tenths of a percent.
+Eigen::VectorXd middle_values(std::span<const double> x, Eigen::Index rows) {
+  const Eigen::Index count = std::ssize(x) / rows * rows - rows + 1;
+  Eigen::VectorXd mean(count);
+  for (Eigen::Index i = 0; i < count; ++i) mean[i] = as_vector(x).segment(i, rows).mean();
+  Eigen::VectorXd out = mean;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index j = std::clamp(i, rows, count - 1 - rows);
+    out[i] -= curvature_part(rows) * (mean[j - rows] - 2 * mean[j] + mean[j + rows]);
+  }
+  return out;
 }
 
-/// The rows of a record, of which those as recorded were `recorded_dt` apart, with the force that drives them.
-FitData with_force(const Study& study, const Record& record, Interpolation interpolation, double recorded_dt) {
-  FitData data{record, {}, {}};
-  if (study.imposed) return data;
-  const bool was_held = interpolation == Interpolation::hold && record.dt() > 1.5 * recorded_dt;
-  if (was_held) interpolation = Interpolation::cubic;
-  for (const std::string& force : study.forces)
-    data.excitation.add(force, was_held ? held_before_joined(record, force, recorded_dt)
-                                        : Excitation(record.start(), record.dt(), record[force], interpolation));
-  if (study.forces.size() == 1) data.excitation.offer("force_rate", rate_of(data.excitation[0]));
+/// The noise of a middle value over that of a row.
+double noise_of_middle(Eigen::Index rows) {
+  const double part = curvature_part(rows);
+  return std::sqrt(((1 + 2 * part) * (1 + 2 * part) + 2 * part * part) / static_cast<double>(rows));
+}
+
+/// How a channel is read between its rows.
+using Reader = std::function<Excitation(const std::string& name, Interpolation between)>;
+
+/// What drives the model of a study: the forces, and the channels beside them.
+Excitations drives(const Study& study, const Record& record, Interpolation interpolation, const Reader& read) {
+  Excitations out;
+  for (const std::string& force : study.forces) out.add(force, read(force, interpolation));
+  if (study.forces.size() == 1) out.offer("force_rate", rate_of(out[0]));
+  const bool held_there = out.interpolation() == Interpolation::hold;
   const bool band_limited = interpolation == Interpolation::band_limited;
   for (const std::string& name : side_channels(record)) {
     const bool turns = name.starts_with("shaft");  // on and on, in no band
     const Interpolation smooth = band_limited && !turns ? Interpolation::band_limited : Interpolation::cubic;
-    data.excitation.offer(name, interpolation == Interpolation::hold
-                                    ? held(record, name)
-                                    : Excitation(record.start(), record.dt(), record[name], smooth));
+    out.offer(name, held_there ? held(record, name) : read(name, smooth));
   }
-  return data;
+  return out;
+}
+
+/// The rows of a record, as they were recorded, with what drives them.
+FitData with_force(const Study& study, const Record& record, Interpolation interpolation) {
+  if (study.imposed) return {record, {}, {}};
+  const auto read = [&](const std::string& name, Interpolation between) {
+    return Excitation(record.start(), record.dt(), record[name], between);
+  };
+  return {record, drives(study, record, interpolation, read), {}};
+}
+
+/// What drives rows that were joined of so many each: between them by what was recorded there. All that is linear in an
+/// equation of motion averages alike, so that means of the force drive means of the motion.
+Excitations joined_drives(const Study& study, const Record& recorded, Eigen::Index rows, Interpolation interpolation) {
+  const double first = recorded.start() + 0.5 * recorded.dt() * static_cast<double>(rows - 1);
+  const auto read = [&](const std::string& name, Interpolation between) {
+    const Eigen::VectorXd values = middle_values(recorded[name], rows);
+    return Excitation(first, recorded.dt(), view(values), between).joined(rows);
+  };
+  return drives(study, recorded, interpolation, read);
+}
+
+/// The part of these that drives a record.
+Excitations part_of(const Excitations& whole, const Record& record) {
+  const double first = (record.start() - whole.t0()) / whole.dt();
+  return whole.part(static_cast<Eigen::Index>(std::lround(first)), record.rows());
 }
 
 FitData force_data(const Record& record, Eigen::Index edge) {
@@ -146,25 +189,6 @@ void warn_of_no_noise(Study& study, const Record& record) {
   }
 }
 
-/// The values in the middle of so many rows each, by their means: of a curve these differ by its second derivative, of
-/// which the next means tell. A nonlinear force of a mean is not the mean of the force: of 40 means a period, taken as
-/// they are, a cubic spring would be off by some tenths of a percent. `noise` is that of one row before, of one value
-/// after.
-Eigen::VectorXd middle_values(std::span<const double> x, Eigen::Index rows, double& noise) {
-  const Eigen::Index count = std::ssize(x) / rows;
-  Eigen::VectorXd mean(count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    mean[i] = as_vector(x.subspan(static_cast<std::size_t>(i * rows), static_cast<std::size_t>(rows))).mean();
-  const double own = static_cast<double>(rows), part = (own * own - 1) / (24 * own * own);
-  Eigen::VectorXd out = mean;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index j = std::clamp<Eigen::Index>(i, 1, count - 2);
-    out[i] -= part * (mean[j - 1] - 2 * mean[j] + mean[j + 1]);
-  }
-  noise *= std::sqrt(((1 + 2 * part) * (1 + 2 * part) + 2 * part * part) / own);
-  return out;
-}
-
 /// Down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies above holds noise
 /// alone, and F and y are averaged alike.
 Record thinned(const Study& study, const Record& record) {
@@ -181,7 +205,8 @@ Record thinned(const Study& study, const Record& record) {
   if (const std::string reference = study.reference(); record.has(reference)) names.push_back(reference);
   for (const std::string& name : names) {
     Channel c = record.channel(name);
-    c.values = middle_values(record[name], rows, c.noise);
+    c.values = middle_values(record[name], rows)(Eigen::seq(0, Eigen::placeholders::last, rows)).eval();
+    c.noise *= noise_of_middle(rows);
     channels.push_back(std::move(c));
   }
   const double half = 0.5 * record.dt() * static_cast<double>(rows - 1);
@@ -392,8 +417,9 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
     for (int i = 0; i < study.degrees(); ++i)
       study.omega = std::max(study.omega, dominant_frequency(moved[study.channel(study.measured[0], i)], moved.dt()));
     study.full.push_back(moved);
-    study.recorded_dt.push_back(moved.dt());
     study.train.push_back({study.imposed ? moved : thinned(study, moved), {}, {}});
+    const bool joined = study.train.back().record.rows() < moved.rows();
+    study.recorded.push_back(joined ? std::make_shared<const Record>(moved) : nullptr);
   }
   smooth_all(study);
   for (auto& record : study.test) record = with_shaft(with_motion(study, record));
@@ -403,7 +429,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
 }
 
 FitData fit_data(const Study& study, const Record& record) {
-  return with_force(study, record, between_samples(study, guess_interpolation(study, record)), record.dt());
+  return with_force(study, record, between_samples(study, guess_interpolation(study, record)));
 }
 
 bool look_alike(const Study& study, const std::vector<Record>& records) {
@@ -414,9 +440,20 @@ bool look_alike(const Study& study, const std::vector<Record>& records) {
 
 void read_force(Study& study, BetweenSamples between) {
   study.between = between;
-  for (std::size_t i = 0; i < study.train.size(); ++i)
-    study.train[i] =
-        with_force(study, study.train[i].record, between_samples(study, study.guesses[i]), study.recorded_dt[i]);
+  std::map<std::pair<const Record*, Interpolation>, Excitations> joined;  // pieces share what they were cut from
+  for (std::size_t i = 0; i < study.train.size(); ++i) {
+    const Record record = study.train[i].record;
+    const Record* recorded = study.recorded[i].get();
+    const Interpolation interpolation = between_samples(study, study.guesses[i]);
+    if (!recorded) {
+      study.train[i] = with_force(study, record, interpolation);
+      continue;
+    }
+    Excitations& whole = joined[{recorded, interpolation}];
+    if (whole.empty())
+      whole = joined_drives(study, *recorded, std::lround(record.dt() / recorded->dt()), interpolation);
+    study.train[i] = {record, part_of(whole, record), {}};
+  }
 }
 
 double upper_frequency(const Study& study) {

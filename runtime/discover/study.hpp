@@ -1,6 +1,7 @@
 #pragma once
 // What discovery knows of its data: training records cut and checked, their smoothed motion, scales and noise.
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "discover/discover.hpp"
@@ -34,7 +35,7 @@ struct Study {
   std::vector<std::string> warnings;
   double omega = 0;                    ///< dominant angular frequency [rad/s]
   std::vector<Interpolation> guesses;  ///< of the force between its samples, per training record, from the force alone
-  std::vector<double> recorded_dt;     ///< [s] between the rows of each training record before they were joined
+  std::vector<std::shared_ptr<const Record>> recorded;  ///< what the rows of each were joined of; null: as recorded
   BetweenSamples between;
 
   Model model;                              ///< the baseline

@@ -102,6 +102,30 @@ class LocalCubic {
   double weight_[4] = {}, x_ = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// What a cubic has beyond the straight line between its ends: u*(1 - u)*(even + odd*(u - 1/2)) at the part u of the
+/// way.
+struct Bubble {
+  double even = 0, odd = 0;
+  double operator()(double u) const { return u * (1 - u) * (even + odd * (u - 0.5)); }
+};
+
+constexpr int quarters = 4;
+
+/// That of so many intervals of a grid with their quarters (Boole: exact for a cubic's first moment): its integral is
+/// even/6, its first moment about the middle odd/120.
+Bubble bubble_over(const VectorXd& grid, Index first, Index rows, bool held) {
+  constexpr double weights[quarters + 1] = {7.0 / 90, 32.0 / 90, 12.0 / 90, 32.0 / 90, 7.0 / 90};
+  const double from = grid[quarters * first], to = grid[quarters * (first + rows)], own = static_cast<double>(rows);
+  double integral = 0, moment = 0;
+  for (Index i = 0; i < rows; ++i)
+    for (int j = 0; j <= quarters; ++j) {
+      const double value = grid[quarters * (first + i) + (held && j == quarters ? 0 : j)];
+      integral += weights[j] / own * value;
+      moment += weights[j] / own * value * ((static_cast<double>(i) + 0.25 * j) / own - 0.5);
+    }
+  return {6 * (integral - 0.5 * (from + to)), 120 * (moment - (to - from) / 12)};
+}
+
 /// Samples f at `places` (parts of an interval, the first 0) of each interval, then the last one.
 VectorXd interpolate(const VectorXd& f, std::span<const double> places, Interpolation interpolation) {
   const auto count = static_cast<Index>(places.size());
@@ -203,14 +227,20 @@ struct Excitation::Source {
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
   TimeFunction function;
-  VectorXd rest;     ///< what the samples have beyond the function, interpolated; empty: nothing
-  std::mutex mutex;  ///< guards the grids
+  std::vector<Bubble> bubbles;  ///< of each interval of joined samples, beyond the straight lines; empty: not joined
+  VectorXd rest;                ///< what the samples have beyond the function, interpolated; empty: nothing
+  std::mutex mutex;             ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
   VectorXd fine_grid;                               ///< of what is interpolated, for at()
   VectorXd early;  ///< of what is interpolated: rows before the first, and the first three
 
   /// The samples that are interpolated.
   const VectorXd& interpolated() const { return function ? rest : samples; }
+  /// What it is made of, without the grids.
+  std::shared_ptr<Source> copy() const;
+  double beyond_lines(Index row, double fraction) const {
+    return bubbles.empty() ? 0 : bubbles[static_cast<std::size_t>(row)](fraction);
+  }
   VectorXd refine(std::span<const double> places) const;
   const VectorXd& even_grid(int substeps);
   const VectorXd& interpolated_grid();
@@ -286,7 +316,8 @@ double Excitation::within(double t) const {
   const double fraction = position - static_cast<double>(row);
   switch (source_->interpolation) {
     case Interpolation::hold: return exact + (fraction < 1 - on_sample ? f[row] : f[row + 1]);
-    case Interpolation::linear: return exact + (f[row] + fraction * (f[row + 1] - f[row]));
+    case Interpolation::linear:
+      return exact + (f[row] + fraction * (f[row + 1] - f[row])) + source_->beyond_lines(row, fraction);
     case Interpolation::cubic: return exact + LocalCubic(f)(row, fraction);
     case Interpolation::band_limited: return exact + sextic(source_->interpolated_grid(), position * 2 * at_substeps);
   }
@@ -314,6 +345,18 @@ double Excitation::also_before(double t) const {
   }
 }
 
+std::shared_ptr<Excitation::Source> Excitation::Source::copy() const {
+  auto out = std::make_shared<Source>();
+  out->t0 = t0;
+  out->dt = dt;
+  out->interpolation = interpolation;
+  out->samples = samples;
+  out->bubbles = bubbles;
+  out->function = function;
+  out->rest = rest;
+  return out;
+}
+
 /// The force at `places` (parts of an interval, the first 0) of each interval, then the last sample.
 VectorXd Excitation::Source::refine(std::span<const double> places) const {
   const auto count = static_cast<Index>(places.size());
@@ -321,6 +364,9 @@ VectorXd Excitation::Source::refine(std::span<const double> places) const {
   const VectorXd& f = interpolated();
   VectorXd out = f.size() ? interpolate(f, places, interpolation) : VectorXd::Zero((rows - 1) * count + 1);
   for (Index row = 0; row < rows; ++row) out[row * count] = samples[row];
+  if (!bubbles.empty())
+    for (Index i = 1; i < count; ++i)
+      for (Index row = 0; row + 1 < rows; ++row) out[row * count + i] += beyond_lines(row, places[i]);
   if (!function) return out;
   VectorXd exact(rows - 1);
   for (Index i = 1; i < count; ++i) {
@@ -387,14 +433,43 @@ std::span<const double> Excitation::stage_grid(int substeps) const {
 
 Excitation Excitation::scaled(double factor) const {
   Excitation out = *this;
-  out.source_ = std::make_shared<Source>();
+  out.source_ = source_->copy();
   Source& to = *out.source_;
-  to.t0 = source_->t0;
-  to.dt = source_->dt;
-  to.interpolation = source_->interpolation;
-  to.samples = factor * source_->samples;
-  to.rest = factor * source_->rest;
+  to.samples *= factor;
+  to.rest *= factor;
+  for (Bubble& bubble : to.bubbles) bubble = {factor * bubble.even, factor * bubble.odd};
   if (source_->function) to.function = times(source_->function, factor);
+  return out;
+}
+
+Excitation Excitation::plus(std::span<const double> more) const {
+  if (std::ssize(more) != rows_)
+    throw InputError("excitation: expected " + std::to_string(rows_) + " values to add, got " +
+                     std::to_string(more.size()));
+  const Eigen::Map<const VectorXd> added(more.data(), rows_);
+  Excitation out = *this;
+  out.source_ = source_->copy();
+  Source& to = *out.source_;
+  to.samples.segment(first_, rows_) += added;
+  check_finite(to.samples);
+  if (to.function && to.rest.size() == 0) to.rest = VectorXd::Zero(to.samples.size());
+  if (to.function) to.rest.segment(first_, rows_) += added;
+  return out;
+}
+
+Excitation Excitation::joined(Index rows) const {
+  if (rows < 1 || (rows_ - 1) / rows < 1)
+    throw InputError("excitation: joined: expected 1 to " + std::to_string(rows_ - 1) + " rows, got " +
+                     std::to_string(rows));
+  if (rows == 1) return *this;
+  const Index count = (rows_ - 1) / rows + 1;
+  const VectorXd grid = refined(quarters / 2), own = samples();
+  const VectorXd joined = own(Eigen::seqN(0, count, rows));
+  Excitation out(t0_, dt_ * static_cast<double>(rows), {joined.data(), static_cast<std::size_t>(count)},
+                 Interpolation::linear);
+  for (Index i = 0; i + 1 < count; ++i)
+    out.source_->bubbles.push_back(bubble_over(grid, i * rows, rows, interpolation_ == Interpolation::hold));
+  out.interpolation_ = Interpolation::cubic;
   return out;
 }
 

@@ -324,12 +324,13 @@ std::optional<Excitations> with_noise_again(const FitData& data, Philox& random)
     const std::string& name = data.excitation.channel(i);
     if (!data.record.has(name) || signal.analytic()) continue;
     const Channel& channel = data.record.channel(name);
-    Eigen::VectorXd samples = signal.samples();
-    const std::span<const double> values(samples.data(), static_cast<std::size_t>(samples.size()));
-    if (channel.formula.valid() || !(channel.noise > 0) || channel.noise > roughest * spread_of(values)) continue;
-    for (double& x : samples) x += channel.noise * random.normal();
+    const Eigen::VectorXd samples = signal.samples();
+    const double spread = spread_of({samples.data(), static_cast<std::size_t>(samples.size())});
+    if (channel.formula.valid() || !(channel.noise > 0) || channel.noise > roughest * spread) continue;
+    std::vector<double> noise(static_cast<std::size_t>(samples.size()));
+    for (double& x : noise) x = channel.noise * random.normal();
     if (!out) out = data.excitation;
-    *out = out->replaced(name, Excitation(signal.t0(), signal.dt(), values, signal.interpolation()));
+    *out = out->replaced(name, signal.plus(noise));
   }
   return out;
 }

@@ -69,6 +69,13 @@ class Excitation {
   std::span<const double> stage_grid(int substeps) const;
   /// `factor` times this one, its formula included.
   Excitation scaled(double factor) const;
+  /// The same force on every `rows`-th row: between these the cubic that has the force's values at its ends, its
+  /// integral and its first moment, which are all that y and v at the rows see of a force on a mass. Throws InputError
+  /// when rows < 1, or when fewer than two would be left.
+  Excitation joined(Eigen::Index rows) const;
+  /// The same with so much more at each sample, read between them as the samples are. Throws InputError when these are
+  /// not as many or a sum is not finite.
+  Excitation plus(std::span<const double> more) const;
   /// Rows [first, first + count); the force between them is that of the whole. Throws InputError outside the rows.
   Excitation part(Eigen::Index first, Eigen::Index count) const;
 

@@ -128,6 +128,19 @@ TEST(ResidualMaps, AForceAboveAnAmplitudeShowsThereAlone) {
   EXPECT_TRUE(has(map.sentence, "above the noise from 750 mm to 1 m; most at ")) << map.sentence;
 }
 
+// The strongest tone is slow and small: v over its frequency would be ten times the motion.
+TEST(ResidualMaps, OfAWideBandTheAmplitudeStaysWithinTheMotion) {
+  ResidualRows rows = rows_of(0.1, 3, [](double, double, double) { return 0.0; });
+  for (int i = 0; i < rows.t.size(); ++i) {
+    const double t = rows.t[i];
+    rows.y[i] = std::sin(0.3 * t) + 0.9 * std::sin(7.1 * t);
+    rows.v[i] = 0.3 * std::cos(0.3 * t) + 0.9 * 7.1 * std::cos(7.1 * t);
+  }
+  rows.omega = 0.3;
+  const Eigen::VectorXd& x = map_residual(rows).map("amplitude").x;
+  EXPECT_LT(x[x.size() - 1], 1.3 * rows.y.maxCoeff());
+}
+
 TEST(ResidualMaps, AForceAtOneFrequencyShowsThereAlone) {
   const ResidualMaps maps =
       map_residual(rows_of(0.1, 3, [](double, double, double t) { return 0.2 * std::sin(2 * M_PI * 1.7 * t); }));

@@ -169,6 +169,73 @@ TEST(Excitation, BandLimitedRestBesideAFormula) {
   for (double t = 1; t < 3; t += 0.0037) EXPECT_NEAR(sum.at(t), formula(t) + wave(t), 2e-6);
 }
 
+/// Half sines of `rows` rows at 0.01 s.
+std::vector<double> blows(double rows) {
+  constexpr double dt = 0.01;
+  return samples_of(
+      [=](double t) {
+        const double since = std::fmod(t + 0.0037, 1.3), length = rows * dt;
+        return since < length ? 10 * std::sin(std::numbers::pi * since / length) : 0.0;
+      },
+      2001, dt);
+}
+
+// What a mass on a spring does at the rows that are left, in one step from one to the next, is what it does there in
+// steps of the recorded rows: half a percent of the motion is lost by a cubic through the rows that are left.
+TEST(Excitation, JoinedRowsDoTheWorkOfAllOfThem) {
+  const System system(model_of("1", "k*y + c*v"));
+  const std::vector<double> theta = theta_of(system, {{"k", 15}, {"c", 0.3}});
+  for (const Interpolation kind :
+       {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited}) {
+    const Excitation all(1, 0.01, blows(5), kind);
+    const auto motion = [&](const Excitation& force, int substeps) {
+      return Eigen::MatrixXd(simulate(system, theta, force, state({0, 0}), with_substeps(substeps)).x);
+    };
+    const Eigen::MatrixXd exact = motion(all, 4)(Eigen::seqN(0, 501, 4), Eigen::placeholders::all);
+    const Excitation joined = all.joined(4);
+    const double lost = (motion(joined, 1) - exact).col(0).norm() / exact.col(0).norm();
+    EXPECT_LT(lost, 1e-4) << to_string(kind);
+    EXPECT_NE(joined.interpolation(), Interpolation::hold);
+    const Eigen::VectorXd left = joined.samples();
+    const std::span<const double> values(left.data(), static_cast<std::size_t>(left.size()));
+    const Excitation through(1, 0.04, values, Interpolation::cubic);
+    EXPECT_GT((motion(through, 1) - exact).col(0).norm() / exact.col(0).norm(), 50 * lost) << to_string(kind);
+    EXPECT_EQ(left[7], all.samples()[28]);
+    // all that reads it reads the same
+    const Eigen::VectorXd grid = joined.refined(3);
+    for (Eigen::Index i = 0; i < grid.size(); ++i)
+      EXPECT_NEAR(joined.at(1 + 0.04 * static_cast<double>(i) / 6), grid[i], 1e-9);
+    EXPECT_NEAR(joined.scaled(-2).at(1.613), -2 * joined.at(1.613), 1e-12);
+    EXPECT_NEAR(joined.part(40, 30).at(3.013), joined.at(3.013), 1e-12);
+    EXPECT_NEAR(joined.part(40, 30).also_before(1.613), joined.at(1.613), 1e-12);
+  }
+}
+
+// A cubic is told by its ends and two moments.
+TEST(Excitation, JoinedRowsOfACubicAreThatCubic) {
+  const auto cubic = [](double t) { return t * t * t - 4 * t * t + 3; };
+  const Excitation joined = Excitation(0, 0.1, samples_of(cubic, 47, 0.1), Interpolation::cubic).joined(7);
+  EXPECT_EQ(joined.rows(), 7);
+  for (const double t : {0.0, 0.31, 1.05, 2.66, 4.17}) EXPECT_NEAR(joined.at(t), cubic(t), 1e-12) << t;
+}
+
+TEST(Excitation, MoreIsReadAsTheSamplesAre) {
+  const auto force = samples_of([](double t) { return std::sin(t); }, 40, 0.1);
+  std::vector<double> more(40, 0.0), sum = force;
+  for (std::size_t i = 0; i < more.size(); ++i) sum[i] += more[i] = 0.1 * std::cos(40.0 * static_cast<double>(i));
+  for (const Interpolation kind :
+       {Interpolation::hold, Interpolation::linear, Interpolation::cubic, Interpolation::band_limited})
+    EXPECT_NEAR(Excitation(0, 0.1, force, kind).plus(more).at(1.234), Excitation(0, 0.1, sum, kind).at(1.234), 1e-9);
+  const Excitation exact(0, 0.1, 40, [](double t) { return std::sin(t); }), joined = exact.joined(3);
+  EXPECT_NEAR(exact.plus(more).at(1.2), std::sin(1.2) + more[12], 1e-9);
+  EXPECT_FALSE(exact.plus(more).analytic());
+  const std::vector<double> three(14, 0.5);
+  EXPECT_NEAR(joined.plus(three).at(1.234), joined.at(1.234) + 0.5, 1e-12);
+  EXPECT_NEAR(joined.part(4, 5).plus(std::vector<double>(5, 0.5)).at(1.5), joined.at(1.5) + 0.5, 1e-12);
+  EXPECT_EQ(fault_of([&] { joined.plus(more); }), "excitation: expected 14 values to add, got 40");
+  EXPECT_EQ(fault_of([&] { joined.joined(14); }), "excitation: joined: expected 1 to 13 rows, got 14");
+}
+
 TEST(Excitation, OfARecord) {
   Pool pool;
   const Expr formula = parse(pool, "3*cos(20*t)");
