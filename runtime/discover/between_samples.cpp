@@ -6,6 +6,7 @@
 
 #include "discover/accept.hpp"
 #include "discover/baseline.hpp"
+#include "discover/gap.hpp"
 #include "discover/judge.hpp"
 #include "discover/proposal_fits.hpp"
 #include "record/parallel.hpp"
@@ -38,11 +39,9 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
   if (is_said(study) || study.imposed || !model.ran() || !force_varies(study)) return 0;
   const BetweenSamples before = study.between;
   BetweenSamples best = before;
-  const double first = squared_error(model.fit);
-  double cost = first;
   const double needed = std::exp(-12.0 / static_cast<double>(model.fit.rows));
   const bool as_one = one_look(study);
-  std::vector<BetweenSamples> ways;
+  std::vector<BetweenSamples> ways{before};
   for (const bool alike : {before.alike, !before.alike})
     for (const auto kind : every_interpolation)
       if (const BetweenSamples way{kind, alike}; (alike == before.alike || !as_one) && way != before)
@@ -58,7 +57,10 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
     options.first_states = model.fit.segments;
     fits[k] = fit_trajectory(*model.system, model.fit.theta, train[k], options);
   });
-  for (std::size_t k = 0; k < ways.size(); ++k) {
+  // A model that was judged may be beside its least error: what other steps from there gain is no merit of a reading.
+  const double first = std::min(squared_error(model.fit), fits.front().cost);
+  double cost = first;
+  for (std::size_t k = 1; k < ways.size(); ++k) {
     if (!(fits[k].cost < needed * cost)) continue;
     cost = fits[k].cost;
     best = ways[k];
@@ -68,7 +70,8 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
 }
 
 double part_above_noise(const Study& study, const Candidate& model) {
-  return 1 - std::pow(study.sensor_noise() / rms_error(model.fit), 2);
+  if (!is_above_noise(study, model, 0)) return 0;
+  return std::max(0.0, 1 - std::pow(noise_alone(study, model) / rms_error(model.fit), 2));
 }
 
 std::optional<BetweenSamples> far_better_reading(const Study& study, const Candidate& model) {

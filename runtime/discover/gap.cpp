@@ -360,6 +360,37 @@ bool lower_noise(Study& study, const Candidate& candidate) {
   return lowered;
 }
 
+double noise_alone(const Study& study, const Candidate& candidate) {
+  constexpr int draws = 4;
+  const double sensors = study.sensor_noise();
+  if (study.imposed || !candidate.ran()) return sensors;
+  const std::span<const double> theta = view(candidate.fit.theta);
+  const std::vector<std::string> outputs = study.outputs();
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = std::max(1, candidate.fit.substeps);
+  double squares = 0, rows = 0;
+  for (const FitSegment& segment : candidate.fit.segments) {
+    const FitData data = study.train[static_cast<std::size_t>(segment.record)].part(segment.first, segment.count);
+    const Run as_measured = simulate(*candidate.system, theta, data.excitation, segment.x0, options);
+    const std::vector<double> weights = study.weights(data.record);
+    rows += static_cast<double>(segment.count) * static_cast<double>(outputs.size());
+    for (int draw = 0; draw < draws; ++draw) {
+      Philox random(study.options->seed, stream_of("noise of the forces") + static_cast<std::uint64_t>(draw));
+      const std::optional<Excitations> noisy = with_noise_again(data, random);
+      if (!noisy) break;
+      const Run run = simulate(*candidate.system, theta, *noisy, segment.x0, options);
+      if (!as_measured.summary.completed || !run.summary.completed) return sensors;
+      for (std::size_t i = 0; i < outputs.size(); ++i)
+        squares += weights[i] * weights[i] / draws *
+                   (shown(*candidate.system, theta, run, outputs[i]) -
+                    shown(*candidate.system, theta, as_measured, outputs[i]))
+                       .squaredNorm();
+    }
+  }
+  return std::isfinite(squares) && rows > 0 ? std::sqrt(sensors * sensors + squares / rows) : sensors;
+}
+
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share) {
   Gap gap;
   double squares = 0, variance = 0, floor = 0, floor_variance = 0, rows = 0;

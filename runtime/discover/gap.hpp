@@ -38,6 +38,10 @@ bool lower_noise(Study& study, const Candidate& candidate);
 /// something.
 bool learn_motion_noise(Study& study, const Candidate& baseline);
 
+/// Root mean square [as rms_error] that noise alone leaves of a set's fit: that of the sensors, and what as much noise
+/// on the forces makes of its runs. Of an imposed motion, and where a run stops, that of the sensors.
+double noise_alone(const Study& study, const Candidate& candidate);
+
 /// Pooled gap over records and outputs. `input_share`: the part of the force channel's noise that the system did not
 /// feel, 0..1.
 Gap pool_gap(const std::vector<FreeRun>& runs, double input_share);

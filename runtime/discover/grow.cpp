@@ -86,16 +86,16 @@ class Grower {
 
   /// Beside it nothing more could be named.
   bool leaves_noise(const Candidate& c) const {
-    return (1 - required_gain(study_, 0)) * rms(c) <= study_.sensor_noise();
+    return c.ran() && !is_above_noise(study_, c, 1 / (1 - required_gain(study_, 0)) - 1);
   }
 
   /// Two effects may be needed where one alone leaves the error above the sensor's noise, and may be the simpler words
   /// where one needs more parameters than two of them.
   bool may_mask_a_pair(const std::vector<Candidate>& singles) const {
-    const double noise = 1.3 * study_.sensor_noise();
-    if (!(rms(baseline_) > noise) || closes_nearly_all(baseline_, singles.front())) return false;
+    constexpr double near = 0.3;
+    if (!is_above_noise(study_, baseline_, near) || closes_nearly_all(baseline_, singles.front())) return false;
     return std::ranges::none_of(singles, [&](const Candidate& one) {
-      return one.ran() && !one.degenerate() && rms(one) <= noise && one.added() <= 2;
+      return one.ran() && !one.degenerate() && one.added() <= 2 && !is_above_noise(study_, one, near);
     });
   }
 

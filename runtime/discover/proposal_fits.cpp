@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discover/gap.hpp"
 #include "record/parallel.hpp"
 
 namespace lunid {
+
+bool is_above_noise(const Study& study, const Candidate& c, double more) {
+  constexpr double most = 3;
+  const double left = rms(c) / (1 + more), sensors = study.sensor_noise();
+  return left > sensors && (left > most * sensors || left > noise_alone(study, c));
+}
 
 FitOptions fixed_fit(const Study& study, int iterations, double tolerance, int substeps) {
   FitOptions options;

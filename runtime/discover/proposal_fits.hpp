@@ -19,8 +19,9 @@ FitResult fit_near(const Study& study, const Candidate& candidate, const Eigen::
 inline double rms(const FitResult& fit) { return std::sqrt(fit.cost / static_cast<double>(fit.rows)); }
 inline double rms(const Candidate& c) { return rms(c.fit); }
 
-/// Something is left beside the sensor's noise.
-inline bool is_above_noise(const Study& study, const Candidate& c) { return rms(c) > 1.05 * study.sensor_noise(); }
+/// Something is left beside what noise alone leaves of a set (noise_alone), and this part of it more. Above three times
+/// the sensors' noise whatever the forces' is: an excitation that is rough may be taken for noise.
+bool is_above_noise(const Study& study, const Candidate& c, double more = 0.05);
 
 /// All parameters are solved for at once: none has to be guessed.
 bool all_linear(const Shape& shape);

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "discover/baseline.hpp"
+#include "discover/between_samples.hpp"
 #include "discover/gap.hpp"
 #include "discover/judge.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/twins.hpp"
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
@@ -153,6 +155,47 @@ Effect swing(Pool& pool) {
   Effect effect = entry(pool, "swing", "(swing_beta*y^2 - swing_mu)*v", {row("swing_mu"), row("swing_beta")});
   effect.variants[0].formula = "(beta*y^2 - mu)*v";
   return effect;
+}
+
+/// The displacement of x'' + c x' + x = F under steps of a force, whose channel has this much noise [of m omega0^2 L].
+Record stepped(double c, double force_noise, std::uint64_t seed) {
+  constexpr int rows = 6000;
+  constexpr double dt = 0.1;
+  truth::Physics physics;
+  physics.zeta = 0.5 * c;
+  const truth::Signal steps = [](double t) {
+    double force = 0;
+    for (int k = 0; k < 12; ++k) force += (k % 2 ? -1.0 : 1.0) / (1 + std::exp(-(t - 20 - 47 * k) / 0.2));
+    return force;
+  };
+  const truth::Motion motion = truth::integrate(physics, steps, 1, {}, rows, dt, 24);
+  Philox random(seed, 3);
+  std::vector<double> force = motion.force, y = motion.x;
+  for (double& value : force) value += force_noise * random.normal();
+  for (double& value : y) value += 1e-3 * random.normal();
+  return Record("stepped", 0, dt, {testing::channel("F", "N", force), testing::channel("y", "m", y)});
+}
+
+/// White noise of a force of density S moves a mass on a spring by S/(2 c k) (Crandall & Mark 1963, 2.2): here by twice
+/// what the sensor of the motion has, which a set that is right leaves.
+TEST(Noise, OfAForceIsWhatARightSetLeavesToo) {
+  constexpr double c = 0.02, noise = 1.2e-3;
+  const DiscoverOptions options;
+  const Model model = complete(baseline("k*y + c*v", 1));
+  const Study study = prepare(model, {stepped(c, noise, 1)}, {stepped(c, noise, 2)}, options);
+  ASSERT_EQ(study.train.front().record.rows(), 6000);
+  std::vector<std::string> warnings;
+  const Candidate candidate = fit_baseline(study, model, warnings);
+  const double of_force = noise * std::sqrt(0.1 / (2 * c)), expected = std::hypot(of_force, 1e-3);
+  EXPECT_NEAR(noise_alone(study, candidate), expected, 0.15 * expected);
+  EXPECT_NEAR(rms_error(candidate.fit), expected, 0.25 * expected);
+  EXPECT_GT(rms_error(candidate.fit), 1.5 * study.sensor_noise());
+  EXPECT_FALSE(is_above_noise(study, candidate, 0.2));
+  EXPECT_LT(part_above_noise(study, candidate), 0.3);
+  // under the same noise a spring that is 2 % off leaves more
+  const Model stiff = complete(baseline("1.02*y + c*v", 1));
+  const Study other = prepare(stiff, {stepped(c, noise, 1)}, {stepped(c, noise, 2)}, options);
+  EXPECT_TRUE(is_above_noise(other, fit_baseline(other, stiff, warnings), 0.2));
 }
 
 TEST(Twins, AreOneNumberWithTheBaselinesOwn) {
