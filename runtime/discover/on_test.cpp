@@ -200,10 +200,19 @@ class OnTest {
     }
   }
 
+  /// Of the motion, what noise makes of the chosen model's run over the test records: that of the forces whole, of
+  /// which a small part leads as far away where small differences grow. And, of a model that follows the training
+  /// records down to their noise, what its parameters' own deviations make of it.
+  double led_astray(const Round& round) const {
+    const double noise = pool_gap(runs_.after_test, round.input_share() > 0 ? 1 : 0).floor;
+    const bool followed = round.left.gap.value < 1.3 * round.left.gap.floor;
+    return followed ? std::hypot(noise, parameter_spread(study_, round.found.chosen, study_.test)) : noise;
+  }
+
   /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
   std::optional<TestRuns> short_test_runs(const Round& round) {
     if (study_.imposed || study_.run_length > 0) return {};
-    if (const Gap gap = round.gap(runs_.after_test); !(gap.floor > lost_gap && gap.value < runaway_gap)) return {};
+    if (!(round.gap(runs_.after_test).value < runaway_gap) || !(led_astray(round) > lost_gap)) return {};
     TestRuns out = runs_on_test(in_short_runs(study_), round.found);
     out_.warnings.push_back(
         "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +

@@ -33,7 +33,8 @@ struct Round {
   std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
-  Gap gap(const std::vector<FreeRun>& runs) const { return pool_gap(runs, input_noise_share(train)); }
+  double input_share() const { return input_noise_share(train); }
+  Gap gap(const std::vector<FreeRun>& runs) const { return pool_gap(runs, input_share()); }
 };
 
 /// Free runs over whole records, each output of the first record, then those of the second ... `floor`: with what noise
