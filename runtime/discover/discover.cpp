@@ -53,7 +53,7 @@ class Spine {
     Round round = look_at_all();
     if (nothing_follows(round)) look_in_short_runs(round);
     fit_all(round);
-    if (leaves_anything(round) && ground_.take_more_rows()) look_at_more_rows(round);
+    if (leaves_anything(round) && !is_noise_of_forces(round) && ground_.take_more_rows()) look_at_more_rows(round);
     doubt_names(round);
     progress("open the test record", 0.94);
     const ModelRuns runs = judge_on_test(ground_, round, out_);
@@ -101,6 +101,13 @@ class Spine {
   /// What a search of few rows has led down to the noise of all is not searched for on more.
   bool leaves_anything(const Round& round) const {
     return round.verdict == Verdict::unknown_effect || round.left.seen || !near_the_floor(round.left.gap);
+  }
+
+  /// What the noise of the forces makes of the runs of what was found is not searched for on more rows either.
+  bool is_noise_of_forces(const Round& round) const {
+    constexpr double most = 3;  // times the floor of the sensors: an excitation that is rough may be taken for noise
+    return round.verdict != Verdict::unknown_effect && !round.left.seen && near_the_floor(round.gap(round.train)) &&
+           round.left.gap.value < most * round.left.gap.floor;
   }
 
   void look_at_more_rows(Round& round) {
