@@ -8,7 +8,6 @@
 #include "record/median.hpp"
 #include "record/spectra.hpp"
 #include "statistics/distributions.hpp"
-#include "statistics/moments.hpp"
 
 namespace lunid {
 
@@ -115,13 +114,23 @@ BinnedMap rms_map(const ResidualRows& rows, const VectorXd& x, double low, doubl
   return map;
 }
 
-/// That of a tone, whatever its phase; in a wide band the motion's own mean frequency is what keeps it within the
-/// motion.
+/// The upper angular frequency [rad/s] of the motion, std(a) / std(v); 0 of one that rests.
+double upper_frequency(const ResidualRows& rows) {
+  double a = 0, v = 0;
+  for (Index i = 0; i + 1 < rows.v.size(); ++i) {
+    if (std::abs(rows.t[i + 1] - rows.t[i]) > 1.5 * rows.dt) continue;  // another record
+    a += std::pow((rows.v[i + 1] - rows.v[i]) / rows.dt, 2);
+    v += std::pow(0.5 * (rows.v[i + 1] + rows.v[i]), 2);
+  }
+  return v > 0 ? std::sqrt(a / v) : 0;
+}
+
+/// That of a tone, whatever its phase; v over the motion's upper frequency keeps it within a motion in a wide band, or
+/// with steps.
 VectorXd local_amplitude(const ResidualRows& rows) {
-  const double y = moments::standard_deviation({rows.y.data(), static_cast<std::size_t>(rows.y.size())});
-  const double v = moments::standard_deviation({rows.v.data(), static_cast<std::size_t>(rows.v.size())});
-  if (!(y > 0 && v > 0)) return rows.y.cwiseAbs();
-  return (rows.y.array().square() + (y / v * rows.v.array()).square()).sqrt();
+  const double upper = upper_frequency(rows);
+  if (!(upper > 0)) return rows.y.cwiseAbs();
+  return (rows.y.array().square() + (rows.v.array() / upper).square()).sqrt();
 }
 
 }  // namespace

@@ -213,7 +213,8 @@ std::optional<Range> range_above(const BinnedMap& m) {
   while (first > 0 && m.above(first - 1)) --first;
   while (last + 1 < m.value.size() && m.above(last + 1)) ++last;
   const double half = 0.5 * (m.x[1] - m.x[0]);
-  Range out{m.x[first] - half, m.x[last] + half};
+  const auto edge = [half](double x) { return std::abs(x) < 1e-9 * half ? 0 : x; };
+  Range out{edge(m.x[first] - half), edge(m.x[last] + half)};
   for (Index i = 0; i < m.value.size(); ++i) {
     out.bins += std::isfinite(m.value[i]);
     out.elsewhere = out.elsewhere || (m.above(i) && (i < first || i > last));
