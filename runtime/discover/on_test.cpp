@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "discover/between_samples.hpp"
 #include "discover/gap.hpp"
@@ -142,14 +143,16 @@ class OnTest {
       round.verdict = verdict_without_names(round);
       return {};
     }
-    std::optional<TestRuns> shorter = short_test_runs(round);
+    std::optional<TestRuns> shorter;
+    if (noise_on_test(round) > lost_gap) shorter = short_test_runs(round);
+    auto [fault, of_all] = held_against_test(round, shorter);
+    if (!fault.empty() && !of_all && !shorter && parameters_lead_astray(round)) {
+      shorter = short_test_runs(round);
+      std::tie(fault, of_all) = held_against_test(round, shorter);
+    }
     const Study& study = shorter ? shorter->study : study_;
     const std::vector<FreeRun>&before = shorter ? shorter->before : runs_.before_test,
           &after = shorter ? shorter->after : runs_.after_test;
-    out_.test_p_value = test_p_value(study, before, after);
-    const std::string fault = refuted(study, round, out_.test_p_value, before, after);
-    const std::optional<FitToAll> of_all =
-        fault.empty() ? std::nullopt : fit_to_all(study, round, out_.test_p_value, before, after);
     if (of_all) {
       if (of_all->settled && !shorter)
         take_open_from_test(round, *of_all->settled);
@@ -200,19 +203,35 @@ class OnTest {
     }
   }
 
-  /// Of the motion, what noise makes of the chosen model's run over the test records: that of the forces whole, of
-  /// which a small part leads as far away where small differences grow. And, of a model that follows the training
-  /// records down to their noise, what its parameters' own deviations make of it.
-  double led_astray(const Round& round) const {
-    const double noise = pool_gap(runs_.after_test, round.input_share() > 0 ? 1 : 0).floor;
-    const bool followed = round.left.gap.value < 1.3 * round.left.gap.floor;
-    return followed ? std::hypot(noise, parameter_spread(study_, round.found.chosen, study_.test)) : noise;
+  /// What the test records, whole or in short runs, have against the names, and a fit to all records where that
+  /// answers it.
+  std::pair<std::string, std::optional<FitToAll>> held_against_test(const Round& round,
+                                                                    const std::optional<TestRuns>& shorter) {
+    const Study& study = shorter ? shorter->study : study_;
+    const std::vector<FreeRun>&before = shorter ? shorter->before : runs_.before_test,
+          &after = shorter ? shorter->after : runs_.after_test;
+    out_.test_p_value = test_p_value(study, before, after);
+    std::string fault = refuted(study, round, out_.test_p_value, before, after);
+    if (fault.empty()) return {};
+    return {std::move(fault), fit_to_all(study, round, out_.test_p_value, before, after)};
   }
 
-  /// Short runs over the test records, where noise alone would have lost the model over the whole of them.
+  /// Of the motion, what noise makes of the chosen model's run over the test records: that of the forces whole, of
+  /// which a small part leads as far away where small differences grow.
+  double noise_on_test(const Round& round) const {
+    return pool_gap(runs_.after_test, round.input_share() > 0 ? 1 : 0).floor;
+  }
+
+  /// The deviations of the parameters of a model that follows the training records down to their noise, and noise, lose
+  /// its run over the test records.
+  bool parameters_lead_astray(const Round& round) const {
+    if (!(round.left.gap.value < 1.3 * round.left.gap.floor)) return false;
+    return std::hypot(noise_on_test(round), parameter_spread(study_, round.found.chosen, study_.test)) > lost_gap;
+  }
+
+  /// Short runs over the test records, of a model that is lost over the whole of them.
   std::optional<TestRuns> short_test_runs(const Round& round) {
-    if (study_.imposed || study_.run_length > 0) return {};
-    if (!(round.gap(runs_.after_test).value < runaway_gap) || !(led_astray(round) > lost_gap)) return {};
+    if (study_.imposed || study_.run_length > 0 || !(round.gap(runs_.after_test).value < runaway_gap)) return {};
     TestRuns out = runs_on_test(in_short_runs(study_), round.found);
     out_.warnings.push_back(
         "runs over the whole test record are lost to noise, whatever the model: the names are held against runs of " +
