@@ -70,7 +70,6 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
 }
 
 double part_above_noise(const Study& study, const Candidate& model) {
-  if (!is_above_noise(study, model, 0)) return 0;
   return std::max(0.0, 1 - std::pow(noise_alone(study, model) / rms_error(model.fit), 2));
 }
 

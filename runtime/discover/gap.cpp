@@ -39,19 +39,24 @@ std::vector<double> squared_changes(const Nominal& at, const Excitations& excita
   return out;
 }
 
-/// Mean squared displacement that white noise on the force channels causes, by runs with noisy forces.
-void add_input_noise(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
-  constexpr int draws = 2;
-  std::vector<double> squares(out.size(), 0.0);
+/// Mean squared changes of the outputs that as much noise on the force channels again makes; zero where these have
+/// none, NaN where a run stops.
+std::vector<double> changes_by_input_noise(const Study& study, const Nominal& at, const std::vector<FreeRun>& outputs,
+                                           int draws, std::uint64_t stream) {
+  std::vector<double> squares(outputs.size(), 0.0);
   for (int draw = 0; draw < draws; ++draw) {
-    Philox random(study.options->seed, static_cast<std::uint64_t>(1000 + draw));
+    Philox random(study.options->seed, stream + static_cast<std::uint64_t>(draw));
     const std::optional<Excitations> noisy = with_noise_again(at.data, random);
-    if (!noisy) return;
-    const std::vector<double> change = squared_changes(at, *noisy, at.state.x0, out);
-    for (std::size_t i = 0; i < out.size(); ++i) squares[i] += change.empty() ? NAN : change[i];
+    if (!noisy) break;
+    const std::vector<double> change = squared_changes(at, *noisy, at.state.x0, outputs);
+    for (std::size_t i = 0; i < outputs.size(); ++i) squares[i] += (change.empty() ? NAN : change[i]) / draws;
   }
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i].input_squares = std::isfinite(squares[i]) ? squares[i] / draws : 0;
+  return squares;
+}
+
+void add_input_noise(const Study& study, const Nominal& at, std::vector<FreeRun>& out) {
+  const std::vector<double> squares = changes_by_input_noise(study, at, out, 2, 1000);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].input_squares = std::isfinite(squares[i]) ? squares[i] : 0;
 }
 
 /// Gaussian steps of a covariance, whatever the units of its rows.
@@ -365,28 +370,27 @@ double noise_alone(const Study& study, const Candidate& candidate) {
   const double sensors = study.sensor_noise();
   if (study.imposed || !candidate.ran()) return sensors;
   const std::span<const double> theta = view(candidate.fit.theta);
-  const std::vector<std::string> outputs = study.outputs();
   SimulateOptions options;
   options.solver = Solver::fixed;
   options.substeps = std::max(1, candidate.fit.substeps);
   double squares = 0, rows = 0;
   for (const FitSegment& segment : candidate.fit.segments) {
     const FitData data = study.train[static_cast<std::size_t>(segment.record)].part(segment.first, segment.count);
-    const Run as_measured = simulate(*candidate.system, theta, data.excitation, segment.x0, options);
-    const std::vector<double> weights = study.weights(data.record);
-    rows += static_cast<double>(segment.count) * static_cast<double>(outputs.size());
-    for (int draw = 0; draw < draws; ++draw) {
-      Philox random(study.options->seed, stream_of("noise of the forces") + static_cast<std::uint64_t>(draw));
-      const std::optional<Excitations> noisy = with_noise_again(data, random);
-      if (!noisy) break;
-      const Run run = simulate(*candidate.system, theta, *noisy, segment.x0, options);
-      if (!as_measured.summary.completed || !run.summary.completed) return sensors;
-      for (std::size_t i = 0; i < outputs.size(); ++i)
-        squares += weights[i] * weights[i] / draws *
-                   (shown(*candidate.system, theta, run, outputs[i]) -
-                    shown(*candidate.system, theta, as_measured, outputs[i]))
-                       .squaredNorm();
+    StateEstimate state;
+    state.x0 = segment.x0;
+    const Run run = simulate(*candidate.system, theta, data.excitation, state.x0, options);
+    if (!run.summary.completed) return sensors;
+    std::vector<FreeRun> outputs;
+    for (const std::string& name : study.outputs()) {
+      outputs.emplace_back().output = name;
+      outputs.back().rows = segment.count;
     }
+    const std::vector<double> weights = study.weights(data.record),
+                              changes =
+                                  changes_by_input_noise(study, {*candidate.system, theta, data, state, run, options},
+                                                         outputs, draws, stream_of("noise of the forces"));
+    for (std::size_t i = 0; i < outputs.size(); ++i) squares += weights[i] * weights[i] * changes[i];
+    rows += static_cast<double>(segment.count) * static_cast<double>(outputs.size());
   }
   return std::isfinite(squares) && rows > 0 ? std::sqrt(sensors * sensors + squares / rows) : sensors;
 }

@@ -86,7 +86,7 @@ class Grower {
 
   /// Beside it nothing more could be named.
   bool leaves_noise(const Candidate& c) const {
-    return c.ran() && !is_above_noise(study_, c, 1 / (1 - required_gain(study_, 0)) - 1);
+    return !is_above_noise(study_, c, 1 / (1 - required_gain(study_, 0)) - 1);
   }
 
   /// Two effects may be needed where one alone leaves the error above the sensor's noise, and may be the simpler words

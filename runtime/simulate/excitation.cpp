@@ -221,23 +221,31 @@ void check_substeps(int substeps) {
 
 }  // namespace
 
-/// What all parts of an excitation share.
-struct Excitation::Source {
+namespace {
+
+/// What an excitation is made of.
+struct Content {
   double t0 = 0, dt = 1;
   Interpolation interpolation = Interpolation::linear;
   VectorXd samples;
   TimeFunction function;
   std::vector<Bubble> bubbles;  ///< of each interval of joined samples, beyond the straight lines; empty: not joined
   VectorXd rest;                ///< what the samples have beyond the function, interpolated; empty: nothing
-  std::mutex mutex;             ///< guards the grids
+};
+
+}  // namespace
+
+/// What all parts of an excitation share.
+struct Excitation::Source : Content {
+  Source() = default;
+  explicit Source(Content content) : Content(std::move(content)) {}
+  std::mutex mutex;                                 ///< guards the grids
   std::map<int, VectorXd> even_grids, stage_grids;  ///< by substeps
   VectorXd fine_grid;                               ///< of what is interpolated, for at()
   VectorXd early;  ///< of what is interpolated: rows before the first, and the first three
 
   /// The samples that are interpolated.
   const VectorXd& interpolated() const { return function ? rest : samples; }
-  /// What it is made of, without the grids.
-  std::shared_ptr<Source> copy() const;
   double beyond_lines(Index row, double fraction) const {
     return bubbles.empty() ? 0 : bubbles[static_cast<std::size_t>(row)](fraction);
   }
@@ -345,18 +353,6 @@ double Excitation::also_before(double t) const {
   }
 }
 
-std::shared_ptr<Excitation::Source> Excitation::Source::copy() const {
-  auto out = std::make_shared<Source>();
-  out->t0 = t0;
-  out->dt = dt;
-  out->interpolation = interpolation;
-  out->samples = samples;
-  out->bubbles = bubbles;
-  out->function = function;
-  out->rest = rest;
-  return out;
-}
-
 /// The force at `places` (parts of an interval, the first 0) of each interval, then the last sample.
 VectorXd Excitation::Source::refine(std::span<const double> places) const {
   const auto count = static_cast<Index>(places.size());
@@ -433,7 +429,7 @@ std::span<const double> Excitation::stage_grid(int substeps) const {
 
 Excitation Excitation::scaled(double factor) const {
   Excitation out = *this;
-  out.source_ = source_->copy();
+  out.source_ = std::make_shared<Source>(Content(*source_));
   Source& to = *out.source_;
   to.samples *= factor;
   to.rest *= factor;
@@ -448,7 +444,7 @@ Excitation Excitation::plus(std::span<const double> more) const {
                      std::to_string(more.size()));
   const Eigen::Map<const VectorXd> added(more.data(), rows_);
   Excitation out = *this;
-  out.source_ = source_->copy();
+  out.source_ = std::make_shared<Source>(Content(*source_));
   Source& to = *out.source_;
   to.samples.segment(first_, rows_) += added;
   check_finite(to.samples);

@@ -111,6 +111,15 @@ Record held_and_fast(std::uint64_t seed) {
   return Record("held", 0, dt, {testing::channel("F", "N", out.force), testing::channel("y", "m", out.x)});
 }
 
+/// The baseline has k = 1 and c = 0.06 within this, and leaves no more than so many times the noise.
+void expect_fitted(const Study& study, double within, double noises) {
+  std::vector<std::string> warnings;
+  const Candidate candidate = fit_baseline(study, study.model, warnings);
+  EXPECT_NEAR(candidate.fit.theta[0], 1, within);
+  EXPECT_NEAR(candidate.fit.theta[1], 0.06, within);
+  EXPECT_LT(rms_error(candidate.fit), noises * study.sensor_noise());
+}
+
 /// Taken for held from one joined row to the next, the force came so much late that k was a percent off, 40 floors
 /// open.
 TEST(BetweenSamples, AForceThatWasHeldIsSmoothOfRowsThatWereJoined) {
@@ -119,11 +128,7 @@ TEST(BetweenSamples, AForceThatWasHeldIsSmoothOfRowsThatWereJoined) {
   const DiscoverOptions options;
   Study study = prepare(model, {held_and_fast(1)}, {held_and_fast(2)}, options);
   ASSERT_GT(study.train.front().record.dt(), 1.5 * study.full.front().dt());
-  std::vector<std::string> warnings;
-  const Candidate candidate = fit_baseline(study, study.model, warnings);
-  EXPECT_NEAR(candidate.fit.theta[0], 1, 1e-3);
-  EXPECT_NEAR(candidate.fit.theta[1], 0.06, 1e-3);
-  EXPECT_LT(rms_error(candidate.fit), 1.3 * study.sensor_noise());
+  expect_fitted(study, 1e-3, 1.3);
 }
 
 /// A mass of 1 on k = 1 and c = 0.06 under blows of six rows, 250 rows a period.
@@ -152,11 +157,7 @@ TEST(BetweenSamples, BlowsOfAFewRowsAreThoseOfAllRowsThatWereJoined) {
   const DiscoverOptions options;
   Study study = prepare(testing::baseline("k*y + c*v", 1), {hammered(1)}, {hammered(2)}, options);
   ASSERT_GT(study.train.front().record.dt(), 3.5 * study.full.front().dt());
-  std::vector<std::string> warnings;
-  const Candidate candidate = fit_baseline(study, study.model, warnings);
-  EXPECT_NEAR(candidate.fit.theta[0], 1, 1e-4);
-  EXPECT_NEAR(candidate.fit.theta[1], 0.06, 1e-4);
-  EXPECT_LT(rms_error(candidate.fit), 1.05 * study.sensor_noise());
+  expect_fitted(study, 1e-4, 1.05);
   const Study parts = in_short_runs(study, 8);
   ASSERT_GT(parts.train.size(), 3u);
   const Excitation& whole = study.train.front().excitation[0];
