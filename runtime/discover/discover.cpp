@@ -47,10 +47,7 @@ class Spine {
 
   Discovery run() {
     progress("refit the baseline", 0.05);
-    baseline_ = fit_baseline(study_, model_, out_.warnings, given_);
-    choose_catalogue();
-    if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
-    Round round = look_at_all();
+    Round round = begin();
     if (nothing_follows(round)) look_in_short_runs(round);
     fit_all(round);
     if (leaves_anything(round) && !is_noise_of_forces(round) && ground_.take_more_rows()) look_at_more_rows(round);
@@ -66,6 +63,26 @@ class Spine {
   }
 
  private:
+  /// The baseline, and what is found beside it; of the rows as they were recorded where those that were joined mislead.
+  Round begin() {
+    std::vector<std::string> notes = out_.warnings;
+    baseline_ = fit_baseline(study_, model_, notes, given_);
+    if (const auto between = joined_rows_mislead(ground_, baseline_)) return begin_as_recorded(*between);
+    choose_catalogue();
+    if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
+    Round round = look_at_all();
+    if (const auto between = joined_rows_mislead(ground_, round.found.chosen)) return begin_as_recorded(*between);
+    out_.warnings = std::move(notes);
+    return round;
+  }
+
+  Round begin_as_recorded(Interpolation between) {
+    progress("take the rows as they were recorded", done_);
+    ground_.take_rows_as_recorded(between);
+    grown_.clear();
+    return begin();
+  }
+
   /// The entries that these records can show, the common ones first.
   void choose_catalogue() {
     std::vector<std::string> left;
@@ -82,9 +99,10 @@ class Spine {
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
-  /// The common entries, and the others where those leave something open.
+  /// The common entries, and the others where those leave something open that is not the joined rows' own.
   Round look_at_all() {
     Round round = look(first_, {}, first_ < catalogue_.size() ? 0.4 : 0.9);
+    if (joined_rows_mislead(ground_, round.found.chosen)) return round;
     if (first_ < catalogue_.size() && leaves_open(round))
       look_further(round, "the whole catalogue", catalogue_.size());
     else if (without_states_ > first_ && round.names())
@@ -327,9 +345,9 @@ class Spine {
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, where they are fewer
-  /// and fit better, or, as of a baseline that lacks nothing, where they close what is left; a third of it where they
-  /// are a more general form of the same. A record with disturbances of its own (a loop that is closed, a foundation
-  /// that moves) would otherwise be followed by ever more of them.
+  /// and fit better, or, as of a baseline that lacks nothing, where they close what is left: most of it where they are
+  /// no more effects, a third where they are a more general form of the same. A record with disturbances of its own (a
+  /// loop that is closed, a foundation that moves) would otherwise be followed by ever more of them.
   bool takes_the_place(const Round& further, const Round& round) const {
     if (round.verdict == Verdict::unknown_effect) return true;
     if (!further.names()) return false;
@@ -347,7 +365,8 @@ class Spine {
     }
     const bool grown = is_general_form(rare.choices, common.choices);
     const double floor = std::max(study_.noise_gap(), further.left.gap.floor);
-    return closed_share(common.left_out_gap, rare.left_out_gap, floor) > (grown ? 0.33 : 0.95);
+    const double least = grown ? 0.33 : rare.choices.size() <= common.choices.size() ? 0.8 : 0.95;
+    return closed_share(common.left_out_gap, rare.left_out_gap, floor) > least;
   }
 
   void say_what_was_left_aside(const SearchResult& found) {

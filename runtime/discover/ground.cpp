@@ -106,6 +106,42 @@ bool Ground::take_more_rows() {
   return true;
 }
 
+void Ground::take_rows_as_recorded(Interpolation between) {
+  std::ranges::replace(whole.guesses, Interpolation(whole.guesses.front()), between);
+  whole.between.kind = between;
+  whole = as_recorded(whole);
+  study = shortened(whole, searched);
+}
+
+std::optional<Interpolation> joined_rows_mislead(const Ground& ground, const Candidate& model) {
+  constexpr double open = 1.5, far_less = 0.25;  // times the noise; of the squared excess over it
+  constexpr int iterations = 10;
+  const Study& whole = ground.whole;
+  const bool joined = std::ranges::any_of(whole.recorded, [](const auto& record) { return record != nullptr; });
+  const double noise = ground.study.sensor_noise();
+  if (!joined || !model.ran() || !(rms_error(model.fit) > open * noise)) return {};
+  std::vector<Interpolation> ways{whole.between.kind};
+  if (!is_said(whole)) ways.assign(std::begin(every_interpolation), std::end(every_interpolation));
+  std::vector<double> errors(ways.size());  // mean squares
+  parallel_for(static_cast<int>(ways.size()), whole.options->threads, [&](int i) {
+    Study recorded = whole;
+    recorded.between.kind = ways[static_cast<std::size_t>(i)];
+    std::vector<FitData> data;
+    for (const Record& record : whole.full) data.push_back(fit_data(recorded, record));
+    const FitResult fit =
+        fit_trajectory(*model.system, model.fit.theta, data, fixed_fit(whole, iterations, 1e-4, model.fit.substeps));
+    errors[static_cast<std::size_t>(i)] = std::isfinite(fit.cost) ? std::pow(rms_error(fit), 2) : INFINITY;
+  });
+  double squares = 0, rows = 0;  // of the noise of the rows as they were recorded
+  for (const Record& record : whole.full) {
+    squares += static_cast<double>(record.rows()) * std::pow(record.channel(whole.output()).noise, 2);
+    rows += static_cast<double>(record.rows());
+  }
+  const auto least = std::ranges::min_element(errors);
+  if (!(*least - squares / rows < far_less * (std::pow(rms_error(model.fit), 2) - noise * noise))) return {};
+  return ways[static_cast<std::size_t>(least - errors.begin())];
+}
+
 std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found) {
   constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
   constexpr std::size_t asked_sets = 3;

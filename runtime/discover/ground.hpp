@@ -16,7 +16,14 @@ struct Ground {
   void take_noise();
   /// More rows, for a new search; false where no more are searched.
   bool take_more_rows();
+  /// The rows as they were recorded, the force so between them, for a new search.
+  void take_rows_as_recorded(Interpolation between);
 };
+
+/// Whether joined rows leave open what the model follows over the rows as they were recorded, and how the force is read
+/// between these then: what sticks and slips, or strikes, within a joined row answers what the force does there, not
+/// its means.
+std::optional<Interpolation> joined_rows_mislead(const Ground& ground, const Candidate& model);
 
 /// Whether the force is to be read otherwise between its samples, by so much that a new search is worth it; it is then
 /// left so. The rms error that is left. Asked of what was chosen, of sets of fewer effects, which may do alone then (a

@@ -456,6 +456,15 @@ void read_force(Study& study, BetweenSamples between) {
   }
 }
 
+Study as_recorded(const Study& whole) {
+  Study out = whole;
+  for (std::size_t i = 0; i < out.train.size(); ++i)
+    if (const auto recorded = std::exchange(out.recorded[i], nullptr)) out.train[i].record = *recorded;
+  smooth_all(out);
+  read_force(out, whole.between);
+  return out;
+}
+
 double upper_frequency(const Study& study) {
   double highest = 0;
   for (const auto& record : study.smooth) highest = std::max(highest, upper_frequency(study, record));

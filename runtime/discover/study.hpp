@@ -79,6 +79,9 @@ FitData fit_data(const Study& study, const Record& record);
 /// The forces of these records look like that of the first training record between their samples.
 bool look_alike(const Study& study, const std::vector<Record>& records);
 
+/// The study on all rows as they were recorded, where some were joined.
+Study as_recorded(const Study& whole);
+
 /// How many rows of long records are searched: few at first, more where what is found on these leaves anything.
 enum class Searched { first, again };
 /// The study on pieces of its training records where those are long: a search that takes minutes to each candidate on
