@@ -172,19 +172,21 @@ std::vector<Eigen::Index> numbers_added(const Candidate& larger, const Candidate
   return out;
 }
 
-/// What `larger` adds along the motion has gone, all but a fifth, where this parameter is a twentieth of what it is.
-bool is_a_size(const Study& study, const Candidate& larger, const Candidate& smaller, Eigen::Index k) {
+/// What `larger` adds along the motion has gone, all but a fifth, where these parameters are a twentieth of what they
+/// are.
+bool are_its_size(const Study& study, const Candidate& larger, const Candidate& smaller,
+                  const std::vector<Eigen::Index>& parameters) {
   constexpr double part = 0.05, left = 0.2;
   const Eigen::VectorXd without = values_of(smaller, {&larger});
   Eigen::VectorXd little = larger.fit.theta;
-  little[k] *= part;
+  little(parameters) *= part;
   double whole = 0, rest = 0;
   for (const Record& record : study.smooth) {
     const Eigen::VectorXd none = open_force(smaller, without, record);
     whole += (open_force(larger, larger.fit.theta, record) - none).squaredNorm();
     rest += (open_force(larger, little, record) - none).squaredNorm();
   }
-  return rest < left * left * whole;
+  return rest <= left * left * whole;
 }
 
 }  // namespace
@@ -208,18 +210,17 @@ std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candi
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
   const auto& table = larger.system->model().parameters;
   const std::vector<Eigen::Index> numbers = numbers_added(larger, smaller);
-  bool any = false, told = false;
+  std::vector<Eigen::Index> linear;
   for (std::size_t j = 0; j < table.size(); ++j) {
     if (smaller.system->model().find(table[j].name)) continue;
     const auto k = static_cast<Eigen::Index>(j);
-    if (larger.linear[j]) {
-      any = true;
-      told = told || !within_two_deviations_of_zero(larger.fit, k, numbers);
-    } else if (within_two_deviations_of_zero(larger.fit, k) && is_a_size(study, larger, smaller, k)) {
+    if (larger.linear[j])
+      linear.push_back(k);
+    else if (within_two_deviations_of_zero(larger.fit, k) && are_its_size(study, larger, smaller, {k}))
       return false;
-    }
   }
-  return told || !any;
+  const auto is_told = [&](Eigen::Index k) { return !within_two_deviations_of_zero(larger.fit, k, numbers); };
+  return linear.empty() || std::ranges::any_of(linear, is_told) || !are_its_size(study, larger, smaller, linear);
 }
 
 std::size_t added_near_zero(const Candidate& c, double level) {

@@ -52,9 +52,9 @@ double corrected(double p_value, int tried);
 /// What is simpler comes first: fewer parameters, fewer effects, a faulty sensor or input before physics.
 std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 
-/// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero, or
-/// another parameter that takes the force with it as it goes to zero (a hidden mass): the smaller would do as well, had
-/// its own fit ended there, whatever the p-value says.
+/// False where all coefficients that `larger` has beyond `smaller` are within two standard deviations of zero and take
+/// the force with them there (of bristles the spring stays, without their damping), or another parameter is that does
+/// (a hidden mass): the smaller would do as well, had its own fit ended there, whatever the p-value says.
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
 /// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names.

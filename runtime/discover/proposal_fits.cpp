@@ -36,26 +36,10 @@ bool all_linear(const Shape& shape) {
   return std::all_of(shape.linear.begin(), shape.linear.end(), [](auto l) { return l != 0; });
 }
 
-namespace {
-
-/// What forces foretell is a displacement: what was measured, per displacement.
-double measured_of_displacement(const Study& study) {
-  if (study.imposed || study.measured == "y") return 1;
-  double squares = 0, rows = 0;
-  for (const Record& record : study.smooth) {
-    squares += motion_at(record, study.degrees() > 1 ? std::optional(Place{0}) : std::nullopt, 'y').squaredNorm();
-    rows += static_cast<double>(record.rows());
-  }
-  return study.measured_std() / std::sqrt(squares / rows);
-}
-
-}  // namespace
-
 ProposalFits::ProposalFits(const Study& study, const Candidate& baseline, Eigen::Index force_rows)
     : study_(study),
       baseline_(baseline),
       force_rows_(force_rows),
-      measured_(measured_of_displacement(study)),
       decays_(!study.imposed && are_free(study, study.full)) {}
 
 int ProposalFits::coarse_substeps(const Candidate& c) const {
@@ -94,6 +78,7 @@ void ProposalFits::go_on(Candidate& c, int iterations) const {
 void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const {
   constexpr std::size_t most = 8, ahead = 2;
   constexpr int first_iterations = 2, iterations = 8;
+  constexpr double near = 1.2;  // in squared error
   if (all_linear(shape) || many_states(shape)) return;
   const auto& table = c.system->model().parameters;
   const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
@@ -110,14 +95,37 @@ void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::Ve
   });
   std::ranges::stable_sort(others, {}, &FitResult::cost);
   others.resize(std::min(ahead, others.size()));
+  std::erase_if(others, [](const FitResult& f) { return !std::isfinite(f.cost); });
+  for (const Eigen::VectorXd& start : starts_along_the_motion(c, shape, from.head(before))) {
+    others.emplace_back();
+    others.back().cost = INFINITY;
+    others.back().theta = start;
+    others.back().substeps = coarse_substeps(c);
+  }
   parallel_for(static_cast<int>(others.size()), study_.options->threads, [&](int i) {
     FitResult& other = others[static_cast<std::size_t>(i)];
-    if (!std::isfinite(other.cost)) return;
     FitResult further = fit_near(study_, c, other.theta, iterations, other.substeps, other.segments);
     if (further.cost < other.cost) other = std::move(further);
   });
-  for (FitResult& other : others)
-    if (other.cost < c.fit.cost) c.fit = std::move(other);
+  // What ended at a limit is no name: whatever else there is goes first.
+  const auto at_limit = [&c](const FitResult& fit) {
+    Candidate there = c;
+    there.fit = fit;
+    return !there.ran() || there.degenerate();
+  };
+  const auto best =
+      std::ranges::min_element(others, {}, [&](const FitResult& fit) { return std::pair(at_limit(fit), fit.cost); });
+  const bool leaves_a_limit = best != others.end() && c.degenerate() && !at_limit(*best);
+  if (best != others.end() && best->cost < (leaves_a_limit ? near : 1) * c.fit.cost) c.fit = std::move(*best);
+}
+
+/// Of an entry with memory, whose guesses a free run may never lead to where the force is followed.
+std::vector<Eigen::VectorXd> ProposalFits::starts_along_the_motion(const Candidate& c, const Shape& shape,
+                                                                   const Eigen::VectorXd& parent) const {
+  if (shape.system->model().states.empty()) return {};
+  Candidate along = c;
+  find_starts(study_, along, parent, {shape.guesses});
+  return std::move(along.starts);
 }
 
 void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const {
@@ -142,7 +150,7 @@ void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) con
 
 double ProposalFits::promised(const Candidate& c) const {
   const bool told = !decays_ && std::isfinite(c.force_cost);
-  return told ? measured_ * std::sqrt(c.force_cost / static_cast<double>(force_rows_)) : 0;
+  return told ? std::sqrt(c.force_cost / static_cast<double>(force_rows_)) : 0;
 }
 
 void ProposalFits::end(Candidate& c, double to_beat) const {

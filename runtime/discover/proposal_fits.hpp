@@ -52,16 +52,18 @@ class ProposalFits {
   int coarse_substeps(const Candidate& c) const;
   void begin_at_parent(Candidate& c, const Candidate& parent) const;
   void lengthen_steps(Candidate& c) const;
-  /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed.
+  /// The better of the fit and those that begin at `from` with the entry's own nonlinear parameters as guessed, or as
+  /// these are led along the motion; one at no limit before one at a limit.
   void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
+  std::vector<Eigen::VectorXd> starts_along_the_motion(const Candidate& c, const Shape& shape,
+                                                       const Eigen::VectorXd& parent) const;
   /// The better of the fit and one that begins at `from` on short free runs.
   void try_short_runs(Candidate& c, const Eigen::VectorXd& from) const;
 
   const Study& study_;
   const Candidate& baseline_;
   Eigen::Index force_rows_;
-  double measured_;  ///< what was measured, per displacement
-  bool decays_;      ///< no force acts in any training record
+  bool decays_;  ///< no force acts in any training record
 };
 
 }  // namespace lunid

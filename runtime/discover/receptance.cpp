@@ -21,6 +21,13 @@ Eigen::MatrixXd regress(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& righ
                                   .solve(scale.asDiagonal() * right);
 }
 
+/// By differences from row to row, from rest.
+void differentiate(Eigen::Ref<Eigen::VectorXd> column, double dt) {
+  const Eigen::Index last = column.size() - 1;
+  column.tail(last) = (column.tail(last) - column.head(last)).eval() / dt;
+  column[0] /= dt;
+}
+
 /// The masses of a model at rest; 1 where there is none.
 Eigen::VectorXd masses(const Candidate& model) {
   const System& system = *model.force_system;
@@ -57,7 +64,10 @@ Eigen::Vector3d linear_system(const Study& study, const Candidate& baseline) {
 
 }  // namespace
 
-Receptance::Receptance(const Study& study, const Candidate& baseline, const std::vector<FitData>& data) {
+Receptance::Receptance(const Study& study, const Candidate& baseline, const std::vector<FitData>& data)
+    : order_(study.measured == "y"   ? 0
+             : study.measured == "v" ? 1
+                                     : 2) {
   if (study.degrees() > 1) {
     find_modes(study, baseline, data);
     return;
@@ -156,6 +166,9 @@ Eigen::VectorXd Receptance::motion_of(const Eigen::VectorXd& force, const std::v
         for (Eigen::Index i = 0; i < degrees; ++i) of(out, i) += weights_[r][i] * mode.shape[i] * part;
       }
     }
+    const double dt = data[r].record.dt();
+    for (Eigen::Index i = 0; i < degrees; ++i)
+      for (int k = 0; k < order_; ++k) differentiate(of(out, i), dt);
     first += degrees * rows;
   }
   return out;

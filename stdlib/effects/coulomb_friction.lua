@@ -17,7 +17,7 @@ return function(effect)
     note = "the second form is friction that a lubricant, a flexible contact or a simulation has rounded at rest: it creeps "
       .. "in place of sticking",
     confusers = { "stribeck_friction", "quadratic_drag", "bouc_wen", "viscous_damping" },
-    special_case_of = { "stribeck_friction", "power_law_damping", "position_dependent_friction" },
+    special_case_of = { "stribeck_friction", "power_law_damping", "position_dependent_friction", "elastic_slip" },
     source = "Coulomb 1785; Den Hartog 1931, Transactions of the ASME 53, APM-107",
   }
 end

@@ -13,7 +13,7 @@ return function(effect)
       { "k", min = 0, unit = "N/m" }, { "zy", min = 0, unit = "m" }, { "rho", min = 0 }, { "n", min = 1, max = 4 },
       { "dnu", min = 0 }, { "deta", min = 0 },                        -- loss of strength and of stiffness
       { "zs", min = 0, max = 1 }, { "q", min = 0 }, { "p", min = 0 },  -- how much, where and how soon it pinches
-      { "psi", min = 0 }, { "dpsi", min = 0 }, { "lambda", min = 0 },  -- how wide
+      { "psi", min = 0 }, { "dpsi", min = 0 }, { "lambda", min = 1e-3 },  -- how wide
     },
     states = {
       z = { rate = ("%s/%s*(v - %s*abs(z/zy)^n*(rho*abs(v)*sign(z) + (1 - rho)*v))"):format(slip, stiffness, strength),
@@ -32,7 +32,7 @@ return function(effect)
     end,
     range = function(scale)
       local range = scale.y_max - scale.y_min
-      return { zy = { 1e-4 * range, range }, psi = { 1e-3, 10 }, lambda = { 1e-3, 10 } }
+      return { zy = { 1e-4 * range, range }, psi = { 1e-3, 10 } }
     end,
     passive = "where rho >= 1/2 and the pinching grows little in a cycle",
     signature = "odd; odd harmonics; a loop that narrows in its middle and becomes softer and weaker from cycle to cycle",

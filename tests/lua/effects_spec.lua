@@ -69,6 +69,7 @@ local same = {
   { "coulomb_friction", { Fc = 1.5 }, "stribeck_friction", { Fc = 1.5, Fs = 1.5, vs = 0.1 } },
   { "coulomb_friction", { Fc = 1.5 }, "power_law_damping", { c = 1.5, p = 1e-4 }, 1e-3 },  -- p -> 0
   { "coulomb_friction", { Fc = 1.5 }, "position_dependent_friction", { Fc = 1.5, alpha = 0 } },
+  { "coulomb_friction", { Fc = 1.5 }, "elastic_slip", { k = 1e8, Fs = 1.5 }, 1e-3 },  -- k -> infinity
   { "viscous_damping", { c = 2 }, "power_law_damping", { c = 2, p = 1 } },
   { "viscous_damping", { c = 2 }, "radiation_damping", { c = 2 } },
   { "quadratic_drag", { c2 = 3 }, "power_law_damping", { c = 3, p = 2 } },

@@ -107,9 +107,8 @@ TEST(Judge, AForceWhoseCoefficientIsNotSeenIsNone) {
   EXPECT_TRUE(std::isnan(fitted(larger).parameters[1].std));
 }
 
-/// A hidden mass of 6(5) kg: no coefficient, but without it there is no force.
-TEST(Judge, AForceWhoseSizeMayBeZeroIsNone) {
-  Compared c(noise, 0);
+/// Along which forces are compared.
+void add_motion(Compared& c) {
   std::vector<Channel> motion;
   for (const char* name : {"y", "v", "a", "F"}) {
     std::vector<double> values(rows);
@@ -118,10 +117,24 @@ TEST(Judge, AForceWhoseSizeMayBeZeroIsNone) {
   }
   c.study.smooth.emplace_back("r", 0, 1, motion);
   c.best.fit.theta = Eigen::VectorXd::Ones(1);
+}
+
+/// A hidden mass of 6(5) kg: no coefficient, but without it there is no force.
+TEST(Judge, AForceWhoseSizeMayBeZeroIsNone) {
+  Compared c(noise, 0);
+  add_motion(c);
   const std::string size = "drag_c*drag_c*v", shape = "0.1*tanh(v/drag_c)";
   EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5, size), c.best));
   EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 2.5, size), c.best));
   EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 1.5, shape), c.best));  // sharper where it goes to zero
+}
+
+/// Bristles whose own damping may be zero: their spring is the force.
+TEST(Judge, AForceThatIsThereWithoutItsCoefficientIsToldByItsOtherNumbers) {
+  Compared c(noise, 0);
+  add_motion(c);
+  EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5, "drag_c*v"), c.best));
+  EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 1.5, "tanh(v) + 0.1*drag_c*v"), c.best));
 }
 
 /// A run of ten rows with this squared error, beside a motion of variance 1.

@@ -7,6 +7,7 @@
 #include "discover/baseline.hpp"
 #include "discover/lines.hpp"
 #include "discover/propose.hpp"
+#include "discover/receptance.hpp"
 #include "discover_catalogue.hpp"
 #include "truth/law.hpp"
 
@@ -203,6 +204,33 @@ TEST(Proposer, SeesWhatTwoEffectsLeaveTogether) {
   }
   EXPECT_LT(costs(0, 1), 0.05 * std::min(costs(0, 0), costs(1, 1)));
   EXPECT_GT(costs(0, 2), 0.9 * costs(0, 0));
+}
+
+/// A force beside resonance makes w^n/|k - m*w^2| of what was measured: to the displacement behind an accelerometer a
+/// force at low frequencies, its drift, would be most of all.
+TEST(Receptance, TellsAForceByTheQuantityThatWasMeasured) {
+  const truth::Motion motion = truth::integrate({}, truth::multisine(0.3, 2, 20, 3), 1, {}, 1500, testing::spacing, 16);
+  std::vector<double> acceleration;
+  for (std::size_t i = 0; i < motion.x.size(); ++i) acceleration.push_back(motion.force[i] - motion.restoring[i]);
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  const auto sizes = [&](const std::string& channel, const std::vector<double>& values, int order) {
+    const DiscoverOptions options;
+    const Study study = prepare(model, {testing::noisy_record(motion, channel, values, 1e-3, 5)}, {}, options);
+    Candidate baseline = compile(study, model, {});
+    find_starts(study, baseline, {}, {});
+    fit(study, baseline, full_fit(study, 20));
+    const Receptance receptance(study, baseline, study.force);
+    const Eigen::Index rows = study.force.front().record.rows(), part = rows / 2;
+    for (const double w : {0.4, 2.0}) {
+      Eigen::VectorXd force(rows);
+      for (Eigen::Index i = 0; i < rows; ++i) force[i] = std::sin(w * testing::spacing * static_cast<double>(i));
+      const Eigen::VectorXd out = receptance.motion_of(force, study.force, 1).segment(part - 300, 600);
+      const double size = std::sqrt(2 * out.squaredNorm() / 600);
+      EXPECT_NEAR(size / (std::pow(w, order) / std::abs(1 - w * w)), 1, 0.07) << channel << " " << w;
+    }
+  };
+  sizes("y", motion.x, 0);
+  sizes("a", acceleration, 2);
 }
 
 }  // namespace
