@@ -221,7 +221,7 @@ return schema.define({
     { "sentence", types.string, default = "", help = "what an engineer would say about it" },
     { "note", types.string, default = "", help = "how the formula was made into equations, and its error" },
     { "confusers", types.list(types.string), default = {}, help = "entries that look like it" },
-    { "special_case_of", types.list(types.string), default = {}, help = "entries that contain it exactly" },
+    { "special_case_of", types.list(types.string), default = {}, help = "entries that contain it, exactly or as a limit" },
     { "acts_on", types.list(types.string), default = {}, help = "entries that it modifies" },
     { "channels", types.list(types.string), default = {}, help = "channels that it needs beside y, v and F" },
     { "source", types.string, default = "", help = "paper or textbook" },

@@ -141,7 +141,7 @@ function lunid.state(fields) end
 ---@field sentence? string # what an engineer would say about it
 ---@field note? string # how the formula was made into equations, and its error
 ---@field confusers? table # entries that look like it
----@field special_case_of? table # entries that contain it exactly
+---@field special_case_of? table # entries that contain it, exactly or as a limit
 ---@field acts_on? table # entries that it modifies
 ---@field channels? table # channels that it needs beside y, v and F
 ---@field source? string # paper or textbook
