@@ -28,6 +28,9 @@ struct ChannelFault {
   std::vector<Guess> guesses;
 };
 
+/// Of physics that is sought together: more follow whatever there is, and take minutes. An effect alone may have more.
+constexpr std::size_t most_parameters = 12;
+
 class Offers {
  public:
   /// Compiles the entries that are no elements of the baseline. Changes the pool: main thread only. `out`: where it is

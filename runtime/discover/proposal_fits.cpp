@@ -119,10 +119,10 @@ void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::Ve
   if (best != others.end() && best->cost < (leaves_a_limit ? near : 1) * c.fit.cost) c.fit = std::move(*best);
 }
 
-/// Of an entry with memory, whose guesses a free run may never lead to where the force is followed.
+/// Of an entry with memory alone, whose guesses a free run may never lead to where the force is followed.
 std::vector<Eigen::VectorXd> ProposalFits::starts_along_the_motion(const Candidate& c, const Shape& shape,
                                                                    const Eigen::VectorXd& parent) const {
-  if (shape.system->model().states.empty()) return {};
+  if (shape.system->model().states.empty() || c.choices.size() > 1) return {};
   Candidate along = c;
   find_starts(study_, along, parent, {shape.guesses});
   return std::move(along.starts);
