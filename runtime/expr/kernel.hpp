@@ -10,7 +10,7 @@
 #include "expr/sine.hpp"
 
 /// Compiled for wider vectors too; those of the machine are chosen when the program starts.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define LUNID_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define LUNID_WIDE
