@@ -83,6 +83,7 @@ Range range_of(const truth::Case& which) {
     return !which.only_at.empty() && truth::scales()[static_cast<std::size_t>(i)].name != which.only_at;
   });
   if (which.only_under) range.excitations = {*which.only_under};
+  if (!which.in_decay) std::erase(range.excitations, Excited::decay);
   return range;
 }
 

@@ -34,6 +34,11 @@ Case knowing(Case each, std::vector<TrueParameter> parameters) {
   return each;
 }
 
+Case that_only_a_force_shows(Case each) {
+  each.in_decay = false;
+  return each;
+}
+
 /// Dry friction that is rounded at rest, over a twentieth of the speed.
 Case rounded_friction() {
   Case each = law_case("rounded_friction", Kind::effect,
@@ -121,7 +126,8 @@ std::vector<Case> with_memory() {
 std::vector<Case> of_inertia_and_time() {
   using namespace laws;
   return {
-      effect("added_mass", inertia([](double, double) { return 0.25; }, [](double, double) { return 0.0; })),
+      that_only_a_force_shows(
+          effect("added_mass", inertia([](double, double) { return 0.25; }, [](double, double) { return 0.0; }))),
       effect("velocity_dependent_mass",
              inertia([](double, double v) { return 0.12 * v; }, [](double, double) { return 0.0; })),
       effect("displacement_dependent_mass",
@@ -151,8 +157,9 @@ std::vector<Case> pairs_of_laws() {
       pair("maxwell+cubic", "maxwell_relaxation", "cubic_stiffness", laws::maxwell(0.5, 1), cubic),
       pair("slip+quadratic", "elastic_slip", "quadratic_stiffness",
            laws::slip(1, [](double, double, double) { return 0.35; }), even, 0.8),
-      pair("mass+cubic", "added_mass", "cubic_stiffness",
-           laws::inertia([](double, double) { return 0.25; }, [](double, double) { return 0.0; }), cubic),
+      that_only_a_force_shows(
+          pair("mass+cubic", "added_mass", "cubic_stiffness",
+               laws::inertia([](double, double) { return 0.25; }, [](double, double) { return 0.0; }), cubic)),
       pair("harmonic+drag", "missing_harmonic", "quadratic_drag",
            laws::of_time([](double tau, double, double) { return 0.2 * std::cos(1.73 * tau + 0.4); }), drag),
   };

@@ -54,6 +54,7 @@ struct Case {
   Physics physics;
   std::string only_at = {};                ///< the scale at which alone it shows; "": at each
   std::optional<Excited> only_under = {};  ///< the excitation under which alone it is asked
+  bool in_decay = true;                    ///< a free decay shows it: of a mass only a force tells
   bool test_alike = false;                 ///< the test record is excited as the training record, and as far
   bool stiffness_known = false;            ///< the k of the baseline is its true value, as a number
   std::vector<std::string> rivals = {};    ///< of a tie: what the hidden effect may be in one with
