@@ -55,7 +55,8 @@ local function text(whole, s, m, length)
 end
 
 --- The unit of the parameter `name` in an expression whose own unit is `whole`: "" where the parameter is no plain factor.
-local function unit_in(expression, name, whole, length)
+--- y is in `length` times seconds to the power `late`.
+local function unit_in(expression, name, whole, length, late)
   local factor = expression:derivative(core.parse(name, name))
   for _, other in ipairs(factor:symbols()) do
     if other.kind ~= "channel" or other.name == "F" then return "" end
@@ -64,32 +65,37 @@ local function unit_in(expression, name, whole, length)
   for _, signal in ipairs(signals) do
     local exponent = power(factor, signal)
     if not exponent then return "" end
-    m, s = m - exponent * signal.m, s - exponent * signal.s
+    m, s = m - exponent * signal.m, s - exponent * (signal.s + late * signal.m)
   end
   return text(whole, s, m, length)
 end
 
---- The units of y, of F and of the mass between them, as the record has y and F.
+--- The units of y, of F and of the mass between them, as the record has y and F. Where a derivative of y alone was
+--- measured, in a unit that is no length over time (a current), y is in that times seconds: by their power, the last value.
 local function units_of(record)
-  local function unit(name, otherwise)
+  local function unit(name)
     local channel = record and record.channels[name]
-    return channel and channel.unit ~= "" and channel.unit or otherwise
+    return channel and channel.unit ~= "" and channel.unit or nil
   end
-  local length = unit("y", "m")
-  local force = unit("F", length == "rad" and "N m" or "N")
+  local length, late = unit "y", 0
+  for power, name in ipairs { "v", "a" } do
+    if not length and unit(name) then length, late = unit(name), power end
+  end
+  length = length or "m"
+  local force = unit "F" or (length == "rad" and "N m" or "N")
   local mass = length == "m" and force == "N" and "kg" or length == "rad" and force == "N m" and "kg m^2"
-    or force .. " s^2/" .. length
-  return length, force, mass
+    or text(force, 2 - late, -1, length)
+  return length, force, mass, late
 end
 
 --- The model with units for those of its parameters that have none, where its motion is that of `record` (nil: m and N).
 function units.complete(model, record)
   local rows = {}
-  local length, force, mass = units_of(record)
+  local length, force, mass, late = units_of(record)
   for _, part in ipairs { { model.mass, mass }, { model.restoring, force } } do
     for _, symbol in ipairs(part[1]:symbols()) do
       if symbol.kind == "parameter" and model.parameters[symbol.name].unit == "" and not rows[symbol.name] then
-        local unit = unit_in(part[1], symbol.name, part[2], length)
+        local unit = unit_in(part[1], symbol.name, part[2], length, late)
         if not units.problem(unit) then rows[symbol.name] = { unit = unit } end
       end
     end

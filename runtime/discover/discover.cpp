@@ -295,6 +295,7 @@ class Spine {
       if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
       round = std::move(further);
     } else {
+      if (round.names() && further.names()) round.displaced = std::make_shared<Round>(std::move(further));
       ground_.read_force(before);
       baseline_ = baseline;
     }

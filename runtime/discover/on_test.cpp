@@ -264,37 +264,37 @@ class OnTest {
     return true;
   }
 
-  /// Names are taken back that had taken the place of common ones on the training records: where the test records bear
-  /// those out whole, and they leave less there than what would stand, they are the answer after all; not where they
-  /// leave far more of the training records than what is taken back.
+  /// Names are taken back, of common entries or of all: where the test records bear out whole those that the training
+  /// records had put behind, and these leave less there than what would stand, they are the answer after all; not where
+  /// they leave far more of the training records than what is taken back.
   /// `tested`: the study as the test records are judged (short_test_runs).
-  bool leave_the_common(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
+  bool leave_what_was_put_behind(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
     if (!round.displaced) return false;
     const double followed = round.gap(round.train).value;
     const double open =
         stand == 0 ? INFINITY : round.gap(runs(tested, round.found.steps[stand - 1].model, tested.test)).value;
     Ground as_found = ground_;
-    Round common = std::move(*round.displaced);
+    Round other = std::move(*round.displaced);
     round.displaced.reset();
-    ground_.read_force({common.between.kind, study_.between.alike});
-    ground_.baseline = common.found.baseline;
-    fit_all_rows(ground_, common);
+    ground_.read_force({other.between.kind, study_.between.alike});
+    ground_.baseline = other.found.baseline;
+    fit_all_rows(ground_, other);
     const bool in_runs = tested.run_length > study_.run_length;
-    TestRuns judged = runs_on_test(in_runs ? in_short_runs(study_) : study_, common.found);
+    TestRuns judged = runs_on_test(in_runs ? in_short_runs(study_) : study_, other.found);
     const auto& [study, before, after] = judged;
     const double p_value = test_p_value(study, before, after);
-    const bool follows = common.gap(common.train).value < 3 * followed;
-    if (!common.names() || !follows || !refuted(study, common, p_value, before, after).empty() ||
-        steps_that_help(study, common, after) < common.found.steps.size() || !(common.gap(after).value < open)) {
+    const bool follows = other.gap(other.train).value < 3 * followed;
+    if (!other.names() || !follows || !refuted(study, other, p_value, before, after).empty() ||
+        steps_that_help(study, other, after) < other.found.steps.size() || !(other.gap(after).value < open)) {
       ground_ = std::move(as_found);
       return false;
     }
     out_.test_chose = true;
-    out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + common.found.chosen.name() +
-                            ", whose place they had taken on the training records, stands");
-    common.found.rivals.insert(common.found.rivals.begin(),
-                               Beaten{std::move(round.found.chosen), Beaten::By::test, not_confirmed});
-    round = std::move(common);
+    out_.warnings.push_back("the named " + round.found.chosen.name() + " " + fault + ": " + other.found.chosen.name() +
+                            ", which the training records had put behind, stands");
+    other.found.rivals.insert(other.found.rivals.begin(),
+                              Beaten{std::move(round.found.chosen), Beaten::By::test, not_confirmed});
+    round = std::move(other);
     if (in_runs) judged = runs_on_test(study_, round.found);
     runs_.before_test = std::move(judged.before);
     runs_.after_test = std::move(judged.after);
@@ -304,7 +304,7 @@ class OnTest {
 
   /// All names but those of the first steps that stand.
   void take_back(const Study& tested, Round& round, const std::string& fault, std::size_t stand) {
-    if (leave_the_common(tested, round, fault, stand)) return;
+    if (leave_what_was_put_behind(tested, round, fault, stand)) return;
     SearchResult& found = round.found;
     while (stand > 0 && !may_be_named(study_, found.steps[stand - 1].model)) --stand;
     const std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(stand));

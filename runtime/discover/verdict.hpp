@@ -30,7 +30,7 @@ struct Round {
   bool loose_test = false;  ///< nothing is named, and what is left on the test records hangs on the parameters
   double driven = 0;  ///< nothing is named, and this part of what is left follows the forces linearly (lacks_dynamics)
   BetweenSamples between;            ///< under which it was made
-  std::shared_ptr<Round> displaced;  ///< of common entries, whose place this one took; null: none
+  std::shared_ptr<Round> displaced;  ///< of common entries and of all, the one that was put behind; null: none
   bool names() const { return !found.chosen.choices.empty(); }
   /// The gap of runs with what the force's noise adds to their floor, as far as the training runs show that it does.
   double input_share() const { return input_noise_share(train); }

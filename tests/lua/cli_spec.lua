@@ -454,6 +454,15 @@ spec.case("parameters of --restoring get the units that the equation gives them"
   spec.equal(model:match '{ "p"[^}]-unit', nil)
 end)
 
+spec.case("of a circuit whose current alone was measured they are those of its charge", function()
+  record("good.csv", 601)
+  spec.shell "sed '1s/.*/t,current [A],source [V]/' good.csv > current.csv"
+  local said = spec.lunid 'discover current.csv --mass L --restoring "S*y + R*v" --columns "v=current,F=source" --check'
+  for name, unit in pairs { L = "V s/A", S = "V/s/A", R = "V/A" } do
+    assert(said:find(("  %s [%s]: "):format(name, unit), 1, true), said)
+  end
+end)
+
 spec.case("those before differences to a base too", function()
   local header, lines = "t,y,yb,vb,F\n", {}
   for i = 0, 599 do
