@@ -104,7 +104,7 @@ class Contest {
                                    const std::vector<Candidate>& more, double badly, const Wanted& wanted) {
     return offers_.beside(rest, space, [&](const Shape& shape) {
       if (!may_join(rest.choices, *shape.choice.effect) || many_states(shape) || !wanted(shape)) return false;
-      if (!rest.choices.empty() && rest.added() + shape.linear.size() > most_parameters) return false;
+      if (are_too_many(rest, shape)) return false;
       const Choices set = with(rest.choices, shape.choice);
       if (find_in(more, set)) return false;
       const Candidate* fitted = find_in(out_.sets, set);

@@ -70,8 +70,10 @@ class Spine {
     if (const auto between = joined_rows_mislead(ground_, baseline_)) return begin_as_recorded(*between);
     choose_catalogue();
     if (lower_noise(ground_.whole, baseline_) || learn_motion_noise(ground_.whole, baseline_)) ground_.take_noise();
-    Round round = look_at_all();
+    Round round = look_at_common();
     if (const auto between = joined_rows_mislead(ground_, round.found.chosen)) return begin_as_recorded(*between);
+    if (look_at_others(round))
+      if (const auto between = joined_rows_mislead(ground_, round.found.chosen)) return begin_as_recorded(*between);
     out_.warnings = std::move(notes);
     return round;
   }
@@ -99,15 +101,25 @@ class Spine {
     for (std::size_t i = 0; i < left.size(); ++i) (i == 0 ? untested_ = "not tried: " : untested_ += ", ") += left[i];
   }
 
-  /// The common entries, and the others where those leave something open that is not the joined rows' own.
+  /// The common entries, and the others where those leave something open.
   Round look_at_all() {
-    Round round = look(first_, {}, first_ < catalogue_.size() ? 0.4 : 0.9);
-    if (joined_rows_mislead(ground_, round.found.chosen)) return round;
-    if (first_ < catalogue_.size() && leaves_open(round))
+    Round round = look_at_common();
+    look_at_others(round);
+    return round;
+  }
+
+  Round look_at_common() { return look(first_, {}, first_ < catalogue_.size() ? 0.4 : 0.9); }
+
+  /// Whether it did.
+  bool look_at_others(Round& round) {
+    const bool open = first_ < catalogue_.size() && leaves_open(round);
+    if (open)
       look_further(round, "the whole catalogue", catalogue_.size());
     else if (without_states_ > first_ && round.names())
       look_further(round, "the rivals without memory", without_states_);
-    return round;
+    else
+      return false;
+    return true;
   }
 
   // ---- long records ----

@@ -122,23 +122,22 @@ std::optional<Interpolation> joined_rows_mislead(const Ground& ground, const Can
   if (!joined || !model.ran() || !(rms_error(model.fit) > open * noise)) return {};
   std::vector<Interpolation> ways{whole.between.kind};
   if (!is_said(whole)) ways.assign(std::begin(every_interpolation), std::end(every_interpolation));
+  Study recorded = whole;
+  recorded.train.clear();
+  for (const Record& record : whole.full) recorded.train.push_back({record, {}, {}});
   std::vector<double> errors(ways.size());  // mean squares
   parallel_for(static_cast<int>(ways.size()), whole.options->threads, [&](int i) {
-    Study recorded = whole;
-    recorded.between.kind = ways[static_cast<std::size_t>(i)];
+    Study read = whole;
+    read.between.kind = ways[static_cast<std::size_t>(i)];
     std::vector<FitData> data;
-    for (const Record& record : whole.full) data.push_back(fit_data(recorded, record));
+    for (const Record& record : whole.full) data.push_back(fit_data(read, record));
     const FitResult fit =
         fit_trajectory(*model.system, model.fit.theta, data, fixed_fit(whole, iterations, 1e-4, model.fit.substeps));
     errors[static_cast<std::size_t>(i)] = std::isfinite(fit.cost) ? std::pow(rms_error(fit), 2) : INFINITY;
   });
-  double squares = 0, rows = 0;  // of the noise of the rows as they were recorded
-  for (const Record& record : whole.full) {
-    squares += static_cast<double>(record.rows()) * std::pow(record.channel(whole.output()).noise, 2);
-    rows += static_cast<double>(record.rows());
-  }
   const auto least = std::ranges::min_element(errors);
-  if (!(*least - squares / rows < far_less * (std::pow(rms_error(model.fit), 2) - noise * noise))) return {};
+  const double excess = *least - std::pow(recorded.sensor_noise(), 2);
+  if (!(excess < far_less * (std::pow(rms_error(model.fit), 2) - noise * noise))) return {};
   return ways[static_cast<std::size_t>(least - errors.begin())];
 }
 

@@ -142,8 +142,7 @@ Offers::Round Offers::beside(const std::vector<Candidate>& parents, std::size_t 
   for (std::size_t k = 0; k < parents.size(); ++k)
     for (const auto& shape : shapes_) {
       if (!may_join(parents[k].choices, *shape.choice.effect) || is_known(parents[k], shape.choice)) continue;
-      const std::size_t parameters = parents[k].added() + shape.linear.size();
-      if (parameters >= fewest || (!single && parameters > most_parameters)) continue;
+      if (parents[k].added() + shape.linear.size() >= fewest || are_too_many(parents[k], shape)) continue;
       add(round.all, parents[k], round.spaces[k], shape);
     }
   std::vector<std::size_t> order(round.all.size());

@@ -30,6 +30,9 @@ struct ChannelFault {
 
 /// Of physics that is sought together: more follow whatever there is, and take minutes. An effect alone may have more.
 constexpr std::size_t most_parameters = 12;
+inline bool are_too_many(const Candidate& parent, const Shape& added) {
+  return !parent.choices.empty() && parent.added() + added.linear.size() > most_parameters;
+}
 
 class Offers {
  public:

@@ -65,9 +65,7 @@ Eigen::Vector3d linear_system(const Study& study, const Candidate& baseline) {
 }  // namespace
 
 Receptance::Receptance(const Study& study, const Candidate& baseline, const std::vector<FitData>& data)
-    : order_(study.measured == "y"   ? 0
-             : study.measured == "v" ? 1
-                                     : 2) {
+    : order_(study.measured_order()) {
   if (study.degrees() > 1) {
     find_modes(study, baseline, data);
     return;

@@ -273,7 +273,7 @@ Record smooth_motion(const Study& study, const Record& record, const SavitzkyGol
     return c;
   };
   const Units units = study.units();
-  const int known = study.measured == "y" ? 0 : study.measured == "v" ? 1 : 2;
+  const int known = study.measured_order();
   std::vector<Channel> channels;
   for (const std::string& force : study.forces)
     channels.push_back(channel(force, units.force, savitzky_golay(record[force], record.dt(), 0, kernel)));

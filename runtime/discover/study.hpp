@@ -51,6 +51,8 @@ struct Study {
   Eigen::Index rows() const;  ///< of the training records together
   int degrees() const { return model.pool ? model.degrees() : 1; }
   std::string channel(char quantity, int coordinate) const;
+  /// Of the derivative of the displacement that was measured: 0 of y, 1 of v, 2 of a.
+  int measured_order() const { return measured == "y" ? 0 : measured == "v" ? 1 : 2; }
   /// What free runs are held against, one channel for each coordinate.
   std::vector<std::string> outputs() const;
   const std::string output() const { return outputs().front(); }

@@ -165,6 +165,7 @@ TEST(BetweenSamples, BlowsOfAFewRowsAreThoseOfAllRowsThatWereJoined) {
     for (const double t : {part.record.start(), part.record.start() + 1.3})
       EXPECT_DOUBLE_EQ(part.excitation[0].at(t), whole.at(t));
 }
+
 /// A mass of 1 that slides, c = 0.1 and a friction of 1.2, under a controller that holds its force from row to row: 800
 /// rows a period. Ten steps a row, each exact but for the damping, which is that of its first speed.
 Record slid(std::uint64_t seed) {
