@@ -21,7 +21,7 @@ class Contest {
 
   void run() {
     std::vector<Choices> generalised, contested;
-    for (int pass = 0; pass < study_.options->max_effects; ++pass) {
+    for (int pass = 0; pass < study_.most_effects; ++pass) {
       std::vector<Candidate> more;
       for (const Candidate& whole : out_.sets) {
         if (whole.fit.cost > as_good * out_.sets.front().fit.cost) break;
@@ -65,7 +65,7 @@ class Contest {
   /// The best of each number of effects from two on, where it leaves more than the noise.
   std::vector<const Candidate*> open_of_several() const {
     std::vector<const Candidate*> out;
-    for (std::size_t size = 2; size <= static_cast<std::size_t>(study_.options->max_effects); ++size) {
+    for (std::size_t size = 2; size <= static_cast<std::size_t>(study_.most_effects); ++size) {
       const auto best = std::ranges::find(out_.sets, size, [](const Candidate& c) { return c.choices.size(); });
       if (best != out_.sets.end() && is_above_noise(study_, *best)) out.push_back(&*best);
     }

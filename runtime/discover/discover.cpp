@@ -50,7 +50,8 @@ class Spine {
     Round round = begin();
     if (nothing_follows(round)) look_in_short_runs(round);
     fit_all(round);
-    if (leaves_anything(round) && !is_noise_of_forces(round) && ground_.take_more_rows()) look_at_more_rows(round);
+    if (leaves_anything(round) && !is_noise_of_forces(round) && ground_.take_more_rows(most_on_more_rows(round)))
+      look_at_more_rows(round);
     doubt_names(round);
     progress("open the test record", 0.94);
     const ModelRuns runs = judge_on_test(ground_, round, out_);
@@ -138,6 +139,12 @@ class Spine {
     constexpr double most = 3;  // times the floor of the sensors: an excitation that is rough may be taken for noise
     return round.verdict != Verdict::unknown_effect && !round.left.seen && near_the_floor(round.gap(round.train)) &&
            round.left.gap.value < most * round.left.gap.floor;
+  }
+
+  /// Three effects that few rows did not begin to show are not found on more of them, only sought for minutes.
+  static int most_on_more_rows(const Round& round) {
+    const std::vector<Candidate>& sets = round.found.grown.sets;
+    return std::max<int>(2, sets.empty() ? 0 : static_cast<int>(sets.front().choices.size()));
   }
 
   void look_at_more_rows(Round& round) {

@@ -97,9 +97,10 @@ void Ground::take_noise() {
   if (study.degrees() > 1) fit(study, baseline, full_fit(study, 40));
 }
 
-bool Ground::take_more_rows() {
+bool Ground::take_more_rows(int most_effects) {
   const Study before = shortened(whole, searched);
   searched = Searched::again;
+  whole.most_effects = std::min(whole.most_effects, most_effects);
   Study more = shortened(whole, searched);
   if (more.rows() == before.rows()) return false;
   study = std::move(more);

@@ -14,8 +14,8 @@ struct Ground {
   void read_force(BetweenSamples between);
   /// Several outputs weigh by their noise: the fit of the baseline is another one.
   void take_noise();
-  /// More rows, for a new search; false where no more are searched.
-  bool take_more_rows();
+  /// More rows, for a new search of up to so many effects; false where no more are searched.
+  bool take_more_rows(int most_effects);
   /// The rows as they were recorded, the force so between them, for a new search.
   void take_rows_as_recorded(Interpolation between);
 };

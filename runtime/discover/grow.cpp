@@ -36,7 +36,7 @@ class Grower {
     offers_.run_along_the_motion();
     std::vector<Candidate> parents{baseline_};
     Candidate best = baseline_;
-    for (int size = 1; size <= study_.options->max_effects; ++size) {
+    for (int size = 1; size <= study_.most_effects; ++size) {
       progress_("propose and fit, " + std::to_string(size) + (size == 1 ? " effect" : " effects"), 0.15 + 0.12 * size);
       std::vector<Candidate> level = add_one(parents, size);
       if (level.empty()) break;

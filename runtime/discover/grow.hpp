@@ -29,10 +29,10 @@ struct Grown {
   bool is_settled(const Candidate& c) const;
 };
 
-/// Grows sets of up to max_effects entries from `baseline` (fitted) while the free runs get better. `known`: sets of
-/// entries of this catalogue that have been grown already (fitted); they are not proposed again, and grow further with
-/// the rest. `ask_reading`: growing ends where the force is to be read otherwise between its samples. Changes the pool:
-/// main thread only; proposals and fits run on threads.
+/// Grows sets of up to Study::most_effects entries from `baseline` (fitted) while the free runs get better. `known`:
+/// sets of entries of this catalogue that have been grown already (fitted); they are not proposed again, and grow
+/// further with the rest. `ask_reading`: growing ends where the force is to be read otherwise between its samples.
+/// Changes the pool: main thread only; proposals and fits run on threads.
 Grown grow(const Study& study, const Model& model, const Candidate& baseline, std::span<const Effect> catalogue,
            const Grown& known, bool ask_reading, const std::function<void(const std::string&, double)>& progress);
 

@@ -201,9 +201,15 @@ std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candi
       return std::ranges::find(twins, table[static_cast<std::size_t>(j)].name, &Twin::baseline) != twins.end();
     });
   };
+  // Where it and a name are one law nearly, neither has a deviation that says anything.
+  constexpr double many_times = 10;
+  const auto is_sure = [&](Eigen::Index j) {
+    const double alone = baseline.fit.theta[j], beside = named.fit.theta[j];
+    return beside < -deviations * named.fit.deviation(j) ||
+           (alone > deviations * baseline.fit.deviation(j) && beside < -many_times * alone);
+  };
   for (Eigen::Index j = 0; j < baseline.parameters(); ++j)
-    if (baseline.fit.theta[j] > 0 && named.fit.theta[j] < -deviations * named.fit.deviation(j) && !may_be_negative(j))
-      out.push_back(j);
+    if (baseline.fit.theta[j] > 0 && named.fit.theta[j] < 0 && is_sure(j) && !may_be_negative(j)) out.push_back(j);
   return out;
 }
 

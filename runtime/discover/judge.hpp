@@ -57,8 +57,9 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 /// (a hidden mass): the smaller would do as well, had its own fit ended there, whatever the p-value says.
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
-/// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names.
-/// Not what holds a number of a named entry too (Effect::twins): c of a system that swings by itself.
+/// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names;
+/// or negative and many times as large as they surely were: a name takes back what they do. Not what holds a number of
+/// a named entry too (Effect::twins): c of a system that swings by itself.
 std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candidate& named, double deviations = 3);
 
 /// How many of the numbers that its entries brought are as far from zero as chance brings them with at least this

@@ -140,11 +140,13 @@ void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran() || c.minimum_left) return;
   c.minimum_left = true;
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
-  try_short_runs(c, c.fit.theta);
+  try_short_runs(c, c.fit.theta, INFINITY);
 }
 
-void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from) const {
-  FitResult other = fit_progressively(*c.system, from, study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)));
+void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from, double to_beat) const {
+  if (c.ran()) to_beat = std::min(to_beat, rms(c));
+  FitResult other =
+      fit_progressively(*c.system, from, study_.train, fixed_fit(study_, 12, 1e-4, coarse_substeps(c)), to_beat);
   if (!c.ran() || other.cost < c.fit.cost) c.fit = std::move(other);
 }
 
@@ -154,10 +156,12 @@ double ProposalFits::promised(const Candidate& c) const {
 }
 
 void ProposalFits::end(Candidate& c, double to_beat) const {
+  constexpr double followed = 0.3;  // of the motion: what several effects follow they need not find again
   if (c.ran()) go_on(c, 24);
+  if (c.ran() && c.choices.size() > 2 && rms(c) < followed * study_.measured_std()) return;
   const double hope = promised(c);
   if (hope > to_beat || (c.ran() && rms(c) < std::max(1.5 * hope, 2 * study_.sensor_noise()))) return;
-  try_short_runs(c, c.starts.front());
+  try_short_runs(c, c.starts.front(), std::max(to_beat, 2 * study_.sensor_noise()));
 }
 
 }  // namespace lunid

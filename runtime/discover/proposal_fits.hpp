@@ -57,8 +57,9 @@ class ProposalFits {
   void try_guesses(Candidate& c, const Shape& shape, const Eigen::VectorXd& from) const;
   std::vector<Eigen::VectorXd> starts_along_the_motion(const Candidate& c, const Shape& shape,
                                                        const Eigen::VectorXd& parent) const;
-  /// The better of the fit and one that begins at `from` on short free runs.
-  void try_short_runs(Candidate& c, const Eigen::VectorXd& from) const;
+  /// The better of the fit and one that begins at `from` on short free runs, as long as those leave less than an error
+  /// that is reached already.
+  void try_short_runs(Candidate& c, const Eigen::VectorXd& from, double to_beat) const;
 
   const Study& study_;
   const Candidate& baseline_;

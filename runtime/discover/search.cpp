@@ -134,7 +134,7 @@ class Search {
     std::stable_sort(sets.begin(), sets.end(),
                      [](const Candidate& a, const Candidate& b) { return priced(a) < priced(b); });
     std::vector<Candidate> field;
-    for (int size = 1; size <= study_.options->max_effects; ++size) {
+    for (int size = 1; size <= study_.most_effects; ++size) {
       int taken = 0;
       double best = INFINITY;
       for (const auto& c : sets) {

@@ -381,6 +381,7 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   if (train.empty()) throw InputError("discover: expected at least one training record, got none", {}, Fault::usage);
   Study study;
   study.options = &options;
+  study.most_effects = options.max_effects;
   study.imposed = baseline.imposed_motion;
   study.model = complete(baseline);
   if (!study.imposed) study.forces = study.model.inputs();

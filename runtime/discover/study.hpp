@@ -24,6 +24,7 @@ struct BetweenSamples {
 
 struct Study {
   const DiscoverOptions* options = nullptr;
+  int most_effects = 0;  ///< that are named together: max_effects, or fewer where more rows are searched
   bool imposed = false;
   std::vector<FitData> train;  ///< means over rows where a record is sampled far faster than it moves
   std::vector<Record> full;    ///< training records at their own rate, for gaps and figures

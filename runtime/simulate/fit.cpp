@@ -245,7 +245,7 @@ Eigen::Index rows_in_use(const std::vector<FitData>& data) {
 }  // namespace
 
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
-                            const FitOptions& options) {
+                            const FitOptions& options, double to_beat) {
   validate(options);
   check(system, theta, data, options);
   if (system.model().imposed_motion) return fit_trajectory(system, theta, data, options);
@@ -284,7 +284,15 @@ FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, 
     for (Eigen::Index joined = last / 3; joined >= length; joined /= 3) lengths.push_back(joined);
     for (const Eigen::Index rows : lengths | std::views::reverse) {
       stage.segment = rows;
-      take(fit_trajectory(system, current, data, stage));
+      FitResult fit = fit_trajectory(system, current, data, stage);
+      if (std::isfinite(fit.cost) && std::sqrt(fit.cost / static_cast<double>(fit.rows)) > to_beat) {
+        fit.runs += runs;
+        fit.cost = INFINITY;
+        fit.converged = false;
+        fit.stopped = "runs of " + std::to_string(rows) + " rows leave too much";
+        return fit;
+      }
+      take(std::move(fit));
     }
   }
   FitOptions final_stage = chosen;

@@ -156,9 +156,10 @@ FitResult fit_trajectory(const System& system, const Eigen::VectorXd& theta, con
 /// The same from a rough start: short free runs first (two periods), then longer ones up to the whole record, so that a
 /// wrong first guess does not lock into a neighbouring phase (multiple shooting; Bock 1983). Of free decays the first
 /// periods alone, then ever more of the record: friction that stops the motion too early has no slope in the rows
-/// thereafter.
+/// thereafter. `to_beat`: a root mean square; the fit is given up, at infinite cost, once shorter runs, which may begin
+/// anew more often, leave more than this.
 FitResult fit_progressively(const System& system, const Eigen::VectorXd& theta, const std::vector<FitData>& data,
-                            const FitOptions& options = {});
+                            const FitOptions& options = {}, double to_beat = INFINITY);
 
 /// The profile likelihood of one entry of the fitted vector: the other parameters fitted again while it is held at
 /// values on both sides (Venzon & Moolgavkar 1988, Appl. Statist. 37, 87). Throws InputError for an entry without a

@@ -255,6 +255,7 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
     round.found.baseline = compile(study, complete(model), {});
     round.found.chosen = round.found.baseline;
     round.found.baseline.fit.theta = Eigen::Vector2d(1, 1);
+    round.found.baseline.fit.covariance = Eigen::Vector2d(1e-4, 1e-2).asDiagonal();
     round.found.chosen.fit.theta = Eigen::Vector2d(1, c);
     round.found.chosen.fit.covariance = Eigen::Vector2d(1e-4, std * std).asDiagonal();
     round.found.baseline.fit.cost = round.found.chosen.fit.cost = 1;
@@ -272,6 +273,9 @@ TEST(Verdict, TakesBackNamesThatMakeTheBaselinesDampingNegative) {
   EXPECT_EQ(feeds(-3.1, 1.3, 0.035, "k*y + c*v"), "");
   EXPECT_EQ(feeds(-3.1, 1.3, 0.07, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
   EXPECT_EQ(feeds(-3.1, 0.6, 0.035, "k*y + c*v", false, {{"mu", "c"}}), "") << "c holds the entry's own mu";
+  // A power of the rate near 1 and the baseline's own c*v, each many times what there is, take each other back.
+  EXPECT_EQ(feeds(-36, 500, 0.035, "k*y + c*v"), "left something open, and made the baseline's own damping negative");
+  EXPECT_EQ(feeds(-8, 500, 0.035, "k*y + c*v"), "");
 }
 
 /// Whether the one linear entry stands with this value beside k*y, where it leaves this part of the test motion and the

@@ -83,7 +83,11 @@ TEST(Pieces, AreFewAtFirstAndMoreOnce) {
     ground.whole = prepare(model, {all.slice(0, length)}, {test}, options);
     ground.study = shortened(ground.whole, ground.searched);
     std::vector<Eigen::Index> out{ground.study.rows()};
-    while (ground.take_more_rows()) out.push_back(ground.study.rows());
+    EXPECT_EQ(ground.study.most_effects, options.max_effects);
+    while (ground.take_more_rows(2)) {
+      out.push_back(ground.study.rows());
+      EXPECT_EQ(ground.study.most_effects, 2);
+    }
     return out;
   };
   EXPECT_EQ(searched(3000), (std::vector<Eigen::Index>{3000}));
