@@ -172,7 +172,7 @@ end
 
 -- ---- where the model fails, and what noise alone makes of it ----
 
-local noise_words = "noise alone, 95 %"
+local noise_words = "noise, 95 %"
 
 --- Values of one map, of the baseline and of the final model, beside the level; of means, which have signs, on both sides.
 local function level_panel(name, x, quantity, before, after)

@@ -73,16 +73,59 @@ std::vector<Eigen::MatrixXd> scores_of(const Normal& normal, std::vector<Eigen::
   return out;
 }
 
+constexpr double roughest = 0.3;  // noise of a force, of its deviation: beyond it is the excitation itself
+
 Philox noise_of_forces() { return Philox(1, stream_of("noise of forces")); }
 
-bool any_force_has_noise(const std::vector<FitData>& data) {
-  Philox random = noise_of_forces();
-  return std::ranges::any_of(data, [&](const FitData& d) { return with_noise_again(d, random).has_value(); });
+/// A recorded force, the deviation of its samples and the noise of its channel; none of one that has a formula.
+struct RecordedForce {
+  std::string name;
+  Excitation signal;
+  double spread, noise;
+};
+
+std::vector<RecordedForce> recorded_forces(const FitData& data) {
+  std::vector<RecordedForce> out;
+  for (int i = 0; i < data.excitation.count(); ++i) {
+    const Excitation& signal = data.excitation[i];
+    const std::string& name = data.excitation.channel(i);
+    if (!data.record.has(name) || signal.analytic()) continue;
+    const Channel& channel = data.record.channel(name);
+    const Eigen::VectorXd samples = signal.samples();
+    const double spread = spread_of({samples.data(), static_cast<std::size_t>(samples.size())});
+    out.push_back({name, signal, spread, channel.formula.valid() ? 0 : channel.noise});
+  }
+  return out;
 }
 
-std::vector<FitData> with_noise_again(std::vector<FitData> data, Philox& random) {
-  for (FitData& d : data)
-    if (std::optional<Excitations> noisy = with_noise_again(d, random)) d.excitation = std::move(*noisy);
+/// The same with white noise of its own.
+void add_noise(const RecordedForce& force, double deviation, Philox& random, Excitations& to) {
+  std::vector<double> noise(static_cast<std::size_t>(force.signal.samples().size()));
+  for (double& x : noise) x = deviation * random.normal();
+  to = to.replaced(force.name, force.signal.plus(noise));
+}
+
+/// So much that it is no matter of rounding.
+bool any_force_has_noise(const std::vector<FitData>& data) {
+  constexpr double least = 1e-3;  // of the force's deviation
+  return std::ranges::any_of(data, [&](const FitData& d) {
+    return std::ranges::any_of(recorded_forces(d), [](const RecordedForce& force) {
+      return force.noise > least * force.spread && force.noise <= roughest * force.spread;
+    });
+  });
+}
+
+/// Recorded forces with white noise: what their channels have, or, where none has any, so much that the response to it
+/// is linear still (a disturbance, of a size that the residual tells).
+std::vector<FitData> with_noise_again(std::vector<FitData> data, bool disturbed, Philox& random) {
+  constexpr double trial = 0.01;  // of the force's deviation
+  for (FitData& d : data) {
+    if (!disturbed) {
+      if (std::optional<Excitations> noisy = with_noise_again(d, random)) d.excitation = std::move(*noisy);
+      continue;
+    }
+    for (const RecordedForce& force : recorded_forces(d)) add_noise(force, trial * force.spread, random, d.excitation);
+  }
   return data;
 }
 
@@ -94,7 +137,8 @@ struct NoiseOfForces {
 
 NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                                    const Normal& normal, const FitResult& result,
-                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse) {
+                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse,
+                                   bool disturbed) {
   constexpr int draws = 24;
   Philox random = noise_of_forces();
   Eigen::Index rows = 0, ran = 0;
@@ -103,7 +147,7 @@ NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitDa
   for (const Eigen::MatrixXd& axx : normal.axx) by_states.push_back(pseudo_inverse(axx));
   NoiseOfForces out{Eigen::MatrixXd(rows, draws), Eigen::MatrixXd(inverse.rows(), draws)};
   for (int draw = 0; draw < draws; ++draw) {
-    const std::vector<FitData> noisy = with_noise_again(data, random);
+    const std::vector<FitData> noisy = with_noise_again(data, disturbed, random);
     Problem problem(system, noisy, options, result.substeps);
     problem.clip = result.clip;
     problem.prepare(result.segments);
@@ -133,15 +177,20 @@ NoiseOfForces draw_noise_of_forces(const System& system, const std::vector<FitDa
   return out;
 }
 
+Eigen::VectorXd residual_of(const Normal& normal, Eigen::Index rows) {
+  Eigen::VectorXd out(rows);
+  Eigen::Index row = 0;
+  for (const Normal::Part& part : normal.parts) {
+    out.segment(row, part.error.size()) = part.error;
+    row += part.error.size();
+  }
+  return out;
+}
+
 /// How much of that noise the residual holds, 0 to 1: none where the system felt it. By the residual's energy beyond
 /// that of white noise in the space of the drawn changes, over what one more draw would have there.
 double share_in_residual(const NoiseOfForces& drawn, const Normal& normal, double freedom) {
-  Eigen::VectorXd residual(drawn.left.rows());
-  Eigen::Index row = 0;
-  for (const Normal::Part& part : normal.parts) {
-    residual.segment(row, part.error.size()) = part.error;
-    row += part.error.size();
-  }
+  const Eigen::VectorXd residual = residual_of(normal, drawn.left.rows());
   Eigen::MatrixXd gram = drawn.left.transpose() * drawn.left;
   const auto draws = static_cast<double>(gram.rows());
   if (!(gram.trace() > 0)) return 0;
@@ -153,13 +202,27 @@ double share_in_residual(const NoiseOfForces& drawn, const Normal& normal, doubl
   return one_more > 0 ? std::clamp((inside - draws * white) / one_more, 0.0, 1.0) : 0;
 }
 
+/// The power of a disturbance in the residual, in those of the draws. By moments: over draws d a white residual r has
+/// the mean (d'r)^2 = white d'd, and one that holds another draw d' also (d'd')^2.
+double power_of_disturbance(const NoiseOfForces& drawn, const Normal& normal, double freedom) {
+  const Eigen::MatrixXd gram = drawn.left.transpose() * drawn.left;
+  const auto draws = static_cast<double>(gram.rows());
+  const double own = gram.trace() / draws,
+               other = (gram.squaredNorm() - gram.diagonal().squaredNorm()) / (draws * (draws - 1));
+  const double along = (drawn.left.transpose() * residual_of(normal, drawn.left.rows())).squaredNorm() / draws;
+  // What the disturbance has of the residual's energy is not white: white = (cost - power * own) / freedom.
+  const double power = (along - normal.cost / freedom * own) / (other - own * own / freedom);
+  return std::isfinite(power) ? std::clamp(power, 0.0, normal.cost / own) : 0;
+}
+
 Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                                    const Normal& normal, const FitResult& result,
-                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse) {
-  const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, columns, inverse);
+                                   const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse,
+                                   bool disturbed) {
+  const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, columns, inverse, disturbed);
   if (drawn.step.cols() < 2) return Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   return drawn.step * drawn.step.transpose() / static_cast<double>(drawn.step.cols()) *
-         share_in_residual(drawn, normal, result.freedom);
+         (disturbed ? power_of_disturbance : share_in_residual)(drawn, normal, result.freedom);
 }
 
 /// Of theta among the parameters that are free; zero of the others.
@@ -228,7 +291,8 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
 
 void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                            FitResult& result) {
-  if (system.model().imposed_motion || !std::isfinite(result.cost) || !any_force_has_noise(data)) return;
+  if (system.model().imposed_motion || !std::isfinite(result.cost)) return;
+  const bool disturbed = !any_force_has_noise(data);
   Problem problem(system, data, options, result.substeps);
   problem.clip = result.clip;
   problem.prepare(result.segments);
@@ -236,7 +300,8 @@ void count_noise_of_forces(const System& system, const std::vector<FitData>& dat
   const Eigen::MatrixXd inverse =
       pseudo_inverse(information_of_free(result, Bounds(system.model(), problem.layout(), options)));
   std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
-  const Eigen::MatrixXd further = by_noise_of_forces(system, data, options, normal, result, columns, inverse);
+  const Eigen::MatrixXd further =
+      by_noise_of_forces(system, data, options, normal, result, columns, inverse, disturbed);
   result.covariance = covariance_of(normal, std::move(columns), inverse, result.freedom, further);
   result.runs += problem.runs;
 }
@@ -317,20 +382,11 @@ void bend(Problem& problem, const Normal& normal, const Eigen::VectorXd& theta, 
 }  // namespace
 
 std::optional<Excitations> with_noise_again(const FitData& data, Philox& random) {
-  constexpr double roughest = 0.3;  // of the force's deviation: beyond it is the excitation itself
   std::optional<Excitations> out;
-  for (int i = 0; i < data.excitation.count(); ++i) {
-    const Excitation& signal = data.excitation[i];
-    const std::string& name = data.excitation.channel(i);
-    if (!data.record.has(name) || signal.analytic()) continue;
-    const Channel& channel = data.record.channel(name);
-    const Eigen::VectorXd samples = signal.samples();
-    const double spread = spread_of({samples.data(), static_cast<std::size_t>(samples.size())});
-    if (channel.formula.valid() || !(channel.noise > 0) || channel.noise > roughest * spread) continue;
-    std::vector<double> noise(static_cast<std::size_t>(samples.size()));
-    for (double& x : noise) x = channel.noise * random.normal();
+  for (const RecordedForce& force : recorded_forces(data)) {
+    if (!(force.noise > 0) || force.noise > roughest * force.spread) continue;
     if (!out) out = data.excitation;
-    *out = out->replaced(name, signal.plus(noise));
+    add_noise(force, force.noise, random, *out);
   }
   return out;
 }

@@ -310,7 +310,8 @@ std::string fit_solver_name(const FitOptions& options, int substeps);
 FitResult minimise(const System& system, const Eigen::VectorXd& start, const std::vector<FitData>& data,
                    const FitOptions& options, std::vector<FitSegment> segments, int substeps, double clip = 0);
 
-/// Adds to the covariance of a fit what the noise of its forces does to it (FitOptions::force_noise).
+/// Adds to the covariance of a fit what the noise of its forces does to it, or a disturbance that nothing recorded
+/// (FitOptions::force_noise).
 void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                            FitResult& result);
 

@@ -90,7 +90,7 @@ spec.case("the maps of the residual, each with its level, are drawn, said and wr
     spec.contains(page, page_text(before[over].sentence))
     spec.contains(page, page_text(after[over].sentence))
     if over ~= "slow_time" and over ~= "phase_plane" then
-      local baseline, level = points[i .. " baseline"], points[i .. " noise alone, 95 %"]
+      local baseline, level = points[i .. " baseline"], points[i .. " noise, 95 %"]
       local middle = #before[over].x // 2
       spec.equal(baseline.count, #before[over].x)
       spec.equal(baseline[middle], before[over].value[middle])
@@ -224,7 +224,7 @@ spec.case("the page draws its figures itself, from numbers that lie inside, and 
   assert(not page:find("https?://") and not page:find('src="[^d]') and not page:find "<link", "the page asks for something")
   local first = page:match '<script type="application/json">(.-)</script>'
   spec.contains(first, '"title":"slow time, baseline"')
-  spec.contains(first, '"label":"noise alone, 95 %"')
+  spec.contains(first, '"label":"noise, 95 %"')
   spec.contains(page, '"title":"whole record"')
   spec.contains(page, '"label":"measured"')
   spec.contains(page, "document.querySelectorAll(\".lunid-figure\")")

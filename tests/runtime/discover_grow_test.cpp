@@ -56,7 +56,7 @@ TEST(Grow, SeeksFewerParametersThanThoseOfAnEffectThatLeavesTheNoise) {
 /// A search that is made again fits nothing twice, what ended at a limit included: a softening spring that hardens.
 TEST(Grow, TakesUpWhatIsKnown) {
   SpringAndDrag given;
-  given.options.max_effects = 1;
+  given.study.most_effects = 1;
   Pool& pool = *given.model.pool;
   const std::vector<Effect> catalogue{entry(pool, "cubic", "cubic_a*y^3", {row("cubic_a")}),
                                       entry(pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),

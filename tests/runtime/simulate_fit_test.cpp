@@ -354,6 +354,37 @@ TEST(FitTrajectory, CountsTheNoiseOfTheForceWhereAsked) {
   EXPECT_LT(with, 1.5);
 }
 
+// Wind that nobody measured, under the sensor's white noise; and none.
+TEST(FitTrajectory, CountsADisturbanceOfTheForceByWhatTheResidualShows) {
+  constexpr int draws = 40;
+  const System system(model_of("1", "k*y + c*v"));
+  const auto misses = [&](double wind, bool counted) {  // their mean square over their variances
+    double sum = 0;
+    for (int draw = 0; draw < draws; ++draw) {
+      std::mt19937_64 bits(500 + static_cast<unsigned>(draw));
+      std::normal_distribution<double> normal(0, wind);
+      std::array<double, rows + 1> gusts{};
+      for (double& gust : gusts) gust = normal(bits);
+      const auto motion = truth<2>({0.001, 0}, [&](double t, const std::array<double, 2>& x) {
+        const double gust = gusts.at(static_cast<std::size_t>(t / dt));
+        return std::array<double, 2>{x[1], push(t) + gust - 2e4 * x[0] - 10 * x[1]};
+      });
+      const Record record = record_of(motion, {"y"}, {5e-5}, 100 + static_cast<unsigned>(draw));
+      FitOptions options;
+      options.force_noise = counted;
+      const FitResult fit = fit_trajectory(system, vector({2e4, 10}), {data_of(system, record)}, options);
+      for (int i = 0; i < 2; ++i)
+        sum += std::pow(fit.theta[i] - (i == 0 ? 2e4 : 10), 2) / fit.covariance(i, i) / (2 * draws);
+    }
+    return sum;
+  };
+  EXPECT_GT(misses(0.3, false), 2);
+  EXPECT_LT(misses(0.3, true), 1.5);
+  EXPECT_GT(misses(0.3, true), 0.5);
+  EXPECT_LT(misses(0, true), 1.4);
+  EXPECT_GT(misses(0, true), 0.6);
+}
+
 // A longer wave of another height has nearly the same slope and bend: straight steps creep along that valley.
 TEST(FitTrajectory, FollowsABentValley) {
   const auto wave = truth<2>({0.001, 0}, [](double t, const std::array<double, 2>& x) {
