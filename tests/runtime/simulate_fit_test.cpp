@@ -332,6 +332,19 @@ TEST(FitTrajectory, FromFarGrowsTheRuns) {
   EXPECT_NEAR(fit.theta[2], 1e8, 4 * std::sqrt(fit.covariance(2, 2)));
 }
 
+TEST(FitTrajectory, FromFarIsGivenUpWhereShortRunsLeaveTooMuch) {
+  const std::vector<FitData> data{
+      data_of(System(model_of("1", "k*y + c*v")), record_of(duffing(2e4, 10, 1e9), {"y"}, {2e-5}, 6))};
+  const System without(model_of("1", "k*y + c*v")), with(model_of("1", "k*y + c*v + k3*y^3"));
+  const FitResult all = fit_progressively(without, vector({2e4, 10}), data);
+  ASSERT_GT(std::sqrt(all.cost / static_cast<double>(all.rows)), 1e-4);
+  const FitResult given_up = fit_progressively(without, vector({2e4, 10}), data, {}, 3e-5);
+  EXPECT_EQ(given_up.cost, INFINITY);
+  EXPECT_TRUE(given_up.stopped.ends_with("rows leave too much")) << given_up.stopped;
+  EXPECT_LT(given_up.runs, all.runs);
+  EXPECT_TRUE(std::isfinite(fit_progressively(with, vector({2e4, 10, 0.9e9}), data, {}, 3e-5).cost));
+}
+
 // Noise of the force's channel moves the body near its resonance, hidden under the sensor's white noise.
 TEST(FitTrajectory, CountsTheNoiseOfTheForceWhereAsked) {
   constexpr int draws = 40;
