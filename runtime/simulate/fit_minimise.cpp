@@ -105,14 +105,16 @@ void add_noise(const RecordedForce& force, double deviation, Philox& random, Exc
   to = to.replaced(force.name, force.signal.plus(noise));
 }
 
+bool any_force(const std::vector<FitData>& data, bool (*is_so)(const RecordedForce&)) {
+  return std::ranges::any_of(data, [&](const FitData& d) { return std::ranges::any_of(recorded_forces(d), is_so); });
+}
+
+bool acts(const RecordedForce& force) { return force.spread > 0; }
+
 /// So much that it is no matter of rounding.
-bool any_force_has_noise(const std::vector<FitData>& data) {
+bool has_noise(const RecordedForce& force) {
   constexpr double least = 1e-3;  // of the force's deviation
-  return std::ranges::any_of(data, [&](const FitData& d) {
-    return std::ranges::any_of(recorded_forces(d), [](const RecordedForce& force) {
-      return force.noise > least * force.spread && force.noise <= roughest * force.spread;
-    });
-  });
+  return force.noise > least * force.spread && force.noise <= roughest * force.spread;
 }
 
 /// Recorded forces with white noise: what their channels have, or, where none has any, so much that the response to it
@@ -292,7 +294,8 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
 void count_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                            FitResult& result) {
   if (system.model().imposed_motion || !std::isfinite(result.cost)) return;
-  const bool disturbed = !any_force_has_noise(data);
+  const bool disturbed = !any_force(data, has_noise);
+  if (disturbed && !any_force(data, acts)) return;
   Problem problem(system, data, options, result.substeps);
   problem.clip = result.clip;
   problem.prepare(result.segments);
