@@ -86,6 +86,18 @@ local function warn_of_signal(source, name)
   end
 end
 
+--- "1.9 t" -> "1900": a mass with its unit, in SI; any other text as it is.
+local function mass_in_si(text)
+  local value, unit = text:match "^%s*([%d.]+[eE]?[-+]?%d*)%s*(%a.-)%s*$"
+  if tonumber(text) or not tonumber(value) then return text end
+  local factor, si = core.si_unit(unit)
+  if factor and (si:find "kg" or si:find " s^2") then return ("%.17g"):format(tonumber(value) * factor) end
+  local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
+    or ("unknown unit '%s'"):format(unit)
+  fault(("--mass: expected a number with or without a unit of mass such as kg, t or kg m^2, got '%s' (%s)"):format(text,
+    problem), "usage")
+end
+
 local function baseline(lunid, options)
   if options.baseline then
     if options.mass or options.restoring then
@@ -110,7 +122,7 @@ local function baseline(lunid, options)
     return value
   end
   local good, model = pcall(function()
-    return lunid.model { mass = read(options.mass or "0", "--mass"), restoring = read(options.restoring,
+    return lunid.model { mass = read(mass_in_si(options.mass or "0"), "--mass"), restoring = read(options.restoring,
       "--restoring"), motion = options.imposed_motion and "imposed" or "free",
       interpolation = options.interpolation }
   end)
