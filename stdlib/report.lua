@@ -147,6 +147,13 @@ local function outputs_table(data)
   return "<p>Of each coordinate:</p>" .. html_table({ "", "baseline", "final model", "noise alone" }, rows)
 end
 
+--- Where fits take several rows for one their gaps lie below those of single rows, by the noise that a mean has less.
+local function of_means(data)
+  local most = 1
+  for _, record in ipairs(data.records) do most = math.max(most, record.joined) end
+  return most > 1 and (", of means of %d rows"):format(most) or ""
+end
+
 local function gap_section(data)
   local floor = data.noise_floor
   return "<h2>The gap</h2>" .. html_table({ "", "baseline", "final model", "noise alone" }, {
@@ -155,7 +162,7 @@ local function gap_section(data)
     { "test record, opened when the training records had chosen"
       .. (data.test_chose and " (it chose among what these had left open)" or ""), number(data.baseline.gap_test, data.baseline.cause),
       number(data.final.gap_test, data.final.cause), number(floor.gap_test, floor.reason) },
-    { "rows of the training record that the fit did not see", number(data.left_out.gap_before, data.left_out.reason),
+    { "rows of the training record that the fit did not see" .. of_means(data), number(data.left_out.gap_before, data.left_out.reason),
       number(data.left_out.gap_after, data.left_out.reason), "" } }) .. outputs_table(data)
     .. ('<p class="small">%s. Noise alone is what a perfect model would leave (known to %s); the level of the noise is read off %s.</p>'):format(
       escape(data.method.gap), number(floor.std), escape(floor.read_off))
@@ -193,7 +200,7 @@ local function rivals_section(data)
       p_value(rival.p_value), escape(rival.remark) }
   end
   return "<h2>Why not another effect</h2><p>Each was fitted on the trajectory. The gap is that of its fit, which knows all "
-    .. "rows of the training record (the final model's is " .. number(data.final.gap_fit, data.final.cause) .. "); p is the "
+    .. "rows of the training record" .. of_means(data) .. " (the final model's is " .. number(data.final.gap_fit, data.final.cause) .. "); p is the "
     .. "chance of as large a gain over the baseline where nothing is missing.</p>"
     .. html_table({ "effect", "gap", "p", "why it was not named" }, rows)
 end

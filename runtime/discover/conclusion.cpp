@@ -506,13 +506,21 @@ class Conclusion {
                         out_.records.back().record == r.name() && r.start() > begin;
       if (!same) {
         begin = r.start();
-        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0});
+        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0, role == "train" ? joined_rows(r) : 1});
       }
       RecordUsed& used = out_.records.back();
       used.rows += r.rows();
       used.seconds = r.start() + r.duration() - begin;
       ++used.runs;
     }
+  }
+
+  int joined_rows(const Record& of) const {
+    for (std::size_t i = 0; i < study_.train.size(); ++i) {
+      const Record& fitted = study_.train[i].record;
+      if (study_.recorded[i] && fitted.name() == of.name()) return static_cast<int>(std::lround(fitted.dt() / of.dt()));
+    }
+    return 1;
   }
 
   void compare_all(const SearchResult& found, const std::vector<Record>& records, std::span<const FreeRun> before,

@@ -65,6 +65,7 @@ struct RecordUsed {
   double seconds = 0;        ///< from the first row to the last
   double rate = 0;           ///< [Hz]
   int runs = 1;
+  int joined = 1;  ///< rows that fits take for one, their mean: gaps of fits and of left-out blocks are of these
 };
 
 /// A measured record beside the free runs of baseline and final model, for figures and reports. All in SI.

@@ -240,7 +240,8 @@ json to_json(const Discovery& d) {
                               {"rows", r.rows},
                               {"duration", r.seconds},
                               {"rate", r.rate},
-                              {"runs", r.runs}});
+                              {"runs", r.runs},
+                              {"joined", r.joined}});
   out["units"] = {{"y", d.units.y}, {"v", d.units.v}, {"a", d.units.a}, {"F", d.units.force}};
   out["baseline"] = model(d.baseline, d.baseline_train, d.baseline_test);
   out["baseline"]["first_guess"] = parameters(d.baseline_before);

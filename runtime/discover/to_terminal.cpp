@@ -138,6 +138,7 @@ std::string to_terminal(const Discovery& d) {
     std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", r.role.c_str(), static_cast<long>(r.rows),
                   r.seconds, r.rate);
     std::string words = r.record + text;
+    if (r.joined > 1) words += "; fits take " + std::to_string(r.joined) + " rows for one";
     if (d.run_length > 0) words += ", in " + std::to_string(r.runs) + " runs of " + number(d.run_length, 3) + " s";
     line("record", words);
   }
@@ -150,9 +151,11 @@ std::string to_terminal(const Discovery& d) {
                  gap(o.baseline_test) + " -> " + gap(o.final_test) + "   (noise alone: train " +
                  number(o.final_train.floor, 3) + ", test " + number(o.final_test.floor, 3) + ")");
   line("where", d.where);
+  const bool joined = std::ranges::any_of(d.records, [](const RecordUsed& r) { return r.joined > 1; });
+  const std::string of_means = joined ? " (of means of rows)" : "";
   if (!d.rivals.empty())
-    line("rivals", rivals(d) + "   (gap on train after the fit; " + (d.effects.empty() ? "baseline " : "named ") +
-                       gap(d.gap_fit) + ")");
+    line("rivals", rivals(d) + "   (gap on train after the fit" + (joined ? ", of means of rows" : "") + "; " +
+                       (d.effects.empty() ? "baseline " : "named ") + gap(d.gap_fit) + ")");
   double train = d.baseline_train.value, test = d.baseline_test.value;
   for (const auto& e : d.effects) {
     line("named", e.label + "  " + e.formula + ", " + list(e.parameters));
@@ -173,8 +176,8 @@ std::string to_terminal(const Discovery& d) {
   line("equation", short_equation(d));
   if (!d.effects.empty()) line("", list(d.final.parameters));
   line("gap", std::string(d.output == "F" ? "of the force" : "free run") + ", left-out blocks of train " +
-                  gap(d.gap_left_out_before) + " -> " + gap(d.gap_left_out_after) + "   test " + gap(d.baseline_test) +
-                  " -> " + gap(d.final_test));
+                  gap(d.gap_left_out_before) + " -> " + gap(d.gap_left_out_after) + of_means + "   test " +
+                  gap(d.baseline_test) + " -> " + gap(d.final_test));
   if (d.short_test.seconds > 0)
     line("", "test, in runs of " + number(d.short_test.seconds, 3) + " s " + gap(d.short_test.baseline) + " -> " +
                  gap(d.short_test.final) + "   (noise alone: " + number(d.short_test.final.floor, 3) + ")");

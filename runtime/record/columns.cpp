@@ -111,8 +111,12 @@ bool is_of_rotation(const Meaning& meaning, const HeaderCell& cell) {
   return !meaning.turning.empty() && lower(cell.name) == meaning.turning;
 }
 
-/// An angle and a torque: y and F of what turns.
+/// An angle and a torque are y and F of what turns, an angle beside nothing but the time is y of what swings freely.
 bool has_rotation(const std::vector<HeaderCell>& header) {
+  const auto is_time = [](const HeaderCell& cell) { return likeness(meanings[0], cell.name) > 0; };
+  if (std::ranges::all_of(header,
+                          [&](const HeaderCell& cell) { return is_time(cell) || is_of_rotation(meanings[2], cell); }))
+    return true;
   return std::ranges::all_of(meanings, [&](const Meaning& meaning) {
     const auto names = [&](const HeaderCell& cell) { return is_of_rotation(meaning, cell); };
     return meaning.turning.empty() || std::ranges::any_of(header, names);

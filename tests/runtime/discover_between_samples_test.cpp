@@ -166,6 +166,17 @@ TEST(BetweenSamples, BlowsOfAFewRowsAreThoseOfAllRowsThatWereJoined) {
       EXPECT_DOUBLE_EQ(part.excitation[0].at(t), whole.at(t));
 }
 
+/// A fit's gap is of means of rows then, below what noise alone leaves of single rows.
+TEST(BetweenSamples, ADiscoverySaysHowManyRowsItsFitsTakeForOne) {
+  const Model model = testing::baseline("k*y + c*v", 1);
+  const Discovery d = discover(model, testing::small_catalogue(*model.pool), {hammered(1)}, {hammered(2)});
+  EXPECT_EQ(d.verdict, Verdict::nothing_missing) << d.sentence;
+  EXPECT_EQ(d.records[0].joined, 4);
+  EXPECT_EQ(d.records[1].joined, 1);
+  EXPECT_LT(d.gap_fit, 0.7 * d.final_train.floor);
+  EXPECT_NE(to_terminal(d).find("Hz; fits take 4 rows for one\n"), std::string::npos);
+}
+
 /// A mass of 1 that slides, c = 0.1 and a friction of 1.2, under a controller that holds its force from row to row: 800
 /// rows a period. Ten steps a row, each exact but for the damping, which is that of its first speed.
 Record slid(std::uint64_t seed) {

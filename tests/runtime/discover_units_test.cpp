@@ -39,5 +39,16 @@ TEST(Units, OfAParameterAreThoseOfItsForceAndMotion) {
   EXPECT_EQ(in_units(units_of(record({channel("y", "m"), channel("F", "V")})), "kg"), "V s^2/m");
 }
 
+TEST(Units, OfACurrentAloneHoldNoSecondsThatCancel) {
+  const Units coil = units_of(record({channel("v", "A"), channel("F", "V")}));
+  EXPECT_EQ(in_units(coil, "kg"), "V s/A");
+  EXPECT_EQ(in_units(coil, "N s^3/m^3"), "V/A^3");
+  EXPECT_EQ(in_units(coil, "m/s"), "A");
+  EXPECT_EQ(in_units(coil, "N/(m s)"), "V/A/s^2");
+  EXPECT_EQ(in_units(coil, "N (s/m)^p"), "V (1/A)^p");
+  EXPECT_EQ(in_units(coil, "N/m^n"), "V/(A s)^n");
+  EXPECT_EQ(in_units(coil, ""), "");
+}
+
 }  // namespace
 }  // namespace lunid

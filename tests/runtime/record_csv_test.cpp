@@ -154,9 +154,15 @@ TEST(Csv, AnAngleBesideATorqueIsTheMotion) {
   EXPECT_EQ(turning.channel("F").unit, "N m");
   EXPECT_EQ(turning["F"][0], 3);
   EXPECT_EQ(with("t,angle,torque\n").channel("y").unit, "rad");
-  const Record shaft = with("t,angle,y\n");  // of a shaft, beside what moves
+  const Record shaft = with("t,angle,y\n");                            // of a shaft, beside what moves
   EXPECT_EQ(shaft["angle"][0], 180);
   EXPECT_EQ(shaft["y"][0], 3);
+}
+
+TEST(Csv, AnAngleBesideNothingButTheTimeIsThatOfWhatSwingsFreely) {
+  std::string text = "time [s],angle [deg]\n";
+  for (int i = 0; i < 8; ++i) text += std::to_string(i) + ",180\n";
+  EXPECT_DOUBLE_EQ(read(text)["y"][0], std::numbers::pi);
 }
 
 TEST(Csv, AVoltageIsNoVelocity) {
