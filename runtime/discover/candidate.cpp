@@ -358,6 +358,34 @@ Eigen::VectorXd without_signs(const System& system, Eigen::VectorXd theta) {
   return theta;
 }
 
+std::vector<double> inertias(const Model& model, const Eigen::VectorXd& theta) {
+  std::vector<std::pair<Expr, Expr>> values;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i)
+    values.emplace_back(model.pool->parameter(model.parameters[i].name),
+                        model.pool->constant(theta[static_cast<Eigen::Index>(i)]));
+  std::vector<double> out;
+  for (int i = 0; i < model.degrees(); ++i) {
+    const auto [mass, restoring] = model.coordinate(i);
+    const Expr slope = derivative(restoring, model.pool->channel(model.channel('a', i)));
+    const Expr total = substitute(mass + slope, values);
+    out.push_back(total.is_constant() ? total.value() : NAN);
+  }
+  return out;
+}
+
+bool takes_the_mass(const std::vector<double>& before, const std::vector<double>& after) {
+  constexpr double least = 0.1;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (after[i] < least * before[i]) return true;
+  return false;
+}
+
+bool takes_the_mass(const Candidate& before, const Candidate& after) {
+  return before.ran() && after.ran() &&
+         takes_the_mass(inertias(before.system->model(), before.fit.theta),
+                        inertias(after.system->model(), after.fit.theta));
+}
+
 bool in_a_mass(const Model& model, Expr symbol) {
   for (int i = 0; i < model.degrees(); ++i)
     if (depends_on(model.coordinate(i).mass, symbol)) return true;

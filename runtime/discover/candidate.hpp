@@ -107,6 +107,14 @@ Eigen::VectorXd without_signs(const System& system, Eigen::VectorXd theta);
 /// The mass of a coordinate holds this symbol.
 bool in_a_mass(const Model& model, Expr symbol);
 
+/// Of each coordinate what goes with its acceleration at these parameters, the mass and terms beside it; NaN where that
+/// is not one number. Main thread only (derivatives grow the pool).
+std::vector<double> inertias(const Model& model, const Eigen::VectorXd& theta);
+/// Hardly any of one of these is left. Where no force acts, nothing is left open then either: all of m*a + f is zero.
+bool takes_the_mass(const std::vector<double>& before, const std::vector<double>& after);
+/// The same of two fits; false where one did not run.
+bool takes_the_mass(const Candidate& before, const Candidate& after);
+
 /// What a parameter of which nothing is known may be: powers of ten of either sign that its bounds allow.
 std::vector<double> magnitudes(const Parameter& parameter);
 

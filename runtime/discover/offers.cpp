@@ -58,6 +58,17 @@ double plain_limit(const std::vector<Offer>& offers, const std::vector<std::size
 
 bool is_told(const Offer& o) { return o.standing.shown && std::isfinite(o.standing.cost); }
 
+/// Where no force acts a mass that is taken away whole takes all with it.
+bool takes_all(const Offer& o) {
+  constexpr double nothing = 1e-6;
+  const Model& added = o.standing.shape->system->model();
+  if (!is_told(o) || !o.parent->ran() || o.standing.cost > nothing * o.space->cost) return false;
+  const std::vector<double> own = inertias(o.parent->system->model(), o.parent->fit.theta);
+  std::vector<double> left = inertias(added, o.standing.own);
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] += own[i];
+  return takes_the_mass(own, left);
+}
+
 }  // namespace
 
 int Offers::as_affordable(int usual) const { return usual * per_size_ / least_per_size; }
@@ -148,6 +159,8 @@ Offers::Round Offers::beside(const std::vector<Candidate>& parents, std::size_t 
   std::vector<std::size_t> order(round.all.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   each(round.all, order, [&](Offer& o) { o.standing = proposer_.score(*o.standing.shape, *o.space); });
+  for (Offer& o : round.all)
+    if (takes_all(o)) o.standing.shown = false;
   if (single) {
     score_many_states(round.all, order);
     leave_aside(round.all);

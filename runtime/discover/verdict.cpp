@@ -368,28 +368,6 @@ bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double 
   return false;
 }
 
-/// The inertia of a coordinate, mass and what else goes with its acceleration; NaN where that is not one number.
-double inertia(const Candidate& c, int coordinate) {
-  const Model& model = c.system->model();
-  const auto [mass, restoring] = model.coordinate(coordinate);
-  std::vector<std::pair<Expr, Expr>> values;
-  for (std::size_t i = 0; i < model.parameters.size(); ++i)
-    values.emplace_back(model.pool->parameter(model.parameters[i].name),
-                        model.pool->constant(c.fit.theta[static_cast<Eigen::Index>(i)]));
-  const Expr slope = derivative(restoring, model.pool->channel(model.channel('a', coordinate)));
-  const Expr total = substitute(mass + slope, values);
-  return total.is_constant() ? total.value() : NAN;
-}
-
-/// Hardly any of the baseline's mass is left beside the names.
-bool takes_the_mass(const Candidate& baseline, const Candidate& named) {
-  constexpr double least = 0.1;
-  if (!baseline.ran() || !named.ran()) return false;
-  for (int i = 0; i < baseline.system->model().degrees(); ++i)
-    if (inertia(named, i) < least * inertia(baseline, i)) return true;
-  return false;
-}
-
 /// A friction that does more work on the motion than it takes from it, along the first training record.
 const Effect* friction_that_drives(const Study& study, const Candidate& named) {
   if (!named.ran()) return nullptr;

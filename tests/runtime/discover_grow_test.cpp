@@ -216,6 +216,33 @@ TEST(Grow, TriesASpecialCaseInThePlaceOfItsGeneralForm) {
   EXPECT_GT(found.tried, 1);
 }
 
+/// Of a decay a mass that takes all of the model's own leaves nothing open, k and c at zero, and what an entry of many
+/// states leaves is never near that.
+TEST(Offers, AMassThatTakesAllWithItIsNoneOfThem) {
+  truth::Physics physics;
+  physics.k3 = 0.5;
+  const truth::Motion motion = truth::integrate(
+      physics, [](double) { return 0.0; }, 0, {1, 0}, 800, testing::spacing, 16);
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  DiscoverOptions options;
+  const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
+  Candidate baseline = compile(study, model, {});
+  find_starts(study, baseline, {}, {});
+  fit(study, baseline, full_fit(study, 20));
+  ASSERT_TRUE(baseline.ran());
+  const std::vector<Effect> catalogue{entry(*model.pool, "cubic", "cubic_a*y^3", {row("cubic_a")}),
+                                      entry(*model.pool, "mass", "mass_m*a", {row("mass_m")})};
+  const Grown known;
+  Grown out;
+  Offers offers(study, model, baseline, catalogue, known, out);
+  offers.run_along_the_motion();
+  const std::vector<Candidate> parents{baseline};
+  const Offers::Round round = offers.beside(parents, SIZE_MAX);
+  ASSERT_EQ(round.worth_runs.size(), 1u);
+  EXPECT_EQ(round.all[round.worth_runs.front()].standing.shape->choice.effect->name, "cubic");
+  EXPECT_EQ(out.left_aside, std::vector<std::string>{"mass"});
+}
+
 /// What the force foretells of a motion is held against what a run leaves, in what was measured: of an accelerometer in
 /// m/s^2, at 160 Hz a million times the displacement.
 TEST(ProposalFits, PromiseWhatWasMeasured) {

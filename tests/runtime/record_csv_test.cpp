@@ -154,7 +154,7 @@ TEST(Csv, AnAngleBesideATorqueIsTheMotion) {
   EXPECT_EQ(turning.channel("F").unit, "N m");
   EXPECT_EQ(turning["F"][0], 3);
   EXPECT_EQ(with("t,angle,torque\n").channel("y").unit, "rad");
-  const Record shaft = with("t,angle,y\n");                            // of a shaft, beside what moves
+  const Record shaft = with("t,angle,y\n");  // of a shaft, beside what moves
   EXPECT_EQ(shaft["angle"][0], 180);
   EXPECT_EQ(shaft["y"][0], 3);
 }
