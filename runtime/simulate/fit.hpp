@@ -68,9 +68,9 @@ struct FitOptions {
   /// Where steps are too long for parameters that the fit tries, it goes on with half of them (fixed path)
   bool shorten_steps = false;
   /// The covariance counts the noise of the forces' channels too (Channel::noise), by 24 runs of the model, as far as
-  /// the residual shows it: noise that the system felt is no error. Where they have none, white
-  /// disturbances of the forces, of the power that the residual shows: what rings at a resonance tells little of its
-  /// damping. Not with the adjoint, nor along an imposed motion
+  /// the residual shows it: noise that the system felt is no error. Where they have none, or the residual holds it
+  /// whole, white disturbances of the forces, of the power that the residual shows: what rings at a resonance tells
+  /// little of its damping. Not with the adjoint, nor along an imposed motion
   bool force_noise = false;
   Whitening whitening;  ///< what is done to the residual before it is squared
   /// Displacements, velocities and accelerations that are fitted, each weighted by its noise; empty: of each coordinate

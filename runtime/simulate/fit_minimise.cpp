@@ -217,6 +217,12 @@ double power_of_disturbance(const NoiseOfForces& drawn, const Normal& normal, do
   return std::isfinite(power) ? std::clamp(power, 0.0, normal.cost / own) : 0;
 }
 
+/// Of what was drawn: beside the noise of the channels that the residual holds whole a disturbance may act too.
+double power_in_residual(const NoiseOfForces& drawn, const Normal& normal, double freedom, bool disturbed) {
+  const double share = disturbed ? 0 : share_in_residual(drawn, normal, freedom);
+  return disturbed || share == 1 ? std::max(share, power_of_disturbance(drawn, normal, freedom)) : share;
+}
+
 Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitData>& data, const FitOptions& options,
                                    const Normal& normal, const FitResult& result,
                                    const std::vector<Eigen::MatrixXd>& columns, const Eigen::MatrixXd& inverse,
@@ -224,7 +230,7 @@ Eigen::MatrixXd by_noise_of_forces(const System& system, const std::vector<FitDa
   const NoiseOfForces drawn = draw_noise_of_forces(system, data, options, normal, result, columns, inverse, disturbed);
   if (drawn.step.cols() < 2) return Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   return drawn.step * drawn.step.transpose() / static_cast<double>(drawn.step.cols()) *
-         (disturbed ? power_of_disturbance : share_in_residual)(drawn, normal, result.freedom);
+         power_in_residual(drawn, normal, result.freedom, disturbed);
 }
 
 /// Of theta among the parameters that are free; zero of the others.

@@ -367,11 +367,11 @@ TEST(FitTrajectory, CountsTheNoiseOfTheForceWhereAsked) {
   EXPECT_LT(with, 1.5);
 }
 
-// Wind that nobody measured, under the sensor's white noise; and none.
+// Wind that nobody measured, under the sensor's white noise, and under some noise of the force's channel too; and none.
 TEST(FitTrajectory, CountsADisturbanceOfTheForceByWhatTheResidualShows) {
   constexpr int draws = 40;
   const System system(model_of("1", "k*y + c*v"));
-  const auto misses = [&](double wind, bool counted) {  // their mean square over their variances
+  const auto misses = [&](double wind, bool counted, double noise = 0) {  // their mean square over their variances
     double sum = 0;
     for (int draw = 0; draw < draws; ++draw) {
       std::mt19937_64 bits(500 + static_cast<unsigned>(draw));
@@ -382,7 +382,7 @@ TEST(FitTrajectory, CountsADisturbanceOfTheForceByWhatTheResidualShows) {
         const double gust = gusts.at(static_cast<std::size_t>(t / dt));
         return std::array<double, 2>{x[1], push(t) + gust - 2e4 * x[0] - 10 * x[1]};
       });
-      const Record record = record_of(motion, {"y"}, {5e-5}, 100 + static_cast<unsigned>(draw));
+      const Record record = record_of(motion, {"y"}, {5e-5}, 100 + static_cast<unsigned>(draw), "F", noise);
       FitOptions options;
       options.force_noise = counted;
       const FitResult fit = fit_trajectory(system, vector({2e4, 10}), {data_of(system, record)}, options);
@@ -394,6 +394,8 @@ TEST(FitTrajectory, CountsADisturbanceOfTheForceByWhatTheResidualShows) {
   EXPECT_GT(misses(0.3, false), 2);
   EXPECT_LT(misses(0.3, true), 1.5);
   EXPECT_GT(misses(0.3, true), 0.5);
+  EXPECT_LT(misses(0.3, true, 0.1), 1.5);
+  EXPECT_GT(misses(0.3, true, 0.1), 0.5);
   EXPECT_LT(misses(0, true), 1.4);
   EXPECT_GT(misses(0, true), 0.6);
 }
