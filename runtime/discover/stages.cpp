@@ -11,6 +11,7 @@
 #include "discover/linearised.hpp"
 #include "discover/locate.hpp"
 #include "discover/places.hpp"
+#include "discover/proposal_fits.hpp"
 #include "discover/propose.hpp"
 #include "discover/sensor.hpp"
 #include "expr/joined.hpp"
@@ -87,10 +88,11 @@ void fit_set(const Stage& stage, Candidate& candidate) {
 }
 
 /// The baseline with generic forces fitted: its free run follows the record, so that what smoothing makes of it can be
-/// taken away (locate.hpp). The baseline itself where they do not help. `place`: where these forces act.
+/// taken away (locate.hpp). The baseline itself where it follows to the noise, or they do not help. `place`: where
+/// these forces act.
 Candidate follower(const Stage& stage, std::optional<Place>& place) {
   Candidate judged = stage.baseline;
-  if (!judged.ran()) return judged;
+  if (!judged.ran() || !is_above_noise(stage.study, judged)) return judged;
   const Whitening whitening = residual_colour(stage.study, judged);
   judge(stage.study, judged, whitening);
   Closure closure = test_closure(stage.study, judged, whitening);

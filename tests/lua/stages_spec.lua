@@ -24,6 +24,17 @@ spec.case("locate: a cubic spring grows with |y|, odd; friction is not seen", fu
   assert(lunid.figure.lines { series = { lunid.figure.series { map.x, map.value }, lunid.figure.series { map.x, map.level } } })
 end)
 
+-- Rubber in a steady tone is a spring and a damper. Generic forces that one tone does not tell apart were fitted to the
+-- noise, thousands of newtons against each other, and what smoothing makes of them stood in the map: 33 N of 100.
+spec.case("locate: nothing is fitted to what the baseline leaves of the noise", function()
+  local rubber = lunid.model { mass = 49, restoring = 7.7e5*y + 369*v + lunid.effects.maxwell_relaxation { k = 1.4e5, tau = 8e-3 } }
+  local run = lunid.simulate { model = rubber, excitation = 100*lunid.sin(91*lunid.time), duration = 4.5, dt = 1/800 }
+  local noisy = run:record():with_noise { y = lunid.noise.gaussian { relative = 0.01 }, F = 0.001, seed = 11 }
+  local tone = lunid.record { dt = 1/800,
+    channels = { { "F", noisy:column "F", unit = "N" }, { "y", noisy:column "y", unit = "m" } } }:window(2.5, 4.4)
+  assert(lunid.locate { model = baseline, record = tone }.rms < 1)
+end)
+
 spec.case("propose: the cubic spring leads, what the baseline can do by itself has no gain", function()
   local list = lunid.propose { model = baseline, record = train, catalogue = { "quadratic_stiffness", "cubic_stiffness",
     "linear_stiffness", "coulomb_friction" } }
