@@ -159,8 +159,12 @@ class OnTest {
       else
         out_.warnings.push_back(left_open_by_training(found.chosen, fault, of_all->test));
     } else if (!fault.empty()) {
-      if (!leave_the_tied(study, round, fault, before))
+      if (!leave_to(tied_that_stand(study_, study, round, before), round, fault))
         take_back(study, round, fault, steps_that_stand(study, round, before));
+    } else if (leaves_a_good_part(round, after)) {
+      leave_to(tied_that_take_most(study, round, before, after), round,
+               "leaves " + number(round.gap(after).value / round.gap(after).floor, 2) +
+                   " times what noise alone leaves on the test record, most of which the latter takes");
     } else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size()) {
       take_back(study, round, "did no better on the test record than " + found.steps[stand - 1].model.name(), stand);
     }
@@ -239,12 +243,32 @@ class OnTest {
     return out;
   }
 
+  /// Not refuted, but far from the noise where others may be at it.
+  static bool leaves_a_good_part(const Round& round, const std::vector<FreeRun>& after) {
+    const Gap gap = round.gap(after);
+    return round.found.chosen.choices.size() == 1 && gap.value > 1.5 * gap.floor;
+  }
+
+  /// Of those that the training records cannot tell from the one name: what takes most of that, beyond chance. None
+  /// where the name with other parameters, which the training records leave open, would.
+  std::vector<TiedRival> tied_that_take_most(const Study& tested, const Round& round,
+                                             const std::vector<FreeRun>& before,
+                                             const std::vector<FreeRun>& after) const {
+    constexpr double most = 2.0 / 3, level = 0.05;  // of the excess; few blocks of a test record hold it
+    const Gap left = round.gap(after);
+    std::vector<TiedRival> out = tied_that_stand(study_, tested, round, before);
+    std::erase_if(out, [&](const TiedRival& rival) {
+      const Gap gap = round.gap(rival.test);
+      return !(closed_share(left.value, gap.value, left.floor) > most) ||
+             !(test_p_value(tested, after, rival.test) < level);
+    });
+    if (!out.empty() && fit_to_all(tested, round, out_.test_p_value, before, after)) out.clear();
+    return out;
+  }
+
   /// One name is taken back: of those that the training records cannot tell from it, what the test records leave.
-  /// `tested`: the study as the test records are judged (short_test_runs).
-  bool leave_the_tied(const Study& tested, Round& round, const std::string& fault, const std::vector<FreeRun>& before) {
+  bool leave_to(std::vector<TiedRival> standing, Round& round, const std::string& fault) {
     SearchResult& found = round.found;
-    if (found.chosen.choices.size() != 1) return false;
-    std::vector<TiedRival> standing = tied_that_stand(study_, tested, round, before);
     if (standing.empty()) return false;
     TiedRival& first = standing.front();
     out_.test_chose = true;

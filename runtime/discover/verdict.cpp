@@ -478,6 +478,7 @@ bool may_stand_instead(const SearchResult& found, const Candidate& rival) {
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before) {
   std::vector<TiedRival> standing;
+  if (round.found.chosen.choices.size() != 1) return standing;
   for (const auto& [rival, by, remark] : round.found.rivals) {
     if (rival.choices.size() != 1 || !may_stand_instead(round.found, rival)) continue;
     Round other;

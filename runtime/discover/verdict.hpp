@@ -122,7 +122,7 @@ struct TiedRival {
 };
 
 /// Of those, and of the same force in other words there, in the order of the rivals: the ones that the test records do
-/// not take back, and which none of these betters there beyond chance.
+/// not take back, and which none of these betters there beyond chance. None of several names.
 /// `tested`: the study as the test records are judged, `before` the baseline's runs in it.
 std::vector<TiedRival> tied_that_stand(const Study& study, const Study& tested, const Round& round,
                                        const std::vector<FreeRun>& before);

@@ -155,6 +155,20 @@ TEST(DiscoveryRounds, AGeneralFormStandsWhereTheTestTakesItsSpecialCaseBack) {
   EXPECT_TRUE(testing::warns(d, "the training records could not tell coulomb_friction from power_law_damping"));
 }
 
+/// The same where it is not taken back: three floors stay open of friction, of the root nothing.
+TEST(DiscoveryRounds, AGeneralFormStandsWhereItTakesMostOfWhatItsSpecialCaseLeavesOnTheTest) {
+  truth::RecordOptions options;
+  options.noise_db = 34;
+  options.excited = truth::Excited::tones;
+  options.seed = 6;
+  const Discovery d = find_power_law(options);
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "power_law_damping");
+  EXPECT_TRUE(d.test_chose);
+  EXPECT_TRUE(testing::warns(d, "times what noise alone leaves on the test record, most of which the latter takes"));
+  EXPECT_LT(d.final_test.value, 1.1 * d.final_test.floor);
+}
+
 /// What a quarter of the resampled records and more would have named is a tie.
 TEST(DiscoveryRounds, NamesThatResamplesDoubtAreAmbiguous) {
   for (const std::uint64_t seed : {2, 4}) {
