@@ -167,19 +167,26 @@ void add_floor(const Study& study, const Nominal& at, std::vector<FreeRun>& out)
   add_input_noise(study, at, out);
 }
 
-/// How far internal states are from where they start, over the whole record: what a lead-in may find them to be.
-Eigen::VectorXd spread_of_states(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                                 const SimulateOptions& options) {
-  const Eigen::Index own = 2 * system.degrees();
-  if (system.states() == own) return {};
+/// The first state of a run by its lead-in, in which internal states may be found as far from their start as they are
+/// over the whole record. Where the soil was set before, or friction has slipped, the lead-in hardly says from that
+/// start how far: they begin where the record itself leaves them too.
+StateEstimate state_by_lead_in(const System& system, const Eigen::VectorXd& theta, const FitData& data,
+                               Eigen::Index lead, const SimulateOptions& options) {
+  constexpr double better = 0.9;  // of the squared error
+  const Eigen::Index own = 2 * system.degrees(), inner = system.states() - own;
+  if (inner == 0) return estimate_state(system, theta, data, 0, lead, options.substeps);
   const std::span<const double> values = view(theta);
   const Eigen::VectorXd start = measured_state(system, values, data.record, 0);
   const Run run = simulate(system, values, data.excitation, start, options);
   Eigen::VectorXd spread = Eigen::VectorXd::Zero(system.states());
-  if (!run.summary.completed) return spread;
+  if (!run.summary.completed) return estimate_state(system, theta, data, 0, lead, options.substeps, spread);
   for (Eigen::Index i = own; i < spread.size(); ++i)
     spread[i] = std::sqrt((run.x.col(i).array() - start[i]).square().mean());
-  return spread;
+  StateEstimate out = estimate_state(system, theta, data, 0, lead, options.substeps, spread);
+  const Eigen::VectorXd left = run.x.row(run.x.rows() - 1).tail(inner);
+  StateEstimate other = estimate_state(system, theta, data, 0, lead, options.substeps, spread, left);
+  const bool closer = other.converged && !(other.residual_variance > better * out.residual_variance);
+  return closer || !out.converged ? other : out;
 }
 
 /// The record with the noise of its sensors on the measured motion once more, and what is derived from it anew.
@@ -237,8 +244,7 @@ void motion_run(const Study& study, const System& system, const Eigen::VectorXd&
   // A test may go faster than what the substeps were chosen on: they are halved until the run is completed and halves
   // say the same.
   for (;; options.substeps *= 2) {
-    const Eigen::VectorXd spread = spread_of_states(system, theta, data, options);
-    state = estimate_state(system, theta, data, 0, out.front().lead, options.substeps, spread);
+    state = state_by_lead_in(system, theta, data, out.front().lead, options);
     run = simulate(system, values, data.excitation, state.x0, options);
     if (2 * options.substeps > std::max(substeps, most_substeps)) break;
     if (!run.summary.completed) continue;

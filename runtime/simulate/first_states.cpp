@@ -177,13 +177,14 @@ void settle_first_states(const System& system, const VectorXd& theta, const std:
 }
 
 StateEstimate estimate_state(const System& system, const VectorXd& theta, const FitData& data, Index first, Index count,
-                             int substeps, const VectorXd& spread) {
+                             int substeps, const VectorXd& spread, const VectorXd& inner) {
   StateEstimate out;
   FitOptions options;
   options.substeps = substeps;
   const std::vector<FitData> one{data};
   Problem problem(system, one, options, substeps);
   FitSegment segment{0, first, count, measured_state(system, own_values(system, theta), data.record, first)};
+  if (inner.size() > 0) segment.x0.tail(inner.size()) = inner;
   const double noise = data.record.channel(outputs_of(system.model(), data.record, {})[0].channel).noise;
   Known known{segment.x0, VectorXd::Zero(segment.x0.size())};
   for (Index i = 0; i < spread.size(); ++i)

@@ -179,7 +179,8 @@ Profile profile_likelihood(const System& system, const FitResult& result, const 
 
 /// First state estimated on the rows [first, first + count) alone with theta fixed. `spread`: per state, how far from
 /// its start it may well be (a standard deviation beside the sensor's noise; 0 or no entry: nothing is known). Internal
-/// states that a few rows hardly show would else run away.
+/// states that a few rows hardly show would else run away. `inner`: where the internal states start; empty: as
+/// declared.
 struct StateEstimate {
   Eigen::VectorXd x0;
   Eigen::MatrixXd covariance;
@@ -187,7 +188,8 @@ struct StateEstimate {
   bool converged = false;
 };
 StateEstimate estimate_state(const System& system, const Eigen::VectorXd& theta, const FitData& data,
-                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread = {});
+                             Eigen::Index first, Eigen::Index count, int substeps, const Eigen::VectorXd& spread = {},
+                             const Eigen::VectorXd& inner = {});
 
 /// The forces that a record shows on each coordinate, one coordinate after another; zero where none acts or is shown.
 Eigen::VectorXd acting_forces(const Model& model, const Record& record);

@@ -64,6 +64,43 @@ TEST(DiscoveryRounds, NothingIsNamedWhereNothingIsMissing) {
   EXPECT_EQ(d.verdict, Verdict::nothing_missing);
 }
 
+/// Soil under a toe, which rests where the motion before the record has driven it: its force is seen on one side, and
+/// moves again only where the motion goes farther.
+Effect toe(Pool& pool) {
+  Effect effect = entry(pool, "smith_toe", "0", {row("Ru", 0), row("q", 0), row("J", 0)});
+  const Expr set = pool.state("ys");
+  effect.variants = {EffectVariant(parse(pool, "Ru/q*max(y - ys, 0)*max(1 + J*v, 0)"))};
+  effect.states = {{set, pool.constant(0), 0, parse(pool, "y - q"), {}}};
+  effect.guess = [](const RecordScales& s, int) {
+    std::vector<Guess> guesses;
+    for (const double part : {0.03, 0.1, 0.3})
+      for (const double damping : {0.1, 1.0})
+        guesses.push_back({{"q", part * (s.y_max - s.y_min)}, {"J", damping / s.v_max}});
+    return guesses;
+  };
+  effect.range = [](const RecordScales& s, int) {
+    return Ranges{{"q", {1e-4 * (s.y_max - s.y_min), s.y_max - s.y_min}}, {"J", {0, 10 / s.v_max}}};
+  };
+  return effect;
+}
+
+/// From the start that the entry declares the lead-in does not lead to where the soil was set, and every run from there
+/// was lost: the entry followed the training record to its noise, and was no name.
+TEST(DiscoveryRounds, WhatWasSetBeforeTheRecordBeginsIsFoundByWhereTheRecordLeavesIt) {
+  truth::RecordOptions options;
+  options.rows = 1400;
+  options.noise_db = 60;
+  options.seed = 31161;
+  const truth::Scale& scale = truth::scale_named("milli");
+  const truth::Records records = truth::make_records(truth::case_named("smith_toe"), scale, options);
+  const Model model = baseline("k*y + c*v", scale.mass);
+  const Discovery d = testing::discover_case(model, {toe(*model.pool)}, records, {});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::explained);
+  EXPECT_LT(d.final_train.value, 1.3 * d.final_train.floor);
+  EXPECT_LT(d.final_test.value, 1.5 * d.final_test.floor);
+}
+
 /// The gauge's zero was off during training alone: the constant force that shows there is not confirmed, the spring is.
 TEST(DiscoveryRounds, ANameStandsWhereTheTestRecordTakesAnotherBack) {
   truth::Records records = made("cubic_hardening", 40);
