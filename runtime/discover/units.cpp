@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "record/unit_product.hpp"
 
 namespace lunid {
 
@@ -36,36 +37,7 @@ std::string together(const InSeconds& unit) {
   return unit.rest;
 }
 
-/// Units and their powers, in the order in which they came. A power that is no number is part of the name: "m^n".
-class Product {
- public:
-  void multiply(const std::string& name, int power) {
-    auto at = std::ranges::find(powers_, name, &std::pair<std::string, int>::first);
-    if (at == powers_.end()) at = powers_.insert(at, {name, 0});
-    at->second += power;
-  }
-  void multiply(const Product& other, int power) {
-    for (const auto& [name, own] : other.powers_) multiply(name, own * power);
-  }
-
-  std::string text() const {
-    std::string above, below;
-    for (const auto& [name, power] : powers_) {
-      if (power == 0) continue;
-      const int size = std::abs(power);
-      const std::string raised = size == 1 ? name : name + "^" + std::to_string(size);
-      if (power > 0)
-        above += (above.empty() ? "" : " ") + raised;
-      else
-        below += "/" + raised;
-    }
-    return (above.empty() && !below.empty() ? "1" : above) + below;
-  }
-  bool is_one_name() const { return powers_.size() == 1 && powers_.front().second == 1; }
-
- private:
-  std::vector<std::pair<std::string, int>> powers_;
-};
+bool is_one_name(const UnitProduct& unit) { return unit.powers.size() == 1 && unit.powers.front().second == 1; }
 
 /// Takes from the front of a text what stands before any of `ends`, brackets whole.
 std::string_view take_until(std::string_view& text, std::string_view ends) {
@@ -77,9 +49,10 @@ std::string_view take_until(std::string_view& text, std::string_view ends) {
   return taken;
 }
 
-/// "N s/m", "N/(m s)", "N (s/m)^p": a stroke divides the next factor. What each name is, `meaning` says.
-Product product_of(std::string_view text, const std::function<Product(const std::string&)>& meaning) {
-  Product out;
+/// "N s/m", "N/(m s)", "N (s/m)^p": a stroke divides the next factor. A power that is no number is part of the name.
+/// What each name is, `meaning` says.
+UnitProduct product_of(std::string_view text, const std::function<UnitProduct(const std::string&)>& meaning) {
+  UnitProduct out;
   int side = 1;
   while (!text.empty()) {
     if (std::string_view(" */").find(text.front()) != std::string_view::npos) {
@@ -89,7 +62,7 @@ Product product_of(std::string_view text, const std::function<Product(const std:
     }
     const std::string_view base = take_until(text, " */^");
     const bool bracketed = base.starts_with('(') && base.ends_with(')');
-    const Product factor =
+    const UnitProduct factor =
         bracketed ? product_of(base.substr(1, base.size() - 2), meaning) : meaning(std::string(base));
     std::string_view exponent = "1";
     if (text.starts_with('^')) {
@@ -101,23 +74,23 @@ Product product_of(std::string_view text, const std::function<Product(const std:
     if (error == std::errc() && end == exponent.data() + exponent.size())
       out.multiply(factor, side * power);
     else
-      out.multiply((factor.is_one_name() ? factor.text() : "(" + factor.text() + ")") + "^" + std::string(exponent),
+      out.multiply((is_one_name(factor) ? factor.text() : "(" + factor.text() + ")") + "^" + std::string(exponent),
                    side);
     side = 1;
   }
   return out;
 }
 
-Product as_written(const std::string& name) {
-  Product out;
+UnitProduct as_written(const std::string& name) {
+  UnitProduct out;
   if (name != "1") out.multiply(name, 1);
   return out;
 }
 
-Product mass_of(const Units& units) {
+UnitProduct mass_of(const Units& units) {
   if (units.y == "m" && units.force == "N") return as_written("kg");
   if (units.y == "rad" && units.force == "N m") return product_of("kg m^2", as_written);
-  Product out = product_of(units.force, as_written);
+  UnitProduct out = product_of(units.force, as_written);
   out.multiply("s", 2);
   out.multiply(product_of(units.y, as_written), -1);
   return out;

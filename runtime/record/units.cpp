@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "record/columns.hpp"
+#include "record/unit_product.hpp"
 
 namespace lunid {
 namespace {
@@ -78,31 +79,13 @@ constexpr std::array<std::pair<std::string_view, std::pair<char, double>>, 9> pr
     {"G", {'G', 1e9}},
 }};
 
-/// A factor and powers of SI units, in the order in which they came.
-struct Product {
+/// A factor and powers of SI units.
+struct Product : UnitProduct {
   double factor = 1;
-  std::vector<std::pair<std::string, int>> powers;
 
   void multiply(const Product& other, int power) {
     factor *= std::pow(other.factor, power);
-    for (const auto& [name, exponent] : other.powers) {
-      const auto known = std::find_if(powers.begin(), powers.end(), [&](const auto& p) { return p.first == name; });
-      if (known == powers.end())
-        powers.emplace_back(name, exponent * power);
-      else
-        known->second += exponent * power;
-    }
-  }
-
-  std::string text() const {
-    std::string above, below;
-    for (const auto& [name, exponent] : powers) {
-      const int size = std::abs(exponent);
-      const std::string raised = size == 1 ? name : name + "^" + std::to_string(size);
-      if (exponent > 0) above += (above.empty() ? "" : " ") + raised;
-      if (exponent < 0) below += "/" + raised;
-    }
-    return below.empty() ? above : (above.empty() ? "1" : above) + below;
+    UnitProduct::multiply(other, power);
   }
 };
 

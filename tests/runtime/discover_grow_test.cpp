@@ -17,6 +17,13 @@ namespace {
 using testing::entry;
 using testing::row;
 
+Candidate fitted_baseline(const Study& study, const Model& model) {
+  Candidate baseline = compile(study, model, {});
+  find_starts(study, baseline, {}, {});
+  fit(study, baseline, full_fit(study, 20));
+  return baseline;
+}
+
 /// A cubic spring and drag beside k*y + c*v, and the baseline fitted to it.
 struct SpringAndDrag {
   const Model model = complete(testing::baseline("k*y + c*v", 1));
@@ -30,9 +37,7 @@ struct SpringAndDrag {
     physics.drag = 0.2;
     const truth::Motion motion = truth::integrate(physics, force, 0.2, {}, 1500, testing::spacing, 16);
     study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
-    baseline = compile(study, model, {});
-    find_starts(study, baseline, {}, {});
-    fit(study, baseline, full_fit(study, 20));
+    baseline = fitted_baseline(study, model);
   }
 };
 
@@ -144,9 +149,7 @@ TEST(Offers, HearsWhatTheColourOfTheResidualHides) {
   const truth::Motion motion =
       truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.002, {}, 3000, testing::spacing, 16);
   Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 2e-4, 5)}, {}, options);
-  Candidate baseline = compile(study, model, {});
-  find_starts(study, baseline, {}, {});
-  fit(study, baseline, full_fit(study, 20));
+  Candidate baseline = fitted_baseline(study, model);
   const std::vector<Effect> catalogue{
       entry(*model.pool, "cubic", "cubic_a*y^3", {row("cubic_a")}),
       entry(*model.pool, "cubic_damping", "cubic_damping_c3*v^3", {row("cubic_damping_c3", 0)})};
@@ -173,9 +176,7 @@ TEST(Offers, SeekTheHalfOfAPairThatHidesItself) {
   const truth::Motion motion =
       truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.4, {}, 1500, testing::spacing, 16);
   const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
-  Candidate baseline = compile(study, model, {});
-  find_starts(study, baseline, {}, {});
-  fit(study, baseline, full_fit(study, 20));
+  Candidate baseline = fitted_baseline(study, model);
   const std::vector<Effect> catalogue{entry(*model.pool, "drag", "drag_c*abs(v)*v", {row("drag_c", 0)}),
                                       entry(*model.pool, "third", "third_k*y^3", {row("third_k")}),
                                       entry(*model.pool, "fifth", "fifth_k*y^5", {row("fifth_k")})};
@@ -226,9 +227,7 @@ TEST(Offers, AMassThatTakesAllWithItIsNoneOfThem) {
   const Model model = complete(testing::baseline("k*y + c*v", 1));
   DiscoverOptions options;
   const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
-  Candidate baseline = compile(study, model, {});
-  find_starts(study, baseline, {}, {});
-  fit(study, baseline, full_fit(study, 20));
+  Candidate baseline = fitted_baseline(study, model);
   ASSERT_TRUE(baseline.ran());
   const std::vector<Effect> catalogue{entry(*model.pool, "cubic", "cubic_a*y^3", {row("cubic_a")}),
                                       entry(*model.pool, "mass", "mass_m*a", {row("mass_m")})};
@@ -262,9 +261,7 @@ TEST(ProposalFits, PromiseWhatWasMeasured) {
     record = derive_motion(Record("fast", 0, tau * testing::spacing, {record.channel("F"), record.channel(channel)}));
     DiscoverOptions options;
     Study study = prepare(model, {record}, {}, options);
-    Candidate baseline = compile(study, model, {});
-    find_starts(study, baseline, {}, {});
-    fit(study, baseline, full_fit(study, 20));
+    const Candidate baseline = fitted_baseline(study, model);
     const Grown found = grow(study, model, baseline, catalogue, {}, false, silent);
     const Grown known;
     Grown out;
