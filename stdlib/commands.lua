@@ -86,11 +86,15 @@ local function warn_of_signal(source, name)
   end
 end
 
---- "1.9 t" -> "1900": a mass with its unit, in SI; any other text as it is.
+local of_a_kilogram = { [""] = 1e-3, m = 1e-6, u = 1e-9, n = 1e-12 }
+
+--- "1.9 t" -> "1900": a mass with its unit, in SI; any other text as it is. Here g is the gram, as nowhere else.
 local function mass_in_si(text)
   local value, unit = text:match "^%s*([%d.]+[eE]?[-+]?%d*)%s*(%a.-)%s*$"
   if tonumber(text) or not tonumber(value) then return text end
-  local factor, si = core.si_unit(unit)
+  local prefix, of_inertia = unit:match "^([mun]?)g%f[%A](.*)$"
+  local factor, si = core.si_unit(prefix and "kg" .. of_inertia or unit)
+  if factor and prefix then factor = factor * of_a_kilogram[prefix] end
   if factor and (si:find "kg" or si:find " s^2") then return ("%.17g"):format(tonumber(value) * factor) end
   local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
     or ("unknown unit '%s'"):format(unit)

@@ -76,6 +76,7 @@ double part_above_noise(const Study& study, const Candidate& model) {
 std::optional<BetweenSamples> far_better_reading(const Study& study, const Candidate& model) {
   constexpr std::array smooth_kinds{Interpolation::linear, Interpolation::cubic, Interpolation::band_limited};
   constexpr double least = 0.1, part_of_what_is_open = 0.5;  // of the squared error
+  constexpr double far_off = 2;                              // times the squared error
   if (is_said(study) || study.imposed || study.between.kind == Interpolation::hold || !force_varies(study)) return {};
   std::vector<BetweenSamples> ways;
   for (const Interpolation kind : smooth_kinds)
@@ -85,9 +86,12 @@ std::optional<BetweenSamples> far_better_reading(const Study& study, const Candi
     const auto k = static_cast<std::size_t>(i);
     Study other = study;
     read_force(other, ways[k]);
-    // Short runs first: where small differences grow, the present values are no start under another reading.
-    fits[k] =
+    fits[k] = fit_near(other, model, model.fit.theta, 12, model.fit.substeps, model.fit.segments);
+    if (squared_error(fits[k]) < far_off * squared_error(model.fit)) return;
+    // Where small differences grow, the present values are no start under another reading: short runs first.
+    FitResult shorter =
         fit_progressively(*model.system, model.fit.theta, other.train, fixed_fit(other, 12, 1e-4, model.fit.substeps));
+    if (shorter.cost < fits[k].cost) fits[k] = std::move(shorter);
   });
   std::optional<BetweenSamples> best;
   double cost = squared_error(model.fit) * (1 - std::max(least, part_of_what_is_open * part_above_noise(study, model)));

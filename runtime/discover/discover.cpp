@@ -310,9 +310,9 @@ class Spine {
     if (chosen.choices.size() > 1 && !round.left.seen && rms_error(chosen.fit) < near * study_.sensor_noise())
       round.found.grown.settled = chosen.choices;
     Round further = look(entries, round.found.grown, 0.9);
-    if (takes_the_place(further, round)) {
-      if (round.names()) further.displaced = std::make_shared<Round>(std::move(round));
-      round = std::move(further);
+    if (std::optional<Round> other = what_takes_the_place(further, round)) {
+      if (round.names()) other->displaced = std::make_shared<Round>(std::move(round));
+      round = *std::move(other);
     } else {
       if (round.names() && further.names()) round.displaced = std::make_shared<Round>(std::move(further));
       ground_.read_force(before);
@@ -362,6 +362,17 @@ class Spine {
     return std::any_of(others.begin(), others.end(), [&](const Effect& e) {
       return std::any_of(named.begin(), named.end(), [&](const Choice& c) { return e.is_special_case(*c.effect); });
     });
+  }
+
+  /// All that was found, or the first of several names where these alone do what the common ones do.
+  std::optional<Round> what_takes_the_place(const Round& further, const Round& round) const {
+    if (takes_the_place(further, round)) return further;
+    for (std::size_t count = further.found.steps.size(); count-- > 1;) {
+      Round first = first_names(study_, further, count, "fits better, by less than more effects have to");
+      const bool other = !same(first.found.chosen.choices, round.found.chosen.choices);
+      if (other && may_be_named(study_, first.found.chosen) && takes_the_place(first, round)) return first;
+    }
+    return {};
   }
 
   /// Rare effects take the place of common ones where they are no more than those and fit as well, where they are fewer

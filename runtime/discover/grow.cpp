@@ -134,7 +134,7 @@ class Grower {
     const std::span<const Candidate> best(parents.data(), std::min<std::size_t>(parents.size(), beam));
     std::vector<Candidate> level = fits_.fit(round.all, round.worth_runs, size, best, fewest_);
     if (is_read_otherwise(level)) return level;
-    if (size == 1 && is_open(level)) fits_.leave_minima(level);
+    if (is_open(level)) size == 1 ? fits_.leave_minima(level) : fits_.begin_in_short_runs(level);
     const bool open = is_open(level);
     if (size == 1 || open)
       fit_too(round.all, offers_.best_on_motion(round.all, round.worth_runs, parents.front(), open), size, level);

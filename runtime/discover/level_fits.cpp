@@ -17,6 +17,7 @@ constexpr int most_promising = 6;
 constexpr double as_good = 1.5;       // times the least squared misfit of the force
 constexpr int ended_faults = 2;       // and of faults of a channel
 constexpr int led_out = 4;            // single effects above the noise that begin again from other guesses
+constexpr int led_out_of_several = 2; // sets of several that begin again in short runs
 constexpr double hopeless = 3;        // times the best squared error after the first iterations: not fitted to the end
 constexpr double far_behind = 10;     // the same of single effects: not fitted further at all
 constexpr int middle_iterations = 8;  // of those that are
@@ -169,6 +170,13 @@ void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
   parallel_for(static_cast<int>(list.size()), study_.options->threads, [&](int i) {
     Candidate& c = sorted[list[static_cast<std::size_t>(i)]];
     if (const Shape* shape = offers_.shape_of(c.choices.front())) fits_.leave_minimum(c, *shape);
+  });
+  sort_by_cost(sorted);
+}
+
+void LevelFits::begin_in_short_runs(std::vector<Candidate>& sorted) const {
+  parallel_for(std::min<int>(led_out_of_several, static_cast<int>(sorted.size())), study_.options->threads, [&](int i) {
+    fits_.begin_in_short_runs(sorted[static_cast<std::size_t>(i)]);
   });
   sort_by_cost(sorted);
 }

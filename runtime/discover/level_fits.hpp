@@ -30,6 +30,9 @@ class LevelFits {
   /// Of the best single effects, and of their special cases: noise may have led the force to a minimum that is far from
   /// the trajectory's.
   void leave_minima(std::vector<Candidate>& sorted) const;
+  /// Of the best sets of several: where friction sticks, or a wave is passed in a few rows, a fit over whole records
+  /// ends where any small step meets other events.
+  void begin_in_short_runs(std::vector<Candidate>& sorted) const;
 
  private:
   void add_faults(const Candidate& parent, std::size_t fewest, std::vector<Candidate>& level,

@@ -79,7 +79,7 @@ void ProposalFits::try_guesses(Candidate& c, const Shape& shape, const Eigen::Ve
   constexpr std::size_t most = 8, ahead = 2;
   constexpr int first_iterations = 2, iterations = 8;
   constexpr double near = 1.2;  // in squared error
-  if (all_linear(shape) || many_states(shape)) return;
+  if (all_linear(shape) || many_states(c.choices)) return;
   const auto& table = c.system->model().parameters;
   const auto before = from.size() - static_cast<Eigen::Index>(shape.linear.size());
   const std::size_t step = std::max<std::size_t>(1, (shape.guesses.size() + most - 1) / most);
@@ -138,8 +138,15 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
 
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran() || c.minimum_left) return;
-  c.minimum_left = true;
+  if (!c.fit.converged) go_on(c, 40);
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
+  begin_in_short_runs(c);
+}
+
+void ProposalFits::begin_in_short_runs(Candidate& c) const {
+  if (!c.ran() || c.minimum_left) return;
+  c.minimum_left = true;
+  if (!c.fit.converged) go_on(c, 40);
   try_short_runs(c, c.fit.theta, INFINITY);
 }
 

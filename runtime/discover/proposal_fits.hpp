@@ -40,8 +40,10 @@ class ProposalFits {
   /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
   /// the parent with the effect at zero.
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
-  /// The same for one that has come to its end above the noise, from where it is; and from short free runs on.
+  /// The same for one that stays above the noise, from where its fit converges; and from short free runs on.
   void leave_minimum(Candidate& c, const Shape& shape) const;
+  /// The latter alone, once.
+  void begin_in_short_runs(Candidate& c) const;
   /// The error of the motion that the force foretells; 0 where none tells: of faults of a channel, and in decays.
   double promised(const Candidate& c) const;
   /// To the end; and from short free runs on where the free run stays behind what the force promised, if that is less

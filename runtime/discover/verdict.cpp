@@ -270,6 +270,23 @@ void name_alone(SearchResult& found, Candidate chosen) {
   found.steps = {{found.chosen.choices.front(), found.chosen}};
 }
 
+Round first_names(const Study& study, const Round& round, std::size_t count, const std::string& remark) {
+  Round out;
+  out.found = round.found;
+  out.between = round.between;
+  SearchResult& found = out.found;
+  std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(count));
+  withdraw(out, Beaten::By::training, remark);
+  found.chosen = steps.back().model;
+  found.steps = std::move(steps);
+  const std::string name = found.chosen.name();
+  std::erase_if(found.rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
+  if (found.chosen.left_out.size() == 0) run_left_out(study, found.chosen);
+  find_ties_again(study, found);
+  decide(study, out);
+  return out;
+}
+
 namespace {
 
 /// Forces that follow the training motion need not hold beyond it: whether the test records show some of their own

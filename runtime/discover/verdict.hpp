@@ -96,6 +96,9 @@ void withdraw(Round& round, Beaten::By by, const std::string& remark);
 /// Names a single effect, which is among the rivals no more.
 void name_alone(SearchResult& found, Candidate chosen);
 
+/// The round in which the first names stand alone, without those that were added to them last. `remark`: of all.
+Round first_names(const Study& study, const Round& round, std::size_t count, const std::string& remark);
+
 /// Rivals that are ties say so.
 void remark_ties(SearchResult& found);
 /// Of a chosen set that another had the place of: its ties among the rivals.

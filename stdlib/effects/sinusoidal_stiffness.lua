@@ -7,7 +7,7 @@ return function(effect)
     parameters = { { "k", unit = "N" }, { "p", min = 0, unit = "1/m" }, { "kc", unit = "N" } },
     guess = function(scale, variant)
       local guesses = variant == 3 and {} or { { p = 0.7 / reach(scale) } }
-      for i = variant == 3 and 2 or 1, 32 do guesses[#guesses + 1] = { p = 1.5*i / reach(scale) } end  -- beyond 3 a wave is lost between two
+      for i = variant == 3 and 2 or 1, 64 do guesses[#guesses + 1] = { p = 1.5*i / reach(scale) } end  -- beyond 3 a wave is lost between two
       return guesses
     end,
     range = function(scale, variant)  -- a small part of a wave: cubic_stiffness, of the third form any smooth curve

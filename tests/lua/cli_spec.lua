@@ -167,8 +167,11 @@ end)
 spec.case("a mass with its unit", function()
   says('discover good.csv --mass "0.002 t" --restoring "k*y + c*v" --check', "2*a + k*y + c*v = F", 0)
   says('discover good.csv --mass 5e-1kg --restoring "k*y + c*v" --check', "0.5*a + k*y + c*v = F", 0)
-  refused("good.csv", '--mass "500 g" --restoring "k*y" --out out', "--mass: expected a number with or without a unit of "
-    .. "mass such as kg, t or kg m^2, got '500 g' ('g' is a unit of m/s^2)" .. kept, 2)
+  says('discover good.csv --mass "500 g" --restoring "k*y + c*v" --check', "0.5*a + k*y + c*v = F", 0)
+  says('discover good.csv --mass 2e6mg --restoring "k*y + c*v" --check', "2*a + k*y + c*v = F", 0)
+  says('discover good.csv --mass "2e7 g cm^2" --restoring "k*y + c*v" --check', "2*a + k*y + c*v = F", 0)
+  refused("good.csv", '--mass "5 m/s^2" --restoring "k*y" --out out', "--mass: expected a number with or without a unit "
+    .. "of mass such as kg, t or kg m^2, got '5 m/s^2' ('m/s^2' is a unit of m/s^2)" .. kept, 2)
   refused("good.csv", '--mass 12lb --restoring "k*y" --out out', "--mass: expected a number with or without a unit of "
     .. "mass such as kg, t or kg m^2, got '12lb' (unknown unit 'lb')" .. kept, 2)
 end)

@@ -282,6 +282,40 @@ TEST(DiscoveryRounds, AGeneralFormTakesThePlaceOfItsSpecialCaseWhereItClosesAThi
   EXPECT_NEAR(d.effects[0].parameters[1].value, 1.6, 0.2);
 }
 
+/// Of two rare effects that do not take the place of a common one, the first alone is decided on as any.
+TEST(DiscoveryRounds, TheFirstOfSeveralNamesStandsAlone) {
+  truth::Physics physics;
+  physics.drag = 0.3;
+  physics.k3 = 0.006;
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 5), 0.3, {}, 1200, testing::spacing, 16);
+  const Model model = complete(baseline("k*y + c*v", 1));
+  Pool& pool = *model.pool;
+  const std::vector<Effect> catalogue{
+      entry(pool, "quadratic_drag", "quadratic_drag_c2*abs(v)*v", {row("quadratic_drag_c2", 0)}),
+      entry(pool, "cubic_stiffness", "cubic_stiffness_k3*y^3", {row("cubic_stiffness_k3")})};
+  const DiscoverOptions options;
+  const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-3, 5)}, {}, options);
+  Candidate unnamed = compile(study, model, {});
+  find_starts(study, unnamed, {}, {});
+  fit(study, unnamed, full_fit(study, 20));
+  Round both;
+  both.found = search(study, model, unnamed, catalogue, {}, false, [](const std::string&, double) {});
+  decide(study, both);
+  ASSERT_EQ(both.found.steps.size(), 2u);
+  const std::string all = both.found.chosen.name();
+  const Round first = first_names(study, both, 1, "more than is borne out");
+  EXPECT_EQ(first.found.chosen.name(), "quadratic_drag");
+  EXPECT_EQ(first.found.steps.size(), 1u);
+  EXPECT_GT(first.left.gap.value, both.left.gap.value);
+  EXPECT_LT(first.found.chosen.left_out_gap, first.found.baseline.left_out_gap);
+  const auto& rivals = first.found.rivals;
+  ASSERT_FALSE(rivals.empty());
+  EXPECT_EQ(rivals.front().model.name(), all);
+  EXPECT_EQ(rivals.front().remark, "more than is borne out");
+  for (const Beaten& rival : rivals) EXPECT_NE(rival.model.name(), "quadratic_drag");
+}
+
 Effect stribeck(Pool& pool) {
   Effect effect =
       entry(pool, "stribeck_friction",
