@@ -14,13 +14,13 @@ namespace {
 constexpr int long_fits = 5;  // sets that are fitted to the end
 constexpr int promising = 3;  // and those that explain most of the force, with all that are nearly as good
 constexpr int most_promising = 6;
-constexpr double as_good = 1.5;       // times the least squared misfit of the force
-constexpr int ended_faults = 2;       // and of faults of a channel
-constexpr int led_out = 4;            // single effects above the noise that begin again from other guesses
-constexpr int led_out_of_several = 2; // sets of several that begin again in short runs
-constexpr double hopeless = 3;        // times the best squared error after the first iterations: not fitted to the end
-constexpr double far_behind = 10;     // the same of single effects: not fitted further at all
-constexpr int middle_iterations = 8;  // of those that are
+constexpr double as_good = 1.5;        // times the least squared misfit of the force
+constexpr int ended_faults = 2;        // and of faults of a channel
+constexpr int led_out = 4;             // single effects above the noise that begin again from other guesses
+constexpr int led_out_of_several = 2;  // sets of several that begin again in short runs
+constexpr double hopeless = 3;         // times the best squared error after the first iterations: not fitted to the end
+constexpr double far_behind = 10;      // the same of single effects: not fitted further at all
+constexpr int middle_iterations = 8;   // of those that are
 
 }  // namespace
 
@@ -175,9 +175,8 @@ void LevelFits::leave_minima(std::vector<Candidate>& sorted) const {
 }
 
 void LevelFits::begin_in_short_runs(std::vector<Candidate>& sorted) const {
-  parallel_for(std::min<int>(led_out_of_several, static_cast<int>(sorted.size())), study_.options->threads, [&](int i) {
-    fits_.begin_in_short_runs(sorted[static_cast<std::size_t>(i)]);
-  });
+  parallel_for(std::min<int>(led_out_of_several, static_cast<int>(sorted.size())), study_.options->threads,
+               [&](int i) { fits_.begin_in_short_runs(sorted[static_cast<std::size_t>(i)]); });
   sort_by_cost(sorted);
 }
 

@@ -17,6 +17,10 @@ constexpr int max_substeps = 64;
 /// Stiff states take more: until the change is no more than this.
 constexpr double stiff_tolerance = 1e-3;
 constexpr int max_stiff_substeps = 1024;
+// A state that goes along its limit meets and leaves it as y and v, which were measured or smoothed apart, say by
+// turns: the more often, the shorter the steps.
+constexpr long many_events = 4;  // per row
+constexpr double more_by_steps = 1.5;
 
 /// y, v, a of each coordinate along the record.
 using Motion = std::vector<std::span<const double>>;
@@ -105,8 +109,9 @@ VectorXd initial_states(const System& system) {
   return z0;
 }
 
-/// Runs the states on the motion between its samples (a local cubic) with a number of substeps.
-void run_states(const System& system, std::span<const double> theta, const Record& record,
+/// Runs the states on the motion between its samples (a local cubic) with a number of substeps; returns how often their
+/// limits were met and left.
+long run_states(const System& system, std::span<const double> theta, const Record& record,
                 const std::vector<Excitation>& motion, int substeps, bool sensitivities, RowSink& sink) {
   FixedProblem problem;
   problem.dynamics = system.imposed();
@@ -117,7 +122,7 @@ void run_states(const System& system, std::span<const double> theta, const Recor
   problem.substeps = substeps;
   problem.sensitivities = sensitivities;
   for (std::size_t i = 0; i < motion.size(); ++i) problem.drive[i] = motion[i].stage_grid(substeps).data();
-  run_fixed(problem, initial_states(system), sink);
+  return run_fixed(problem, initial_states(system), sink).events;
 }
 
 /// Largest change over the standard deviation; NaN where the force overflows.
@@ -156,12 +161,16 @@ VectorXd force_along(const System& system, std::span<const double> theta, const 
     return force;
   }
   substeps = 1;
-  run_states(system, theta, record, between, substeps, false, plain);
+  long events = run_states(system, theta, record, between, substeps, false, plain);
+  bool chatters = false;
   double last = std::numeric_limits<double>::quiet_NaN();
-  for (VectorXd coarse = force; !(last <= (substeps < max_substeps ? tolerance : stiff_tolerance)); coarse = force) {
+  const auto enough = [&] { return substeps < max_substeps && !chatters ? tolerance : stiff_tolerance; };
+  for (VectorXd coarse = force; !(last <= enough()); coarse = force) {
     if (substeps == max_stiff_substeps) return VectorXd::Constant(all, std::numeric_limits<double>::quiet_NaN());
     substeps *= 2;
-    run_states(system, theta, record, between, substeps, false, plain);
+    const long met = run_states(system, theta, record, between, substeps, false, plain);
+    chatters = met > many_events * rows && static_cast<double>(met) > more_by_steps * static_cast<double>(events);
+    events = met;
     last = change(force, coarse);
   }
   if (dforce) run_states(system, theta, record, between, substeps, true, full);

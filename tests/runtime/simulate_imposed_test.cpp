@@ -149,6 +149,26 @@ TEST(ImposedForce, OfAPlayIsThePlayOperator) {
   }
 }
 
+// A state that goes along a limit of its own slope, where v is not quite the slope of y, meets and leaves it the more
+// often the shorter the steps, and there would be no end of these.
+TEST(ImposedForce, OfAStateThatGoesAlongItsLimit) {
+  constexpr int rows = 8000;
+  const std::string limit = "max(N + s*y, 0)";
+  const System system(model_of("0", "z", {{"z", "k*v", "-" + limit, limit}}, true));
+  const auto theta = theta_of(system, {{"k", 10 * (1 - 1e-5)}, {"s", 10}, {"N", 3}});
+  const Record exact = motion(rows, 0.02);
+  Channel v = exact.channel("v");
+  for (Eigen::Index i = 0; i < rows; ++i) v.values[i] += 0.01 * std::sin(2.1 * static_cast<double>(i));
+  const Eigen::VectorXd force = imposed_force(system, theta, exact.with(v));
+  ASSERT_TRUE(force.allFinite());
+  double z = 0;
+  for (Eigen::Index i = 1; i < rows; ++i) {
+    const double y = exact["y"][static_cast<std::size_t>(i)], most = std::max(3 + 10 * y, 0.0);
+    z = std::clamp(z + 10 * (y - exact["y"][static_cast<std::size_t>(i - 1)]), -most, most);
+    ASSERT_NEAR(force[i], z, 0.1) << i;
+  }
+}
+
 // z' = L (v - z) with L dt = 250: z follows v, but for a lag of 1/L.
 TEST(ImposedForce, OfAStateMuchFasterThanTheSamples) {
   const System system(model_of("0", "z", {{"z", "L*(v - z)", "", ""}}, true));
