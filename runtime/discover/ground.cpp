@@ -60,7 +60,7 @@ void name_what_all_rows_show(const Study& study, SearchResult& found) {
   const Candidate* better = better_on_all_rows(study, found);
   if (!better) return;
   Candidate before = std::move(found.chosen);
-  name_alone(found, Candidate(*better));
+  name_steps(study, found, {{better->choices.front(), *better}});
   found.rivals.insert(found.rivals.begin(), Beaten{std::move(before), Beaten::By::training, "fits all rows worse"});
   judge_again(study, found);
   find_ties_again(study, found);

@@ -277,7 +277,7 @@ class OnTest {
     withdraw(round, Beaten::By::test, not_confirmed);
     for (Beaten& rival : found.rivals)
       if (rival.by == Beaten::By::tie) rival = {std::move(rival.model), Beaten::By::test, not_confirmed};
-    name_alone(found, std::move(first.model));
+    name_steps(study_, found, {{first.model.choices.front(), first.model}});
     for (std::size_t i = 1; i < standing.size(); ++i) found.ties.rivals.push_back(standing[i].model.choices);
     remark_ties(found);
     round.left = std::move(first.left);
@@ -342,11 +342,7 @@ class OnTest {
     out_.warnings.push_back("the named " + found.chosen.name() + " " + fault + ": " + what_stands);
     const bool patched = round.left.seen;
     withdraw(round, Beaten::By::test, not_confirmed);
-    if (stand > 0) {
-      found.steps = steps;
-      found.chosen = steps.back().model;
-      if (found.chosen.left_out.size() == 0) run_left_out(study_, found.chosen);
-    }
+    if (stand > 0) name_steps(study_, found, steps);
     runs_.after_test = runs(study_, found.chosen, study_.test);
     if (stand == 0) {
       runs_.before_test = runs_.after_test;

@@ -262,12 +262,12 @@ void withdraw(Round& round, Beaten::By by, const std::string& remark) {
   found.ties = {};
 }
 
-void name_alone(SearchResult& found, Candidate chosen) {
-  const std::string name = chosen.name();
-  const auto at = std::ranges::find_if(found.rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
-  if (at != found.rivals.end()) found.rivals.erase(at);
-  found.chosen = std::move(chosen);
-  found.steps = {{found.chosen.choices.front(), found.chosen}};
+void name_steps(const Study& study, SearchResult& found, std::vector<NamedStep> steps) {
+  found.chosen = steps.back().model;
+  found.steps = std::move(steps);
+  const std::string name = found.chosen.name();
+  std::erase_if(found.rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
+  if (found.chosen.left_out.size() == 0) run_left_out(study, found.chosen);
 }
 
 Round first_names(const Study& study, const Round& round, std::size_t count, const std::string& remark) {
@@ -277,11 +277,7 @@ Round first_names(const Study& study, const Round& round, std::size_t count, con
   SearchResult& found = out.found;
   std::vector<NamedStep> steps(found.steps.begin(), found.steps.begin() + static_cast<std::ptrdiff_t>(count));
   withdraw(out, Beaten::By::training, remark);
-  found.chosen = steps.back().model;
-  found.steps = std::move(steps);
-  const std::string name = found.chosen.name();
-  std::erase_if(found.rivals, [&](const Beaten& rival) { return rival.model.name() == name; });
-  if (found.chosen.left_out.size() == 0) run_left_out(study, found.chosen);
+  name_steps(study, found, std::move(steps));
   find_ties_again(study, found);
   decide(study, out);
   return out;
@@ -465,7 +461,7 @@ std::optional<Round> borne_out(const Study& study, const Round& round) {
     return {};
   Round out = round;
   SearchResult& found = out.found;
-  name_alone(found, *faint);
+  name_steps(study, found, {{faint->choices.front(), *faint}});
   std::vector<const Candidate*> others;
   for (const Beaten& rival : round.found.rivals)
     if (rival.model.choices.size() == 1) others.push_back(&rival.model);

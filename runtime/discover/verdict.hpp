@@ -93,8 +93,8 @@ inline constexpr auto not_confirmed = "not confirmed by the test record";
 /// Takes the names back; the model is the baseline again.
 void withdraw(Round& round, Beaten::By by, const std::string& remark);
 
-/// Names a single effect, which is among the rivals no more.
-void name_alone(SearchResult& found, Candidate chosen);
+/// Names the last of these steps, one or more, which is among the rivals no more.
+void name_steps(const Study& study, SearchResult& found, std::vector<NamedStep> steps);
 
 /// The round in which the first names stand alone, without those that were added to them last. `remark`: of all.
 Round first_names(const Study& study, const Round& round, std::size_t count, const std::string& remark);
