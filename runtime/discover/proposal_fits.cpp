@@ -138,7 +138,6 @@ void ProposalFits::leave_limits(Candidate& c, const Shape& shape, const Candidat
 
 void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
   if (!c.ran() || c.minimum_left) return;
-  if (!c.fit.converged) go_on(c, 40);
   try_guesses(c, shape, Eigen::VectorXd(c.fit.theta));
   begin_in_short_runs(c);
 }
@@ -146,8 +145,12 @@ void ProposalFits::leave_minimum(Candidate& c, const Shape& shape) const {
 void ProposalFits::begin_in_short_runs(Candidate& c) const {
   if (!c.ran() || c.minimum_left) return;
   c.minimum_left = true;
-  if (!c.fit.converged) go_on(c, 40);
+  const Eigen::VectorXd present = c.fit.theta;
+  const bool converged = c.fit.converged;
+  if (!converged) go_on(c, 40);
+  const double cost = c.fit.cost;
   try_short_runs(c, c.fit.theta, INFINITY);
+  if (!converged && !(c.fit.cost < cost)) try_short_runs(c, present, INFINITY);
 }
 
 void ProposalFits::try_short_runs(Candidate& c, const Eigen::VectorXd& from, double to_beat) const {

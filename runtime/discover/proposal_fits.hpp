@@ -40,9 +40,9 @@ class ProposalFits {
   /// noisy, is a poor judge of what happens within a narrow range. The entry's other guesses on the trajectory, from
   /// the parent with the effect at zero.
   void leave_limits(Candidate& c, const Shape& shape, const Candidate& parent) const;
-  /// The same for one that stays above the noise, from where its fit converges; and from short free runs on.
+  /// The same for one that stays above the noise, from where it is; and from short free runs on.
   void leave_minimum(Candidate& c, const Shape& shape) const;
-  /// The latter alone, once.
+  /// The latter alone, once: from where the fit converges, else from where it is.
   void begin_in_short_runs(Candidate& c) const;
   /// The error of the motion that the force foretells; 0 where none tells: of faults of a channel, and in decays.
   double promised(const Candidate& c) const;

@@ -43,6 +43,44 @@ struct SpringAndDrag {
 
 void silent(const std::string&, double) {}
 
+/// A friction contact that lifts off, whose normal load grows with y as its own spring does: but for where it begins it
+/// is a stop. Its fit has not converged; where it does, far above the noise, short runs lead nowhere.
+TEST(Grow, ShortRunsBeginWhereAFitHadNotConvergedToo) {
+  constexpr double k = 0.31, load = 0.1, noise = 0.01;
+  truth::Physics physics;
+  physics.zeta = 0.006;
+  physics.law = std::make_shared<const truth::Law>(
+      truth::laws::slip(k, [](double x, double, double) { return std::max(load + k * x, 0.0); }));
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 60, 7), 0.2, {}, 1500, testing::spacing, 64);
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  Pool& pool = *model.pool;
+  std::vector<Effect> catalogue{
+      entry(pool, "stop", "stop_k*max(y - stop_g, 0)", {row("stop_k", 0), row("stop_g")}),
+      testing::entry_with_state(pool, "lift", "z", "lift_k*v", {row("lift_k", 0), row("lift_N", 0), row("lift_s")},
+                                "max(lift_N + lift_s*y, 0)")};
+  catalogue[0].guess = [](const RecordScales& s, int) {
+    std::vector<Guess> guesses;
+    for (int i = 1; i < 8; ++i) guesses.push_back({{"stop_g", s.y_min + i * (s.y_max - s.y_min) / 8}});
+    return guesses;
+  };
+  catalogue[1].guess = [](const RecordScales& s, int) {
+    std::vector<Guess> guesses;
+    const double N = 0.4 * s.force_std, range = s.y_max - s.y_min;
+    for (const double part : {0.03, 0.2})
+      for (const double slope : {-0.5, 0.0, 0.5, 1.5})
+        guesses.push_back({{"lift_N", N}, {"lift_k", N / (part * range)}, {"lift_s", slope * N / range}});
+    return guesses;
+  };
+  DiscoverOptions options;
+  const Study study = prepare(model, {testing::noisy_record(motion, "v", motion.v, noise, 5)}, {}, options);
+  const Candidate baseline = fitted_baseline(study, model);
+  const Grown found = grow(study, model, baseline, catalogue, {}, false, silent);
+  ASSERT_FALSE(found.sets.empty());
+  EXPECT_EQ(found.sets.front().name(), "lift");
+  EXPECT_LT(rms(found.sets.front()), 1.1 * noise);
+}
+
 /// One entry with three parameters comes down to the noise: two with one each may be the simpler words, but nothing
 /// beside it, nor three of the others, can be.
 TEST(Grow, SeeksFewerParametersThanThoseOfAnEffectThatLeavesTheNoise) {
