@@ -368,9 +368,10 @@ class Spine {
   std::optional<Round> what_takes_the_place(const Round& further, const Round& round) const {
     if (takes_the_place(further, round)) return further;
     for (std::size_t count = further.found.steps.size(); count-- > 1;) {
+      const Candidate& model = further.found.steps[count - 1].model;
+      if (same(model.choices, round.found.chosen.choices) || !may_be_named(study_, model)) continue;
       Round first = first_names(study_, further, count, "fits better, by less than more effects have to");
-      const bool other = !same(first.found.chosen.choices, round.found.chosen.choices);
-      if (other && may_be_named(study_, first.found.chosen) && takes_the_place(first, round)) return first;
+      if (takes_the_place(first, round)) return first;
     }
     return {};
   }

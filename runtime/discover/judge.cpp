@@ -223,18 +223,21 @@ bool may_be_a_term(const Study& study, const Candidate& larger, const Candidate&
   constexpr double deviations = 2, left = 0.2;  // of the part that no term of the smaller model can be
   constexpr int points = 80;
   const Eigen::VectorXd without = values_of(smaller, {&larger});
+  std::vector<Eigen::VectorXd> forces;  // of the smaller model along each record, and what its terms can be
   std::vector<Eigen::MatrixXd> terms;
+  std::vector<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>> solvers;
   for (const Record& record : study.smooth) {
+    forces.push_back(open_force(smaller, without, record));
     std::vector<Eigen::VectorXd> columns;
-    const Eigen::VectorXd none = open_force(smaller, without, record);
     for (Eigen::Index j = 0; j < smaller.parameters(); ++j) {
       if (!smaller.linear[static_cast<std::size_t>(j)]) continue;
       Eigen::VectorXd more = without;
       more[j] = without[j] != 0 ? 2 * without[j] : 1;
-      columns.push_back(open_force(smaller, more, record) - none);
+      columns.push_back(open_force(smaller, more, record) - forces.back());
     }
-    Eigen::MatrixXd all(none.size(), std::ssize(columns));
+    Eigen::MatrixXd all(forces.back().size(), std::ssize(columns));
     for (Eigen::Index j = 0; j < all.cols(); ++j) all.col(j) = columns[static_cast<std::size_t>(j)].normalized();
+    solvers.emplace_back(all);
     terms.push_back(std::move(all));
   }
   const auto own_part = [&](double value) {
@@ -242,10 +245,9 @@ bool may_be_a_term(const Study& study, const Candidate& larger, const Candidate&
     theta[exponent] = value;
     double whole = 0, own = 0;
     for (std::size_t r = 0; r < terms.size(); ++r) {
-      const Record& record = study.smooth[r];
-      const Eigen::VectorXd added = open_force(larger, theta, record) - open_force(smaller, without, record);
+      const Eigen::VectorXd added = open_force(larger, theta, study.smooth[r]) - forces[r];
       whole += added.squaredNorm();
-      own += (added - terms[r] * terms[r].colPivHouseholderQr().solve(added)).squaredNorm();
+      own += (added - terms[r] * solvers[r].solve(added)).squaredNorm();
     }
     return std::sqrt(own / whole);
   };

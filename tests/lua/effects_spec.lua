@@ -312,7 +312,7 @@ spec.case("help shows from where discovery starts: of one rig, with the scales t
     form 2: a record can show zy from 0.2 to 20 m; rho from 0.1 to 100
     solved for: k
 ]])
-  spec.contains(spec.lunid "help sinusoidal_stiffness", "\n    p 0.7, 1.5, 3 ... 96 1/m\n")  -- 33 of them
+  spec.contains(spec.lunid "help sinusoidal_stiffness", "\n    p 0.7, 1.5, 3 ... 96 1/m\n")  -- 65 of them
   spec.contains(spec.lunid "help one_sided_stop", "\n    g 0, 0.3, 0.6, 0.84 m\n")
   spec.contains(spec.lunid "help force_gain", "  g              no unit\n  first guesses, whatever the records:\n    g -1, 1\n\n")
   spec.contains(spec.lunid "help coulomb_friction", "    form 2: vr 0.01, 0.05, 0.2 m/s\n")
