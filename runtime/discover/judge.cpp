@@ -1,7 +1,6 @@
 #include "discover/judge.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -214,54 +213,6 @@ std::vector<Eigen::Index> turned_negative(const Candidate& baseline, const Candi
   return out;
 }
 
-namespace {
-
-/// An exponent whose interval holds the value at which the entry is a term of the smaller model (c*abs(v)^p*sign(v)
-/// beside c*v at p = 1): the two grow against each other there, and what is left of them, v*log(abs(v)), is of another
-/// law than the entry's.
-bool may_be_a_term(const Study& study, const Candidate& larger, const Candidate& smaller, Eigen::Index exponent) {
-  constexpr double deviations = 2, left = 0.2;  // of the part that no term of the smaller model can be
-  constexpr int points = 80;
-  const Eigen::VectorXd without = values_of(smaller, {&larger});
-  std::vector<Eigen::VectorXd> forces;  // of the smaller model along each record, and what its terms can be
-  std::vector<Eigen::MatrixXd> terms;
-  std::vector<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>> solvers;
-  for (const Record& record : study.smooth) {
-    forces.push_back(open_force(smaller, without, record));
-    std::vector<Eigen::VectorXd> columns;
-    for (Eigen::Index j = 0; j < smaller.parameters(); ++j) {
-      if (!smaller.linear[static_cast<std::size_t>(j)]) continue;
-      Eigen::VectorXd more = without;
-      more[j] = without[j] != 0 ? 2 * without[j] : 1;
-      columns.push_back(open_force(smaller, more, record) - forces.back());
-    }
-    Eigen::MatrixXd all(forces.back().size(), std::ssize(columns));
-    for (Eigen::Index j = 0; j < all.cols(); ++j) all.col(j) = columns[static_cast<std::size_t>(j)].normalized();
-    solvers.emplace_back(all);
-    terms.push_back(std::move(all));
-  }
-  const auto own_part = [&](double value) {
-    Eigen::VectorXd theta = larger.fit.theta;
-    theta[exponent] = value;
-    double whole = 0, own = 0;
-    for (std::size_t r = 0; r < terms.size(); ++r) {
-      const Eigen::VectorXd added = open_force(larger, theta, study.smooth[r]) - forces[r];
-      whole += added.squaredNorm();
-      own += (added - terms[r] * solvers[r].solve(added)).squaredNorm();
-    }
-    return std::sqrt(own / whole);
-  };
-  const double value = larger.fit.theta[exponent], reach = deviations * larger.fit.deviation(exponent);
-  const Parameter& p = larger.system->model().parameters[static_cast<std::size_t>(exponent)];
-  const double first = std::max(p.min, value - reach), last = std::min(p.max, value + reach);
-  const double most = left * own_part(value);
-  for (int i = 0; i <= points; ++i)
-    if (own_part(first + i * (last - first) / points) < most) return true;
-  return false;
-}
-
-}  // namespace
-
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller) {
   const auto& table = larger.system->model().parameters;
   const std::vector<Eigen::Index> numbers = numbers_added(larger, smaller);
@@ -274,9 +225,6 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
     else if (within_two_deviations_of_zero(larger.fit, k) && are_its_size(study, larger, smaller, {k}))
       return false;
   }
-  if (larger.system->model().states.empty())
-    for (const Eigen::Index k : numbers)
-      if (may_be_a_term(study, larger, smaller, k)) return false;
   const auto is_told = [&](Eigen::Index k) { return !within_two_deviations_of_zero(larger.fit, k, numbers); };
   return linear.empty() || std::ranges::any_of(linear, is_told) || !are_its_size(study, larger, smaller, linear);
 }

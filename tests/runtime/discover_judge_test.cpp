@@ -137,29 +137,6 @@ TEST(Judge, AForceThatIsThereWithoutItsCoefficientIsToldByItsOtherNumbers) {
   EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 1.5, "tanh(v) + 0.1*drag_c*v"), c.best));
 }
 
-/// A power of the speed beside k*y + c*v, as known as told: within two deviations of 1 the two are one term.
-TEST(Judge, APowerThatMayBeTheDamperIsNone) {
-  Compared c(noise, 0);
-  add_motion(c);
-  const Model smaller = testing::baseline("k*y + c*v", 1);
-  Candidate without = compile(c.study, complete(smaller), {});
-  without.fit.theta = Eigen::Vector2d(1, 0.1);
-  const std::vector<Effect> effects{testing::entry(*smaller.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
-                                                   {testing::row("drag_c", 0), testing::row("drag_p", 0)})};
-  Candidate larger = compile(c.study, complete(smaller), {{&effects.front(), 0}});
-  larger.fit.covariance = 1e-6 * Eigen::Matrix4d::Identity();
-  const auto told = [&](double power, double deviation) {
-    larger.fit.theta = Eigen::Vector4d(1, 0.05, 0.3, power);
-    larger.fit.covariance(3, 3) = deviation * deviation;
-    return told_from_zero(c.study, larger, without);
-  };
-  EXPECT_FALSE(told(1.13, 0.27));
-  EXPECT_FALSE(told(0.9, 0.06));
-  EXPECT_TRUE(told(1.13, 0.05));
-  EXPECT_TRUE(told(2, 0.3));
-  EXPECT_TRUE(told(0.4, 0.2));
-}
-
 /// A run of ten rows with this squared error, beside a motion of variance 1.
 std::vector<FreeRun> run_with(double squares) {
   FreeRun run;
