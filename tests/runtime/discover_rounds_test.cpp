@@ -256,16 +256,15 @@ TEST(DiscoveryRounds, AStopThatMovesByNothingIsAStop) {
   EXPECT_EQ(d.verdict, Verdict::explained);
 }
 
-/// Damping by |v|^1.6 (mass 1, k = 1), with noise in the force that its share of the motion leaves above the sensor's:
-/// the general form cannot close all that the special case leaves.
-Record damped(std::uint64_t seed) {
+/// Damping by |v|^p (mass 1, k = 1); `noise`: of the motion.
+Record damped(double p, double force_noise, double noise, std::uint64_t seed) {
   truth::Physics physics;
-  physics.other = [](double, double v) { return 0.4 * std::copysign(std::pow(std::abs(v), 1.6), v); };
+  physics.other = [p](double, double v) { return 0.4 * std::copysign(std::pow(std::abs(v), p), v); };
   truth::Motion motion =
       truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.3, {}, 750, testing::spacing, 16);
   Philox random(seed, 8);
-  for (double& f : motion.force) f += 0.024 * random.normal();
-  return testing::noisy_record(motion, "y", motion.x, 0.004 * moments::standard_deviation(motion.x), seed);
+  for (double& f : motion.force) f += force_noise * random.normal();
+  return testing::noisy_record(motion, "y", motion.x, noise * moments::standard_deviation(motion.x), seed);
 }
 
 TEST(DiscoveryRounds, AGeneralFormTakesThePlaceOfItsSpecialCaseWhereItClosesAThird) {
@@ -276,10 +275,28 @@ TEST(DiscoveryRounds, AGeneralFormTakesThePlaceOfItsSpecialCaseWhereItClosesAThi
   catalogue[0].special_case_of = {"power_law_damping"};
   DiscoverOptions options;
   options.first = 1;
-  const Discovery d = discover(model, catalogue, {damped(5)}, {damped(4)}, options);
+  // Noise in the force whose share of the motion is above the sensor's: not all can be closed.
+  const auto record = [](std::uint64_t seed) { return damped(1.6, 0.024, 0.004, seed); };
+  const Discovery d = discover(model, catalogue, {record(5)}, {record(4)}, options);
   ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
   EXPECT_EQ(d.effects[0].name, "power_law_damping");
   EXPECT_NEAR(d.effects[0].parameters[1].value, 1.6, 0.2);
+}
+
+/// A power near the damper's own takes most of the baseline's c, and is a name all the same.
+TEST(DiscoveryRounds, APowerNearTheDampersIsNamed) {
+  const Model model = baseline("k*y + c*v", 1);
+  const std::vector<Effect> catalogue{
+      testing::friction(*model.pool),
+      entry(*model.pool, "quadratic_drag", "quadratic_drag_c2*abs(v)*v", {row("quadratic_drag_c2", 0)}),
+      power_law(*model.pool, {0.7, 1.4, 2.4})};
+  const auto record = [](std::uint64_t seed) { return damped(1.3, 0, 0.03, seed); };
+  const Discovery d = discover(model, catalogue, {record(5)}, {record(4)}, {});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "power_law_damping");
+  const auto& p = d.effects[0].parameters[1];
+  EXPECT_NEAR(p.value, 1.3, 3 * p.std);
+  EXPECT_LT(p.std, 0.15);
 }
 
 /// Of two rare effects that do not take the place of a common one, the first alone is decided on as any.
