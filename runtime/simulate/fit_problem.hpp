@@ -242,12 +242,14 @@ class Problem {
   }
 
   /// A motion that chatters between its samples is not what was measured; it would be followed for minutes. Of a run
-  /// of so many rows: each switch twice a row, and no more than one a row in a long one.
+  /// of so many rows: each switch twice a row, and in a long one each every other row (of an element that slips four
+  /// times a period, of eight rows and more), but any of them once.
   SimulateOptions with_fewer_events(Eigen::Index rows) const {
     SimulateOptions options = run_options_;
     const auto switches =
         static_cast<Eigen::Index>(system_.dynamics().surfaces.size() + system_.dynamics().bounds.size());
-    const Eigen::Index most = std::min(100 + 2 * rows * switches, 1000 + rows);
+    const Eigen::Index most =
+        std::min(100 + 2 * rows * switches, 1000 + rows * std::max<Eigen::Index>(1, switches / 2));
     options.max_events = static_cast<int>(std::min<Eigen::Index>(most, SimulateOptions().max_events));
     return options;
   }

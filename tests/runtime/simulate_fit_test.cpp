@@ -205,6 +205,41 @@ TEST(FitTrajectory, GivesUpOnARunThatChattersBetweenItsSamples) {
   EXPECT_NE(stopped.find("more than 160 switches"), std::string::npos) << stopped;
 }
 
+/// Forty elements that slip one after another twice a period make more switches than there are rows.
+TEST(FitTrajectory, FollowsAllSlipsOfManyElements) {
+  constexpr int elements = 40;
+  constexpr double k = 800, limit = 0.05;
+  std::array<double, 2 + elements> rest{0.001};
+  const auto x = truth<2 + elements>(rest, [](double t, const std::array<double, 2 + elements>& z) {
+    std::array<double, 2 + elements> rate{z[1], push(t) - 2e3 * z[0] - 6 * z[1]};
+    for (int i = 0; i < elements; ++i) {
+      const double most = limit * (i + 1), force = std::clamp(z[2 + i], -most, most);
+      rate[1] -= force;
+      rate[2 + i] = std::abs(z[2 + i]) >= most && z[2 + i] * z[1] > 0 ? 0 : k * z[1];
+    }
+    return rate;
+  });
+  std::string sum = "2000*y + 6*v";
+  std::vector<testing::StateText> states;
+  for (int i = 1; i <= elements; ++i) {
+    const std::string z = "z" + std::to_string(i), most = "R*" + std::to_string(i);
+    sum += " + " + z;
+    states.push_back({z, "k*v", "-" + most, most});
+  }
+  const System system(model_of("1", sum, states));
+  const FitData data = data_of(system, record_of(x, {"y"}, {1e-5}, 6));
+  FitOptions options;
+  options.solver = Solver::fixed;
+  options.max_iterations = 3;
+  const std::vector<double> start = theta_of(system, {{"k", 790}, {"R", 0.0505}});
+  const FitResult fit = fit_trajectory(system, Eigen::Map<const Eigen::VectorXd>(start.data(), 2), {data}, options);
+  ASSERT_TRUE(std::isfinite(fit.cost)) << fit.stopped;
+  const std::vector<double> found = theta_of(system, {{"k", k}, {"R", limit}});
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(fit.theta.data()[i], found[i], 0.01 * found[i]) << i;
+  const lunid::Run run = simulate(system, std::span(fit.theta.data(), 2), data.excitation, fit.segments[0].x0);
+  EXPECT_GT(run.summary.events, rows + 1000);
+}
+
 /// Multiple shooting on several threads, with a start from which the later runs do not come to their end, too.
 TEST(FitTrajectory, HasTheSameBitsOnAnyNumberOfThreads) {
   const System system(model_of("1", "k*y + c*v + k3*y^3"));
