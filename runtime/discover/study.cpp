@@ -189,6 +189,14 @@ void warn_of_no_noise(Study& study, const Record& record) {
   }
 }
 
+/// Of a force that answers an imposed motion: friction jumps where that turns back.
+Record with_noise_between_jumps(const Record& record) {
+  if (!record.has("F")) return record;
+  Channel force = record.channel("F");
+  force.noise = std::min(force.noise, noise_between_jumps(record["F"]));
+  return record.with(std::move(force));
+}
+
 /// Down to 40 samples per period of the motion's upper frequency, never under 1500 rows: what lies above holds noise
 /// alone, and F and y are averaged alike.
 Record thinned(const Study& study, const Record& record) {
@@ -388,8 +396,9 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
   const bool decays = !study.imposed && are_decays(study, train);
   for (auto* list : {&train, &test})
     for (Record& record : *list)
-      if (!study.imposed)
-        record = with_known_forces(study, without_wild_rows(record, study.warnings), decays, study.warnings);
+      record = study.imposed
+                   ? with_noise_between_jumps(record)
+                   : with_known_forces(study, without_wild_rows(record, study.warnings), decays, study.warnings);
   std::vector<Record> kept;
   for (const auto& record : train) {
     check_record(study, record);

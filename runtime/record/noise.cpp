@@ -167,6 +167,24 @@ double noise_level(std::span<const double> x) {
   return sum.level();
 }
 
+double noise_between_jumps(std::span<const double> x) {
+  constexpr double normal = 1.4826;            // standard deviation over the middle size of normal values
+  constexpr double as_large = 0.8, few = 0.2;  // of the level: nothing jumps; of the rows: a value that is held
+  const double level = noise_level(x);
+  std::vector<double> d(x.begin(), x.end()), sizes;
+  double lowest = level, binomial = 1;
+  for (int m = 1; m <= 5 && d.size() > 16; ++m) {
+    for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
+    d.pop_back();
+    if (m == 1 && static_cast<double>(std::ranges::count(d, 0.0)) > few * static_cast<double>(d.size())) return level;
+    binomial *= 2.0 * (2 * m - 1) / m;
+    sizes.assign(d.begin(), d.end());
+    for (double& size : sizes) size = std::abs(size);
+    lowest = std::min(lowest, normal * median(sizes) / std::sqrt(binomial));
+  }
+  return lowest < as_large * level ? lowest : level;
+}
+
 double noise_beside(std::span<const double> left, std::span<const double> model, const Drives& drives) {
   constexpr double next_to_none = 0.3;  // of the power that is left
   const auto rows = static_cast<Eigen::Index>(left.size());

@@ -139,6 +139,9 @@ SavitzkyGolay choose_savitzky_golay(std::span<const double> x, double noise, int
 /// Standard deviation of the white part of the noise: the lowest level of the Welch spectrum over broad
 /// bands, taken over the whole bandwidth. 0 for a constant signal.
 double noise_level(std::span<const double> x);
+/// The same of a signal that jumps now and then (a force of friction or of stops), whose spectrum does not come down to
+/// its noise: by the median size of its differences of orders 1 to 5, where rare jumps do not count.
+double noise_between_jumps(std::span<const double> x);
 /// Signals that drive a motion, of the same rows as it.
 using Drives = std::vector<std::span<const double>>;
 /// Standard deviation of noise of any colour, from what a model leaves of a signal and what it makes of it, of the same

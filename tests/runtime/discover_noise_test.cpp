@@ -108,19 +108,21 @@ TEST(Noise, OfAColourIsMoreThanItsQuietestBand) {
   EXPECT_TRUE(found.noise_has_colour);
 }
 
-/// The exact force of 4 y + 0.3 v along sums of tones, and a displacement with a hundredth of noise; so many times as
-/// fast as others.
-Record prescribed(double part, std::uint64_t seed, int faster = 1) {
+/// The exact force of 4 y + 0.3 v + friction*sign(v) along sums of tones, and a displacement with a hundredth of noise;
+/// so many times as fast as others.
+Record prescribed(double part, std::uint64_t seed, int faster = 1, double friction = 0) {
   const int rows = 1500 * faster;
   const double dt = testing::spacing / faster;
   std::vector<double> y(rows), force(rows);
   for (int i = 0; i < rows; ++i) {
     const double t = dt * i;
+    double v = 0;
     for (int tone = 1; tone <= 7; ++tone) {
       const double w = part * tone, phase = 2.3 * tone * tone + static_cast<double>(seed);
       y[static_cast<std::size_t>(i)] += std::sin(w * t + phase);
-      force[static_cast<std::size_t>(i)] += 4 * std::sin(w * t + phase) + 0.3 * w * std::cos(w * t + phase);
+      v += w * std::cos(w * t + phase);
     }
+    force[static_cast<std::size_t>(i)] = 4 * y[static_cast<std::size_t>(i)] + 0.3 * v + std::copysign(friction, v);
   }
   const double noise = 0.01 * moments::standard_deviation(y);
   Philox random(seed, 7);
@@ -144,6 +146,22 @@ TEST(Noise, OfAPrescribedMotionIsNoiseOfTheForce) {
     const FreeRun run = free_run(study, *candidate.system, candidate.fit.theta, study.test.front(), 1).front();
     EXPECT_NEAR(std::sqrt(run.floor_squares / run.squares), 1, 0.1);
   }
+}
+
+TEST(Noise, OfAForceOfFrictionIsWhatItIsBetweenItsJumps) {
+  constexpr double noise = 0.1;
+  const Record exact = prescribed(0.05, 1, 1, 2);
+  Channel force = exact.channel("F");
+  Philox random(1, 8);
+  for (double& value : force.values) value += noise * random.normal();
+  force.noise = noise_level({force.values.data(), static_cast<std::size_t>(force.values.size())});
+  ASSERT_GT(force.noise, 1.5 * noise);
+  Model model = baseline("k*y + c*v", 0);
+  model.imposed_motion = true;
+  const DiscoverOptions options;
+  const Study study = prepare(complete(model), {exact.with(force)}, {exact.with(force)}, options);
+  for (const Record& record : {study.full[0], study.test[0]})
+    EXPECT_NEAR(record.channel("F").noise, noise, 0.2 * noise);
 }
 
 TEST(Noise, OfAForceIsNotAskedOfAFreeMotion) {

@@ -114,6 +114,32 @@ TEST(DrivenPart, OfUnrelatedSignalsIsNothing) {
   EXPECT_EQ(driven_part(smoothed(1000, 1, 11), {std::vector<double>(1000, 2.0)}), 0) << "a force that does not vary";
 }
 
+TEST(NoiseBetweenJumps, IsNotRaisedByThem) {
+  const auto wave = [](double i) { return std::sin(2 * M_PI * i / 90); };
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const std::vector<double> x =
+        noisy([&](double i) { return wave(i) + 0.6 * std::copysign(1, wave(i + 3)); }, 3600, 0.03, seed);
+    EXPECT_GT(noise_level(x), 0.045);
+    EXPECT_NEAR(noise_between_jumps(x), 0.03, 0.004) << seed;
+  }
+}
+
+TEST(NoiseBetweenJumps, IsThatOfTheSpectrumWhereNothingJumps) {
+  const auto wave = [](double i) { return std::sin(2 * M_PI * i / 90); };
+  for (const int rows : {300, 3600})
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      const std::vector<double> x = noisy(wave, rows, 0.03, seed);
+      EXPECT_EQ(noise_between_jumps(x), noise_level(x)) << rows << ' ' << seed;
+    }
+}
+
+/// A value that stands still most of the time says nothing of its noise meanwhile.
+TEST(NoiseBetweenJumps, IsNotZeroWhereValuesAreHeld) {
+  std::vector<double> x = noisy([](double) { return 0.0; }, 3600, 1, 1);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = x[i / 8 * 8];
+  EXPECT_EQ(noise_between_jumps(x), noise_level(x));
+}
+
 TEST(NoiseLevel, OfAShortRecord) {
   // 400 samples: a quarter of the band holds 100 degrees of freedom, 14 % in power, less the median's loss.
   expect_level([](double i) { return std::sin(2 * M_PI * i / 40); }, 400, 0.25, "400 rows");
