@@ -229,6 +229,40 @@ bool told_from_zero(const Study& study, const Candidate& larger, const Candidate
   return linear.empty() || std::ranges::any_of(linear, is_told) || !are_its_size(study, larger, smaller, linear);
 }
 
+bool sizes_are_told(const Study& study, const Candidate& named) {
+  const auto& table = named.system->model().parameters;
+  const auto has_size = [&](const Choice& choice) {
+    std::vector<Eigen::Index> own, linear;
+    for (const Parameter& p : choice.parameters()) {
+      const auto at = std::ranges::find(table, p.name, &Parameter::name) - table.begin();
+      if (at == std::ssize(table) || !(named.fit.deviation(at) > 0)) continue;
+      own.push_back(at);
+      if (named.linear[static_cast<std::size_t>(at)]) linear.push_back(at);
+    }
+    if (linear.empty()) return true;
+    const auto force = [&](const Eigen::VectorXd& theta) {
+      Eigen::VectorXd without = theta;
+      without(linear).setZero();
+      double squares = 0;
+      for (const Record& record : study.smooth)
+        squares += (open_force(named, theta, record) - open_force(named, without, record)).squaredNorm();
+      return std::sqrt(squares);
+    };
+    constexpr double step = 1e-3;  // of a value
+    const double size = force(named.fit.theta);
+    Eigen::VectorXd slopes(std::ssize(own));
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      Eigen::VectorXd theta = named.fit.theta;
+      const double moved = step * theta[own[i]];
+      theta[own[i]] += moved;
+      slopes[static_cast<Eigen::Index>(i)] = moved != 0 ? (force(theta) - size) / moved : 0;
+    }
+    const double variance = slopes.dot(named.fit.covariance(own, own) * slopes);
+    return !(size * size < variance);
+  };
+  return std::ranges::all_of(named.choices, has_size);
+}
+
 std::size_t added_near_zero(const Candidate& c, double level) {
   std::size_t count = 0;
   for (Eigen::Index k = c.parameters() - static_cast<Eigen::Index>(c.added()); k < c.parameters(); ++k) {

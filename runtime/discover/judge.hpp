@@ -57,6 +57,11 @@ std::tuple<int, std::size_t, int> simplicity(const Candidate& c);
 /// (a hidden mass): the smaller would do as well, had its own fit ended there, whatever the p-value says.
 bool told_from_zero(const Study& study, const Candidate& larger, const Candidate& smaller);
 
+/// False where the force of one of its names along the motion, its size told by coefficients, is less than one standard
+/// deviation of that size: it and another term grow against each other without end (c*abs(v)^p beside c*v, p near 1),
+/// and what they leave between them is of another law than the name's.
+bool sizes_are_told(const Study& study, const Candidate& named);
+
 /// Parameters of the baseline that are positive by its own fit and, by so many deviations, negative beside the names;
 /// or negative and many times as large as they surely were: a name takes back what they do. Not what holds a number of
 /// a named entry too (Effect::twins): c of a system that swings by itself.

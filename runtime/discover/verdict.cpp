@@ -208,6 +208,8 @@ double share_closed(const Study& study, const Round& round, double before) {
 /// gap over the training records.
 std::string why_no_explanation(const Study& study, const Round& round, double before, double closed) {
   if (round.found.chosen.degenerate()) return "a parameter sits where the effect is another one, or none";
+  if (round.found.chosen.choices.size() > 1 && !sizes_are_told(study, round.found.chosen))
+    return "the size of one of them is not told from zero beside another term";
   if (closed >= most_closed(round.found.chosen.choices)) return "";
   const std::string words = round.left.closure.words();
   if (round.left.material) return "leaves a repeatable force" + (words.empty() ? "" : ": " + words);

@@ -107,12 +107,12 @@ TEST(Judge, AForceWhoseCoefficientIsNotSeenIsNone) {
   EXPECT_TRUE(std::isnan(fitted(larger).parameters[1].std));
 }
 
-/// Along which forces are compared.
-void add_motion(Compared& c) {
+/// Along which forces are compared; `size`: its largest value.
+void add_motion(Compared& c, double size = 1) {
   std::vector<Channel> motion;
   for (const char* name : {"y", "v", "a", "F"}) {
     std::vector<double> values(rows);
-    for (int i = 0; i < rows; ++i) values[static_cast<std::size_t>(i)] = std::sin(0.1 * i + (*name == 'v'));
+    for (int i = 0; i < rows; ++i) values[static_cast<std::size_t>(i)] = size * std::sin(0.1 * i + (*name == 'v'));
     motion.push_back(testing::channel(name, "1", std::move(values)));
   }
   c.study.smooth.emplace_back("r", 0, 1, motion);
@@ -135,6 +135,28 @@ TEST(Judge, AForceThatIsThereWithoutItsCoefficientIsToldByItsOtherNumbers) {
   add_motion(c);
   EXPECT_FALSE(told_from_zero(c.study, with_force(c.study, 1.5, "drag_c*v"), c.best));
   EXPECT_TRUE(told_from_zero(c.study, with_force(c.study, 1.5, "tanh(v) + 0.1*drag_c*v"), c.best));
+}
+
+/// Beside c*v a power near 1 grows without end. In small units the coefficient of any power is uncertain: the force is
+/// not.
+TEST(Judge, ASizeIsToldByItsForceInAllUnits) {
+  constexpr double value = 0.4, power = 1.1, of_power = 0.05;
+  for (const double unit : {1.0, 1e3, 1e6})
+    for (const double relative : {0.1, 0.9, 1.1}) {
+      Compared c(noise, 0);
+      add_motion(c, 1 / unit);
+      const Model model = testing::baseline("k*y", 1);
+      const std::vector<Effect> effects{testing::entry(*model.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
+                                                       {testing::row("drag_c"), testing::row("drag_p")})};
+      Candidate named = compile(c.study, complete(model), {{&effects.front(), 0}});
+      const double there = value * std::pow(unit, power), slope = there * std::log(unit);
+      named.fit.theta = Eigen::Vector3d(1, there, power);
+      named.fit.covariance = Eigen::Matrix3d::Identity();
+      named.fit.covariance(1, 1) = std::pow(relative * there, 2) + std::pow(slope * of_power, 2);
+      named.fit.covariance(1, 2) = named.fit.covariance(2, 1) = slope * of_power * of_power;
+      named.fit.covariance(2, 2) = of_power * of_power;
+      EXPECT_EQ(sizes_are_told(c.study, named), relative < 1) << unit << ' ' << relative;
+    }
 }
 
 /// A run of ten rows with this squared error, beside a motion of variance 1.
