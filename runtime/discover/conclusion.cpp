@@ -310,6 +310,11 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
            number(out.final_test.value, 2) + ", " + number(out.final_test.floor, 2) +
            "): these show what the former do not, a larger motion or another band. Train on records like both" +
            nearest;
+  if (!left.seen && !leaves_motion_open(study, out.final_train) && !leaves_motion_open(study, out.final_test)) {
+    std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone) is repeatable",
+                  out.final_test.value, out.final_test.floor);
+    return text + std::string(", and no entry of the catalogue explains it") + nearest;
+  }
   if (!left.seen)
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;

@@ -358,8 +358,19 @@ class OnTest {
     round.verdict = stand > 0 ? found.ties.verdict() : verdict_without_names(round, patched);
   }
 
+  /// Names that are not the answer, for what the training records say of them, but leave less than half of the excess
+  /// on the test records all the same: what they follow is there.
+  bool withdrawn_names_follow(const Round& round) const {
+    if (round.withdrawn.empty() || round.found.rivals.empty()) return false;
+    const Beaten& nearest = round.found.rivals.front();
+    if (nearest.by != Beaten::By::training || nearest.model.name() != round.withdrawn) return false;
+    const Gap before = round.gap(runs_.before_test);
+    const Gap after = round.gap(runs(study_, nearest.model, study_.test, false));
+    return closed_share(before.value, after.value, before.floor) > 0.5;
+  }
+
   /// No name stands: much of the motion is open, or generic forces see something (or did, beside the names that the
-  /// test records took back) which these records do not deny.
+  /// test records took back) which these records do not deny, or names that were withdrawn follow it there.
   Verdict verdict_without_names(Round& round, bool patched = false) const {
     if (!round.found.reading.empty()) return Verdict::nothing_missing;
     const Gap train = round.gap(round.train), test = round.gap(runs_.before_test);
@@ -369,7 +380,8 @@ class OnTest {
         round.loose_test ? 0 : lacks_dynamics(study_, train, test, round.train, runs_.before_test, nearly_all);
     const bool open = round.driven > 0 || leaves_motion_open(study_, train) ||
                       (leaves_motion_open(study_, test) && !round.loose_test);
-    const bool missing = open || ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
+    const bool missing = open || withdrawn_names_follow(round) ||
+                         ((patched || round.left.material) && !gone_on_test(study_, round, runs_.before_test));
     return missing ? Verdict::unknown_effect : Verdict::nothing_missing;
   }
 

@@ -299,6 +299,31 @@ TEST(DiscoveryRounds, APowerNearTheDampersIsNamed) {
   EXPECT_LT(p.std, 0.15);
 }
 
+/// An eddy current's brake over the top of its curve is no rounded friction beside a power near the damper's.
+TEST(DiscoveryRounds, APairThatGrowsAgainstTheDamperIsNoExplanation) {
+  const Model model = baseline("k*y + c*v", 1);
+  Effect rounded = entry(*model.pool, "rounded_friction", "rounded_friction_Fc*tanh(v/rounded_friction_vr)",
+                         {row("rounded_friction_Fc", 0), row("rounded_friction_vr", 0)});
+  rounded.guess = [](const RecordScales& s, int) {
+    return std::vector{Guess{{"rounded_friction_vr", 0.05 * s.v_max}}, Guess{{"rounded_friction_vr", 0.2 * s.v_max}}};
+  };
+  rounded.range = [](const RecordScales& s, int) {
+    return Ranges{{"rounded_friction_vr", {2e-3 * s.v_max, 0.5 * s.v_max}}};
+  };
+  const auto record = [](std::uint64_t seed) {
+    truth::Physics physics;
+    physics.other = [](double, double v) { return 0.36 * (v / 0.8) / (1 + std::pow(v / 0.8, 2)); };
+    const truth::Motion motion =
+        truth::integrate(physics, truth::multisine(0.2, 2.2, 60, seed), 0.6, {}, 2000, testing::spacing, 16);
+    return testing::noisy_record(motion, "y", motion.x, 0.005 * moments::standard_deviation(motion.x), seed);
+  };
+  const Discovery d = discover(model, {rounded, power_law(*model.pool, {0.7, 1.4, 2.4})}, {record(5)}, {record(4)}, {});
+  EXPECT_EQ(d.verdict, Verdict::unknown_effect) << d.sentence;
+  EXPECT_NE(d.sentence.find("is repeatable, and no entry of the catalogue explains it; nearest: rounded_friction"),
+            std::string::npos)
+      << d.sentence;
+}
+
 /// Of two rare effects that do not take the place of a common one, the first alone is decided on as any.
 TEST(DiscoveryRounds, TheFirstOfSeveralNamesStandsAlone) {
   truth::Physics physics;
