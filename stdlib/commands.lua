@@ -98,8 +98,8 @@ local function mass_in_si(text)
   if factor and (si:find "kg" or si:find " s^2") then return ("%.17g"):format(tonumber(value) * factor) end
   local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
     or ("unknown unit '%s'"):format(unit)
-  fault(("--mass: expected a number with or without a unit of mass such as kg, t or kg m^2, got '%s' (%s)"):format(text,
-    problem), "usage")
+  fault(("--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2), "
+    .. "got '%s' (%s)"):format(text, problem), "usage")
 end
 
 local function baseline(lunid, options)

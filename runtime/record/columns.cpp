@@ -146,6 +146,19 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
   return std::nullopt;
 }
 
+/// "lbf ft" of "lb ft": what is meant by a unit of mass for a channel F or F1 ...; "" where it is none.
+std::string as_force(std::string_view channel, std::string unit) {
+  if (!channel.starts_with('F') || channel.find_first_not_of("0123456789", 1) != channel.npos) return "";
+  for (const std::string_view mass : {"lb", "kg", "t"}) {
+    const std::size_t at = unit.find(mass);
+    if (at == unit.npos) continue;
+    unit.insert(at + mass.size(), "f");
+    const auto si = si_unit(unit);
+    return si && fits(*meaning_of("F"), si->unit) ? unit : "";
+  }
+  return "";
+}
+
 /// `asked_for`: by the study, not by the file, so that a unit of another kind is a mistake.
 void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const SourceSpan& where,
               std::vector<std::string>& warnings) {
@@ -167,9 +180,12 @@ void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const S
   plan.factor = si->factor;
   plan.unit = si->unit;
   const Meaning* meaning = meaning_of(plan.channel);
-  if (!meaning || fits(*meaning, si->unit)) return;
+  if (meaning && fits(*meaning, si->unit)) return;
   const std::string text =
       "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
+  if (const std::string force = as_force(plan.channel, unit); !force.empty())
+    throw InputError(text + ", it holds a mass: as a force it is written " + force, where, Fault::data);
+  if (!meaning) return;
   if (plan.channel == "t") throw InputError(text + ", expected s, ms, us or min", where, Fault::data);
   if (asked_for) throw InputError(text + ", expected one of the kind of " + units_of(*meaning), where, Fault::data);
   warnings.push_back(text);

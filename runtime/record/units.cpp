@@ -19,7 +19,7 @@ struct Row {
   std::string_view prefixes = "";  ///< those that it takes
 };
 
-constexpr double inch = 0.0254, foot = 0.3048, pound_force = 4.4482216152605, gravity = 9.80665,
+constexpr double inch = 0.0254, foot = 0.3048, pound = 0.45359237, pound_force = 4.4482216152605, gravity = 9.80665,
                  turn = 2 * std::numbers::pi;
 constexpr double degree = std::numbers::pi / 180;
 constexpr std::string_view all = "pnumkMG";
@@ -61,6 +61,8 @@ constexpr std::array rows{
     Row{"K", 1, "K"},
     Row{"kg", 1, "kg"},
     Row{"t", 1e3, "kg"},
+    Row{"lb", pound, "kg"},
+    Row{"slug", pound_force / foot, "kg"},
     Row{"Hz", 1, "Hz", all},
     Row{"-", 1, ""},
     Row{"1", 1, ""},
@@ -166,8 +168,10 @@ std::optional<Product> product_of(std::string_view unit) {
 }  // namespace
 
 std::optional<SiUnit> si_unit(std::string_view unit) {
-  const std::optional<Product> product = product_of(unit);
+  std::optional<Product> product = product_of(unit);
   if (!product) return std::nullopt;
+  std::ranges::stable_partition(product->powers,
+                                [](const auto& power) { return power.first != "m"; });  // "N m" of "ft lbf"
   return SiUnit{product->factor, product->text()};
 }
 

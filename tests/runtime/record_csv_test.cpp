@@ -226,11 +226,14 @@ TEST(Units, AreConvertedToSi) {
   EXPECT_EQ(si_unit("mm")->factor, 1e-3);
   EXPECT_EQ(si_unit("\u00b5m")->factor, 1e-6);
   EXPECT_EQ(si_unit("\u03bcm")->unit, "m");
-  EXPECT_EQ(si_unit("in")->factor, 0.0254);            // exact by definition (1959)
-  EXPECT_EQ(si_unit("lbf")->factor, 4.4482216152605);  // exact: 0.45359237 kg times 9.80665 m/s^2
+  EXPECT_EQ(si_unit("in")->factor, 0.0254);                // exact by definition (1959)
+  EXPECT_EQ(si_unit("lbf")->factor, 4.4482216152605);      // exact: 0.45359237 kg times 9.80665 m/s^2
+  EXPECT_EQ(si_unit("lb")->factor, 0.45359237);            // the same
+  EXPECT_NEAR(si_unit("slug")->factor, 14.5939029, 1e-7);  // lbf s^2/ft
   EXPECT_EQ(si_unit("g")->factor, 9.80665);
   EXPECT_EQ(si_unit("g")->unit, "m/s^2");
   EXPECT_EQ(si_unit("N*m")->unit, "N m");
+  EXPECT_EQ(si_unit("ft lbf")->unit, "N m");  // as F of a shaft has it, in either order
   EXPECT_EQ(si_unit("min")->factor, 60);
   EXPECT_FALSE(si_unit("furlong"));
   EXPECT_FALSE(si_unit(""));

@@ -157,6 +157,20 @@ TEST(Fault, Units) {
   EXPECT_EQ(std::count(warnings.begin(), warnings.end(), "column 'y [kN]': 'kN' is no unit of channel 'y'"), 1);
 }
 
+TEST(Fault, AMassWhereAForceIsMeant) {
+  const std::string end = "', it holds a mass: as a force it is written ";
+  EXPECT_EQ(complaint("t,load [lb],y\n" + rows(8)),
+            "run3.csv:1: column 'load [lb]': 'lb' is no unit of channel 'F" + end + "lbf");
+  EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("F=F [kg]"), false}),
+            "run3.csv:1: column 'F': 'kg' is no unit of channel 'F" + end + "kgf");
+  EXPECT_EQ(complaint("t,F2 [t],y1\n" + rows(8)),
+            "run3.csv:1: column 'F2 [t]': 't' is no unit of channel 'F2" + end + "tf");
+  EXPECT_EQ(complaint("t,F [ft lb],y [deg]\n" + rows(8)),
+            "run3.csv:1: column 'F [ft lb]': 'ft lb' is no unit of channel 'F" + end + "ft lbf");
+  EXPECT_EQ(complaint("t,F,y,m [lb],F1 [kg/s]\n0,1,2,3,4\n1,1,2,3,4\n2,1,2,3,4\n3,1,2,3,4\n4,1,2,3,4\n5,1,2,3,4\n"),
+            "");
+}
+
 TEST(Fault, Rows) {
   EXPECT_EQ(complaint("t,F,y\n" + rows(5)), "run3.csv: expected at least 6 rows, got 5");
   EXPECT_EQ(complaint("t,F,y\n"), "run3.csv: expected at least 6 rows, got 0");
