@@ -300,8 +300,8 @@ int to_string(lua_State* L) {
   std::string text = model.equation();
   for (const Parameter& parameter : model.parameters) {
     if (std::isnan(parameter.value)) {
-      text +=
-          "\n  " + parameter.name + (parameter.unit.empty() ? "" : " [" + parameter.unit + "]") + ": no first guess";
+      text += "\n  " + parameter.name + (parameter.unit.empty() ? "" : " [" + parameter.unit + "]") +
+              ": to fit, discover reads the first guess off the data";
       continue;
     }
     char line[128];

@@ -113,7 +113,9 @@ local function baseline(lunid, options)
     return lunid.load(options.baseline)
   end
   if not options.restoring then fault("--restoring (or --baseline model.lua) is needed", "usage") end
-  if not options.mass and not options.imposed_motion then fault("--mass is needed where the motion is free", "usage") end
+  if not options.mass and not options.imposed_motion then
+    fault("--mass is needed where the motion is free; where a machine imposes it, say --imposed-motion", "usage")
+  end
   local schema = require "lunid.schema"
   local function read(text, source)
     local value = core.parse(text, source)

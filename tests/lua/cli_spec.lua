@@ -201,7 +201,7 @@ spec.case("wrong usage", function()
   spec.equal(said, "--restoring (or --baseline model.lua) is needed" .. kept)
   spec.equal(code, 2)
   said, code = spec.lunid "discover good.csv --restoring y --out out"
-  spec.equal(said, "--mass is needed where the motion is free" .. kept)
+  spec.equal(said, "--mass is needed where the motion is free; where a machine imposes it, say --imposed-motion" .. kept)
   spec.equal(code, 2)
   said, code = spec.lunid("discover good.csv --window 8 " .. usual)
   spec.equal(said, "--window: expected A:B in seconds, got '8'" .. kept)
@@ -281,7 +281,7 @@ spec.case("--check says how records and baseline are read, and writes nothing", 
   spec.contains(said, "; from 'effort [kN]'\n  y  ")
   spec.contains(said, "; from 'course' [um]\n")
   spec.contains(said, "\nrecord micron.csv: 100 rows")  -- the second, to test on
-  spec.contains(said, "a + k*y + 0.8*v = F\n  k [N/m]: no first guess\n")
+  spec.contains(said, "a + k*y + 0.8*v = F\n  k [N/m]: to fit, discover reads the first guess off the data\n")
   spec.equal(spec.shell "ls -d unmade 2>/dev/null | wc -l", "0\n")
   says([[discover micron.csv --mass 1 --restoring "k*y" --check]], "micron.csv", 3)
 end)
