@@ -506,12 +506,15 @@ class Conclusion {
   void list_records(const std::vector<Record>& records, const std::string& role) {
     const std::size_t first = out_.records.size();
     double begin = 0;
+    int part = 0;
     for (const Record& r : records) {
       const bool same = study_.run_length > 0 && out_.records.size() > first &&
-                        out_.records.back().record == r.name() && r.start() > begin;
+                        out_.records.back().record == r.name() && r.part() == part && r.start() > begin;
       if (!same) {
         begin = r.start();
-        out_.records.push_back({r.name(), role, 0, 0, 1 / r.dt(), 0, role == "train" ? joined_rows(r) : 1});
+        part = r.part();
+        const int joined = role == "train" ? joined_rows(r) : 1;
+        out_.records.push_back({r.name(), role, r.words_of_part(), 0, 0, 1 / r.dt(), 0, joined});
       }
       RecordUsed& used = out_.records.back();
       used.rows += r.rows();

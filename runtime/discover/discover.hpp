@@ -61,6 +61,7 @@ struct Gap {
 /// What was looked at of a record: all of it in one run, or short runs of it.
 struct RecordUsed {
   std::string record, role;  ///< path; "train" or "test"
+  std::string part;          ///< of a file with gaps: Record::words_of_part()
   Eigen::Index rows = 0;     ///< of all runs together
   double seconds = 0;        ///< from the first row to the last
   double rate = 0;           ///< [Hz]

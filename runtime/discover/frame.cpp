@@ -113,8 +113,7 @@ Channel acceleration_of_base(const Record& record) {
 /// A copy with these channels alone.
 Record of_channels(const Record& record, std::vector<Channel> channels) {
   Record out(record.name(), record.start(), record.dt(), std::move(channels));
-  for (const std::string& text : record.warnings()) out.warn(text);
-  for (const std::string& text : record.history()) out.note(text);
+  out.take_notes(record);
   return out;
 }
 

@@ -137,7 +137,7 @@ std::string to_terminal(const Discovery& d) {
     char text[160];
     std::snprintf(text, sizeof text, ": %s, %ld rows, %.4g s at %.4g Hz", r.role.c_str(), static_cast<long>(r.rows),
                   r.seconds, r.rate);
-    std::string words = r.record + text;
+    std::string words = r.record + r.part + text;
     if (r.joined > 1) words += "; fits take " + std::to_string(r.joined) + " rows for one";
     if (d.run_length > 0) words += ", in " + std::to_string(r.runs) + " runs of " + number(d.run_length, 3) + " s";
     line("record", words);

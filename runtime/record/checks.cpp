@@ -58,8 +58,7 @@ std::vector<std::string> names_or_all(const std::vector<Channel>& channels, cons
 
 Record remade(const Record& record, double t0, double dt, std::vector<Channel> channels) {
   Record result(record.name(), t0, dt, std::move(channels));
-  for (const std::string& text : record.warnings()) result.warn(text);
-  for (const std::string& text : record.history()) result.note(text);
+  result.take_notes(record);
   return result;
 }
 

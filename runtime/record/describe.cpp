@@ -80,7 +80,7 @@ std::string describe(const Record& record) {
   for (const Channel& channel : record.channels()) names += " " + channel.name + (channel.derived ? "*" : "");
   std::snprintf(head, sizeof head, ": %lld rows, %.6g s at %.6g Hz; channels", static_cast<long long>(record.rows()),
                 record.duration(), 1 / record.dt());
-  std::string text = "record " + record.name() + head + names;
+  std::string text = "record " + record.name() + record.words_of_part() + head + names;
   for (const Channel& channel : record.channels()) text += "\n" + channel_line(record, channel);
   for (const std::string& done : record.history()) text += "\n  " + done;
   for (const std::string& warning : record.warnings()) text += "\n  warning: " + warning;

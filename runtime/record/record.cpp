@@ -120,10 +120,23 @@ Record Record::with(Channel channel) const {
   }
   if (!replaced) channels.push_back(std::move(channel));
   Record result(name_, start(), dt_, std::move(channels));
-  result.warnings_ = warnings_;
-  result.history_ = history_;
+  result.take_notes(*this);
   result.gaps_ = gaps_;
   return result;
+}
+
+void Record::take_notes(const Record& from) {
+  warnings_ = from.warnings_;
+  history_ = from.history_;
+  part_ = from.part_;
+  parts_ = from.parts_;
+}
+
+std::string Record::words_of_part() const {
+  if (part_ == 0) return "";
+  std::ostringstream text;
+  text << ", part " << part_ << " of " << parts_ << ", from t = " << start() << " s";
+  return text.str();
 }
 
 std::vector<Record> Record::pieces(Eigen::Index least) const {
@@ -149,6 +162,10 @@ std::vector<Record> Record::pieces(Eigen::Index least) const {
   }
   if (out.empty())
     throw InputError("gaps leave no part of " + std::to_string(least) + " rows and more", {name_}, Fault::data);
+  for (std::size_t i = 0; out.size() > 1 && i < out.size(); ++i) {
+    out[i].part_ = static_cast<int>(i) + 1;
+    out[i].parts_ = static_cast<int>(out.size());
+  }
   if (left_out > 0)
     out.front().warn(std::to_string(left_out) + " rows in parts of fewer than " + std::to_string(least) +
                      " rows between gaps are left out");

@@ -62,6 +62,8 @@ class Record {
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
   const std::vector<std::string>& history() const { return history_; }  ///< what was done to it since it was read
   void note(std::string text) { history_.push_back(std::move(text)); }
+  /// Takes the warnings, the history and the part of the record that this one was made of.
+  void take_notes(const Record& from);
   /// Times on either side of rows that were missing and are interpolated [s].
   void note_gaps(std::vector<std::pair<double, double>> gaps) { gaps_ = std::move(gaps); }
 
@@ -69,6 +71,9 @@ class Record {
   /// of fewer than `least` rows are left out, with a warning. The record itself where there is no such gap. Throws
   /// InputError (Fault::data) where no part is that long.
   std::vector<Record> pieces(Eigen::Index least = 50) const;
+  int part() const { return part_; }  ///< which of pieces() this is, from 1; 0: the whole record
+  /// ", part 2 of 3, from t = 4.5 s" of one of several pieces; else empty.
+  std::string words_of_part() const;
 
   /// Rows with from <= t <= to [s]. Throws InputError when fewer than 6 rows are left, saying what time the
   /// record has.
@@ -85,6 +90,7 @@ class Record {
   std::shared_ptr<const std::vector<Channel>> channels_;
   std::vector<std::string> warnings_, history_;
   std::vector<std::pair<double, double>> gaps_;
+  int part_ = 0, parts_ = 0;
 };
 
 /// "t=time" or "y=disp [mm]" or "F=load (kN)": channel, header in the file, unit (optional).

@@ -97,11 +97,16 @@ spec.case("a record with a gap is cut there, and no run goes through what was no
   record("gap.csv", 900, function(i, cells) return (i < 400 or i >= 423) and cells or nil end)
   local said, code = spec.lunid 'discover gap.csv --mass 1 --restoring "k*y + c*v" --catalogue cubic_stiffness --resample --out cut'
   spec.equal(code, 0)
-  spec.contains(said, "gap.csv: train, 280 rows")  -- the last 30 % of each piece are held out
-  spec.contains(said, "gap.csv: train, 333 rows")
+  spec.contains(said, "gap.csv, part 1 of 2, from t = 0 s: train, 280 rows")  -- the last 30 % of each piece are held out
+  spec.contains(said, "gap.csv, part 2 of 2, from t = 4.23 s: train, 333 rows")
+  spec.contains(said, "gap.csv, part 2 of 2, from t = 7.56 s: test, 144 rows")
   spec.contains(said, "named      cubic_stiffness")
   local _, notes = said:gsub("23 rows are missing before t = 4.23 s: interpolated; free runs begin anew at t = 4.23 s,", "")
   spec.equal(notes, 1)
+  local checked = 'discover gap.csv --mass 1 --restoring "k*y + c*v" --resample --check'
+  says(checked, "record gap.csv, part 1 of 2, from t = 0 s: 400 rows", 0)
+  says(checked, "record gap.csv, part 2 of 2, from t = 4.23 s: 477 rows, 4.76 s at 100 Hz; channels", 0)
+  says(checked .. " --window 0:4", "record gap.csv: 400 rows", 0)  -- one part alone is a record as others are
 end)
 
 spec.case("a time column that runs backwards", function()
