@@ -9,6 +9,7 @@
 #include "discover/judge.hpp"
 #include "discover/places.hpp"
 #include "discover/twins.hpp"
+#include "record/spectra.hpp"
 #include "simulate/measures.hpp"
 
 namespace lunid {
@@ -240,16 +241,15 @@ bool shows_beside(const Study& study, const Candidate& candidate, const Candidat
 Record with_shaft(const Record& record) {
   const auto has = [&](const char* name) { return record.has(name); };
   constexpr std::array derived{"shaft_angle", "shaft_speed", "shaft_rate"};
-  constexpr std::array angles{"phase", "shaft_angle"}, speeds{"speed", "shaft_speed"};
-  const bool angle = std::ranges::any_of(angles, has);
-  const auto& sources = angle ? angles : speeds;
+  constexpr std::array speeds{"speed", "shaft_speed"};
+  const bool angle = std::ranges::any_of(shaft_angles, has);
+  const auto& sources = angle ? shaft_angles : speeds;
   const auto at = std::ranges::find_if(sources, has);
   if (at == sources.end() || std::ranges::all_of(derived, has)) return record;
   const char* source = *at;
   Eigen::VectorXd x = as_vector(record[source]);
   if (record.channel(source).unit == "Hz") x *= 2 * M_PI;
-  for (Eigen::Index i = 1; angle && i < x.size(); ++i)  // a counter that begins anew after each turn
-    x[i] += 2 * M_PI * std::round((x[i - 1] - x[i]) / (2 * M_PI));
+  if (angle) unwrap(x);
   const std::span<const double> values = view(x);
   const double noise = noise_level(values);
   const auto derivative = [&](int order) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "record/columns.hpp"
 #include "record/method_parts.hpp"
@@ -50,15 +51,69 @@ std::string words_of_source(const Channel& channel) {
   return "; from '" + channel.source + "'" + (unit == header.unit ? "" : " [" + unit + "]");
 }
 
+/// Takes the jumps from turn to turn out of the angle of a shaft; false where there are none.
+bool unwrapped(const std::string& name, Eigen::VectorXd& x) {
+  if (std::ranges::find(shaft_angles, name) == shaft_angles.end() || !x.allFinite()) return false;
+  const double last = x[x.size() - 1];
+  unwrap(x);
+  return x[x.size() - 1] != last;
+}
+
+bool is_measured_motion(const Channel& channel) {
+  const std::string& name = channel.name;
+  return !channel.derived && std::string_view("yva").find(name[0]) != name.npos &&
+         name.find_first_not_of("0123456789", 1) == name.npos;
+}
+
+/// Rows on end at the least and the greatest value of a signal.
+struct FlatTops {
+  int places = 0;
+  Index longest = 0, rows = 0;
+};
+
+/// Those that a clipped sensor has: the rows before and after are some steps away. A peak that is flat since the signal
+/// is written in coarse steps, or since a thing sticks there, is left by one step.
+FlatTops flat_tops(std::span<const double> x, const ChannelSummary& s, double step) {
+  constexpr std::size_t fewest = 3;
+  FlatTops out;
+  for (std::size_t first = 0, end = 0; first < x.size(); first = end) {
+    for (end = first + 1; end < x.size() && x[end] == x[first];) ++end;
+    if ((x[first] != s.least && x[first] != s.most) || end - first < fewest || first == 0 || end == x.size()) continue;
+    if (std::min(std::abs(x[first - 1] - x[first]), std::abs(x[end] - x[first])) <= 2 * step) continue;
+    const auto rows = static_cast<Index>(end - first);
+    ++out.places;
+    out.longest = std::max(out.longest, rows);
+    out.rows += rows;
+  }
+  return out;
+}
+
+/// ", up to 8 equal rows on end", and whether a clipped sensor made them.
+std::string words_of_equal_rows(const Record& record, const Channel& channel, const ChannelSummary& s, double step) {
+  constexpr double by_design = 0.3;  // part of the rows: a motion that was made to go from one level to the other
+  const auto words = [](Index rows) { return ", up to " + std::to_string(rows) + " equal rows on end"; };
+  if (is_measured_motion(channel)) {
+    const FlatTops flat = flat_tops(record[channel.name], s, step);
+    if (flat.places > 1 && static_cast<double>(flat.rows) < by_design * static_cast<double>(record.rows()))
+      return words(flat.longest) + " at its extremes, " + std::to_string(flat.places) + " times: clipped?";
+  }
+  return s.held >= 4 && s.held + 1 < record.rows() ? words(s.held + 1) : "";
+}
+
 std::string channel_line(const Record& record, const Channel& channel) {
-  const ChannelSummary s = summary(record[channel.name]);
+  Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(record[channel.name].data(), record.rows());
+  const bool wraps = unwrapped(channel.name, x);
+  const std::span<const double> rows(x.data(), static_cast<std::size_t>(x.size()));
+  const ChannelSummary s = summary(rows);
+  const double noise = wraps ? noise_level(rows) : channel.noise;
   std::string line = "  " + channel.name + std::string(channel.name.size() < 3 ? 3 - channel.name.size() : 1, ' ');
-  line += short_number(s.least) + " to " + short_number(s.most) + (channel.unit.empty() ? "" : " " + channel.unit) +
-          ", deviation " + short_number(s.std);
-  if (channel.noise > 0 && s.std > 0) {
-    line += ", noise " + short_number(channel.noise);
+  line += short_number(s.least) + " to " + short_number(s.most) + (channel.unit.empty() ? "" : " " + channel.unit);
+  if (wraps) line += ", wraps, " + short_number((s.most - s.least) / (2 * std::numbers::pi)) + " turns";
+  line += ", deviation " + short_number(s.std);
+  if (noise > 0 && s.std > 0) {
+    line += ", noise " + short_number(noise);
     char part[32];
-    std::snprintf(part, sizeof part, " (%.2g %%)", 100 * channel.noise / s.std);
+    std::snprintf(part, sizeof part, " (%.2g %%)", 100 * noise / s.std);
     line += part;
   }
   if (s.missing > 0) line += ", " + std::to_string(s.missing) + (s.missing == 1 ? " row is" : " rows are") + " missing";
@@ -66,7 +121,7 @@ std::string channel_line(const Record& record, const Channel& channel) {
   const double step = channel.derived ? 0 : quantisation_step(record[channel.name]);
   if (step > visible * s.std)
     line += ", in steps of " + short_number(step) + (channel.unit.empty() ? "" : " " + channel.unit);
-  if (s.held >= 4 && s.held + 1 < record.rows()) line += ", up to " + std::to_string(s.held + 1) + " equal rows on end";
+  line += words_of_equal_rows(record, channel, s, step);
   line += words_of_source(channel);
   if (!channel.derivation.empty()) line += "; " + channel.derivation;
   return line;

@@ -24,13 +24,14 @@ Envelope envelope(std::span<const double> x, double dt, double noise) {
   result.frequency =
       (re.cwiseProduct(im_rate) - im.cwiseProduct(re_rate)).cwiseQuotient(square) / (2 * std::numbers::pi * dt);
   result.phase.resize(re.size());
-  for (Index i = 0; i < re.size(); ++i) {
-    result.phase[i] = std::atan2(im[i], re[i]);
-    if (i == 0) continue;
-    const double turns = (result.phase[i] - result.phase[i - 1]) / (2 * std::numbers::pi);
-    result.phase[i] -= 2 * std::numbers::pi * std::round(turns);
-  }
+  for (Index i = 0; i < re.size(); ++i) result.phase[i] = std::atan2(im[i], re[i]);
+  unwrap(result.phase);
   return result;
+}
+
+void unwrap(VectorXd& angle) {
+  constexpr double turn = 2 * std::numbers::pi;
+  for (Index i = 1; i < angle.size(); ++i) angle[i] -= turn * std::round((angle[i] - angle[i - 1]) / turn);
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 // What a record looks like over frequency and over slow time: densities, transfer functions, envelopes, cycles, noise.
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <span>
 #include <vector>
@@ -53,6 +54,11 @@ struct Envelope {
   Eigen::VectorXd phase;      ///< unwrapped [rad]
 };
 Envelope envelope(std::span<const double> x, double dt, double noise);
+
+/// Takes the jumps of whole turns out of an angle [rad]: each row is the one that is nearest to the row before it.
+void unwrap(Eigen::VectorXd& angle);
+/// Channels that discovery takes for the angle of a shaft, which may wrap.
+inline constexpr std::array shaft_angles{"phase", "shaft_angle"};
 
 /// From one upward crossing of the record's line to the next, where between the two the signal went beyond the noise on
 /// both sides.

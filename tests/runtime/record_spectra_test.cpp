@@ -246,6 +246,62 @@ TEST(Summary, SaysInWhichStepsAChannelIsWhereTheyAreCoarse) {
   EXPECT_EQ(line(0.001).find("steps"), std::string::npos) << line(0.001);
 }
 
+std::string line_of(const std::string& name, const VectorXd& values) {
+  Channel channel;
+  channel.name = name, channel.values = values, channel.noise = noise_level(span_of(values));
+  const std::string text = describe(Record("run.csv", 0, 0.01, {channel}));
+  return text.substr(text.find('\n') + 1);
+}
+
+TEST(Summary, AShaftThatTurnsOnHasTheNoiseOfItsSensorAndNotOfItsJumps) {
+  const VectorXd noise = 2e-3 * white(2000, 3);
+  const VectorXd turned = sampled(2000, [](double i) { return 0.5 + 0.15 * i + 1e-5 * i * i; }) + noise;
+  const VectorXd shown =
+      turned.unaryExpr([](double angle) { return angle - 2 * M_PI * std::floor(angle / (2 * M_PI)); });
+  for (const char* name : {"shaft_angle", "phase"}) {
+    const std::string text = line_of(name, shown);
+    EXPECT_NE(text.find(", wraps, 54.08 turns, deviation 98.19"), std::string::npos) << text;
+    const double found = std::stod(text.substr(text.find("noise ") + 6));
+    EXPECT_NEAR(found, 2e-3, 4e-4) << text;
+  }
+  EXPECT_EQ(line_of("y", shown).find("wraps"), std::string::npos);
+  EXPECT_EQ(line_of("shaft_angle", turned).find("wraps"), std::string::npos);
+}
+
+TEST(Summary, AsksWhetherAMotionThatIsFlatAtItsExtremesIsClipped) {
+  const auto clipped = [](const char* name, double most, double least, double step) {
+    const auto row = [=](double i) {
+      const double x = std::clamp(std::sin(0.11 * i) * std::sin(0.0031 * i), least, most);
+      return step > 0 ? step * std::round(x / step) : x;
+    };
+    return line_of(name, sampled(2000, row));
+  };
+  for (const char* name : {"y", "v", "a", "a2"}) {
+    const std::string text = clipped(name, 0.8, -0.8, 0);
+    EXPECT_NE(text.find(", up to 12 equal rows on end at its extremes, 28 times: clipped?"), std::string::npos) << text;
+  }
+  EXPECT_NE(clipped("a", 0.9, -2, 0).find("clipped?"), std::string::npos);       // on one side
+  EXPECT_NE(clipped("a", 0.8, -0.8, 1e-3).find("clipped?"), std::string::npos);  // by a converter of 11 bit
+  for (const char* name : {"F", "ab", "y_reference", "accel"})                   // made so by whoever drives
+    EXPECT_EQ(clipped(name, 0.8, -0.8, 0).find("clipped?"), std::string::npos) << name;
+  EXPECT_EQ(clipped("y", 2, -2, 0).find("clipped?"), std::string::npos);
+}
+
+TEST(Summary, CoarseStepsRestAndLevelsThatAreMeantAreNoClipping) {
+  const auto silent = [](const VectorXd& values) {
+    const std::string text = line_of("y", values);
+    EXPECT_EQ(text.find("clipped?"), std::string::npos) << text;
+  };
+  for (const double step : {0.3, 0.1, 0.05, 0.02, 0.004})
+    for (const double rate : {0.02, 0.11, 0.4})
+      silent(sampled(2000, [=](double i) { return step * std::round(std::sin(rate * i) / step); }));
+  for (const double step : {1.0, 0.5, 0.1})  // a sensor that sees little more than its noise
+    silent(white(4000, 5).unaryExpr([=](double x) { return step * std::round(x / step); }));
+  silent(sampled(2000, [](double i) { return std::sin(0.03 * i) > 0 ? 1.0 : -1.0; }));            // a square wave
+  silent(sampled(2000, [](double i) { return std::clamp(3 * std::sin(0.03 * i), -1.0, 1.0); }));  // a trapezoid
+  silent(sampled(2000, [](double i) { return i < 300 ? 1 : std::exp(-0.002 * i) * std::cos(0.1 * i); }));  // let go
+}
+
 TEST(Summary, SaysFromWhichColumnAChannelIsWhereThatIsOfAnotherNameOrUnit) {
   const auto line = [](const std::string& source, const std::string& unit) {
     Channel y;
