@@ -14,6 +14,7 @@
 #include "discover/naming.hpp"
 #include "discover/on_test.hpp"
 #include "discover/proposal_fits.hpp"
+#include "discover/remarks.hpp"
 #include "discover/search.hpp"
 #include "discover/sensor.hpp"
 #include "discover/verdict.hpp"
@@ -44,6 +45,7 @@ class Spine {
 
   /// Of the records, as far as they are known before anything is fitted.
   const std::vector<std::string>& notes() const { return out_.warnings; }
+  const Study& whole() const { return ground_.whole; }
 
   Discovery run() {
     progress("refit the baseline", 0.05);
@@ -462,8 +464,10 @@ std::vector<std::string> notes_before_discovery(const Model& baseline, const std
   validate(options);
   const Frame frame(baseline);
   check_baseline(frame.model());
-  std::vector<std::string> notes = Spine(frame.model(), {}, frame.seen(train), frame.seen(test), options).notes();
+  const Spine spine(frame.model(), {}, frame.seen(train), frame.seen(test), options);
+  std::vector<std::string> notes = spine.notes();
   if (frame.moves()) notes.insert(notes.begin(), frame.note());
+  std::ranges::move(remarks(spine.whole(), train, test), std::back_inserter(notes));
   return notes;
 }
 

@@ -307,6 +307,65 @@ spec.case("--check says what a discovery would say of the records before it fits
   says(other, "the record has no channel 'F' (it has piezo, y", 3)
 end)
 
+--- What --check notes of a file, but that no test was given.
+local function noted(arguments)
+  local said, code = spec.lunid("discover " .. arguments .. " --check")
+  spec.equal(code, 0)
+  local notes = {}
+  for note in said:gmatch "note       ([^\n]*)" do
+    if not note:find "^no test record given" then notes[#notes + 1] = note end
+  end
+  return table.concat(notes, "\n")
+end
+
+local linear = '--mass 1 --restoring "k*y + c*v"'
+
+spec.case("--check says of which channels no unit is given", function()
+  local function units(arguments) return noted(arguments):match "no unit[^\n]*" end
+  spec.equal(units("good.csv " .. linear), "no unit is given for F, y: SI is taken")
+  spec.equal(units('good.csv --columns "y=y [mm]" --test good.csv ' .. linear), "no unit is given for F: SI is taken")
+  spec.equal(units('good.csv --columns "y=y [mm],F=F [kN]" ' .. linear), nil)
+  record("all_units.csv", 600, nil, "t,F [N],y [m]")  -- the time goes without
+  spec.equal(units("all_units.csv " .. linear), nil)
+  spec.equal(units('all_units.csv --columns "extra=F,F=0" ' .. linear), nil)
+  record("extra.csv", 600, function(i, cells) return { cells[1], cells[2], cells[3], tostring(i % 7) } end, "t,F [N],y [m],hall")
+  spec.equal(units("extra.csv " .. linear), nil)  -- nothing takes it for SI
+end)
+
+spec.case("--check says how the force is read between its rows", function()
+  local function reading(arguments) return noted(arguments):match "between its rows[^\n]*" end
+  local of_models = ": by its rows; discovery asks the models too"
+  record("bits.csv", 600, function(i, cells) return { cells[1], (i // 20)^2 % 7 > 3 and "20" or "-20", cells[3] } end)
+  spec.equal(reading("good.csv " .. linear), "between its rows the force is read as cubic" .. of_models)
+  spec.equal(reading("bits.csv " .. linear), "between its rows the force is read as hold" .. of_models)
+  spec.equal(reading("bits.csv --test good.csv " .. linear),
+    "between its rows the force is read as hold (bits.csv), cubic (good.csv)" .. of_models)
+  spec.equal(reading("bits.csv --test good.csv --interpolation linear " .. linear),
+    "between its rows the force is read as linear, as was said")
+  spec.equal(reading("free.csv " .. linear), nil)  -- a decay has no force
+  spec.equal(reading('good.csv --imposed-motion --restoring "k*y + c*v"'), nil)
+end)
+
+spec.case("--check says that a set point wants its name", function()
+  local function four(header)
+    record("loop.csv", 600, function(_, cells) return { cells[1], cells[2], cells[3], cells[3] } end, header)
+  end
+  four "t,F,y,Setpoint [m]"
+  local hint = "nothing uses the channel 'Setpoint'; where it is what a controller was to follow, say y_reference=Setpoint"
+  spec.contains(noted("loop.csv " .. linear), hint)
+  spec.equal(noted('loop.csv --columns "y_reference=Setpoint" ' .. linear):find("y_reference=", 1, true), nil)
+  four "t,F,v,target"
+  spec.contains(noted("loop.csv " .. linear), "say v_reference=target")
+end)
+
+spec.case("--check warns of a clock that is far from 0", function()
+  local function late(start) record("late.csv", 600, function(i, cells) return { ("%.2f"):format(start + 0.01*i), cells[2], cells[3] } end) end
+  late(1732924800)
+  spec.contains(noted("late.csv " .. linear), "the time of late.csv begins at 1.73292e+09 s: effects of the time")
+  late(60)  -- ten times the record: a window of a long one
+  spec.equal(noted("late.csv " .. linear):find "the time of", nil)
+end)
+
 spec.case("a directory or nothing in place of a study", function()
   spec.shell "mkdir -p folder"
   for _, command in ipairs { "run", "check" } do
