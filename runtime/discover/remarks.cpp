@@ -51,8 +51,9 @@ std::string far_clock(const std::vector<Record>& records) {
   for (const Record& record : records)
     if (std::abs(record.start()) > far * record.duration())
       return "the time of " + record.name() + " begins at " + number(record.start(), 6) +
-             " s: effects of the time (stiffness_drift, damping_drift, crane_lowering, sensor_drift) are about t = 0, "
-             "where k and c would be extrapolated to. Subtract a time from the column, the same in all files";
+             " s, far from 0: effects of the time (stiffness_drift, damping_drift, crane_lowering, sensor_drift) are "
+             "about "
+             "t = 0, and drifts can hardly be told from k and c there. Subtract a time, the same in all files";
   return "";
 }
 

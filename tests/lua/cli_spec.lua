@@ -361,7 +361,7 @@ end)
 spec.case("--check warns of a clock that is far from 0", function()
   local function late(start) record("late.csv", 600, function(i, cells) return { ("%.2f"):format(start + 0.01*i), cells[2], cells[3] } end) end
   late(1732924800)
-  spec.contains(noted("late.csv " .. linear), "the time of late.csv begins at 1.73292e+09 s: effects of the time")
+  spec.contains(noted("late.csv " .. linear), "the time of late.csv begins at 1.73292e+09 s, far from 0: effects of the time")
   late(60)  -- ten times the record: a window of a long one
   spec.equal(noted("late.csv " .. linear):find "the time of", nil)
 end)
