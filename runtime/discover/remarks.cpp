@@ -52,8 +52,7 @@ std::string far_clock(const std::vector<Record>& records) {
     if (std::abs(record.start()) > far * record.duration())
       return "the time of " + record.name() + " begins at " + number(record.start(), 6) +
              " s, far from 0: effects of the time (stiffness_drift, damping_drift, crane_lowering, sensor_drift) are "
-             "about "
-             "t = 0, and drifts can hardly be told from k and c there. Subtract a time, the same in all files";
+             "about t = 0, and drifts can hardly be told from k and c there. Subtract a time, the same in all files";
   return "";
 }
 
