@@ -157,11 +157,11 @@ bool far_from_the_floor(const Gap& gap, double least, double times) {
   return !(gap.value < std::max(times * gap.floor, least));
 }
 
-bool leaves_motion_open(const Study& study, const Gap& gap) {
+bool leaves_motion_open(const Study& study, const Gap& gap, double part) {
   const bool decays = !study.imposed && are_free(study, study.full) && are_free(study, study.test);
   // A floor that was read off what is left itself holds what a force outside the catalogue makes beside the motion's
   // band.
-  return far_from_the_floor(gap, decays ? little_open : much_open, study.noise_has_colour ? 1.5 : 3);
+  return far_from_the_floor(gap, part * (decays ? little_open : much_open), study.noise_has_colour ? 1.5 : 3);
 }
 
 double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
@@ -406,8 +406,10 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // something else.
   const std::size_t names = round.found.chosen.choices.size();
   const double part = 0.2 / static_cast<double>(names);
-  const bool far =
-      leaves_motion_open(study, last) && last.value - last.floor > part * (at_most_all(first.value) - last.floor);
+  const auto is_shape = [](const Choice& c) { return c.effect->name != "constant_force"; };
+  const auto shapes = std::max<std::ptrdiff_t>(1, std::ranges::count_if(round.found.chosen.choices, is_shape));
+  const bool far = leaves_motion_open(study, last, 1.0 / static_cast<double>(shapes)) &&
+                   last.value - last.floor > part * (at_most_all(first.value) - last.floor);
   const double closed = closed_share(first.value, last.value, last.floor);
   if (far || (last.value > 3 * last.floor && closed < 1 - 0.5 * part) ||
       (last.value > 1.5 * last.floor && closed < 0.5))

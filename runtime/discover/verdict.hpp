@@ -52,8 +52,8 @@ Eigen::VectorXd theta_on(const Study& study, const Candidate& c, const Record& r
 bool far_from_the_floor(const Gap& gap, double least, double times = 3);
 
 /// "Nothing missing" cannot be said of a model that leaves a good part of the motion open, whatever the search found.
-/// Less is enough in free decays, where no force is there to be known badly.
-bool leaves_motion_open(const Study& study, const Gap& gap);
+/// Less is enough in free decays, where no force is there to be known badly. `part`: of the share that is enough.
+bool leaves_motion_open(const Study& study, const Gap& gap, double part = 1);
 /// The part of what a model leaves of the training and of the test records that follows the forces linearly, where that
 /// is more than `least`, far above their floors, and no loop makes the forces answer it: dynamics that the model lacks
 /// and no force of its motion stands for. 0 elsewhere.
