@@ -193,7 +193,8 @@ void warn_of_no_noise(Study& study, const Record& record) {
 Record with_noise_between_jumps(const Record& record) {
   if (!record.has("F")) return record;
   Channel force = record.channel("F");
-  force.noise = std::min(force.noise, noise_between_jumps(record["F"]));
+  force.values = as_vector(record["F"]);
+  force.noise = std::min(force.noise, noise_between_jumps(view(force.values)));
   return record.with(std::move(force));
 }
 
