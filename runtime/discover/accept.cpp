@@ -188,7 +188,7 @@ Record with_all_forces(const Study& study, const Record& record, std::vector<std
                            std::to_string(forces.size()) + " coordinates: name the column " + forces.front() +
                            " or another of them, or give the model forces = { 1 }",
                        {record.name(), 0, 0}, Fault::data);
-    Channel force = record.channel("F");
+    Channel force = of_window(record, "F");
     force.name = forces.front();
     return out.with(std::move(force));
   }

@@ -192,8 +192,7 @@ void warn_of_no_noise(Study& study, const Record& record) {
 /// Of a force that answers an imposed motion: friction jumps where that turns back.
 Record with_noise_between_jumps(const Record& record) {
   if (!record.has("F")) return record;
-  Channel force = record.channel("F");
-  force.values = as_vector(record["F"]);
+  Channel force = of_window(record, "F");
   force.noise = std::min(force.noise, noise_between_jumps(view(force.values)));
   return record.with(std::move(force));
 }

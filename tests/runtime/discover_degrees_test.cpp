@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "discover/study.hpp"
 #include "discover_chain.hpp"
 #include "message.hpp"
 #include "record/derive.hpp"
@@ -300,6 +301,15 @@ TEST(DegreesRefuse, MoreCoordinatesThanFive) {
   const Model model = baseline_of(truth::in_a_row({1, 1, 1, 1, 1, 1}, 1, 0.06), truth::scale_named("milli"));
   EXPECT_EQ(refusal(model, part({{"F1", "F1"}, {"y1", "y1"}})),
             "discover: expected a model of no more than 5 coordinates, got 6: take a part of it, or one of its modes");
+}
+
+TEST(Degrees, TakeOneForceOfAWindowToo) {
+  const Model model = baseline_of(two_masses(), truth::scale_named("milli"));
+  const Record whole = part({{"F1", "F"}, {"y1", "y1"}, {"y2", "y2"}});
+  const DiscoverOptions options;
+  const Study study = prepare(complete(model), {whole.slice(50, 300)}, {whole}, options);
+  ASSERT_EQ(study.full[0].rows(), 300);
+  for (const std::size_t i : {0, 299}) EXPECT_EQ(study.full[0]["F1"][i], whole["F"][50 + i]);
 }
 
 // F is the force of the only coordinate that is driven.
