@@ -234,6 +234,13 @@ void warn_of_one_motion(const Study& study, const Round& round, Discovery& out) 
                          "more than two names are not given: measure at another level and another frequency");
 }
 
+std::string what_is_left(const Discovery& out) {
+  char text[100];
+  std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone)", out.final_test.value,
+                out.final_test.floor);
+  return text;
+}
+
 /// The verdict in a sentence, without its first word; of a Discovery whose verdict, effects, gaps and experiment are
 /// there.
 std::string sentence(const Study& study, const Round& round, const Discovery& out) {
@@ -267,17 +274,11 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
     return out.experiment.empty() ? said : said + ". To tell: " + sentence_of(out.experiment);
   }
   if (out.verdict == Verdict::nothing_missing && !found.reading.empty()) {
-    std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone) ", out.final_test.value,
-                  out.final_test.floor);
-    return text + std::string("is gone where the force is read ") + found.reading +
+    return what_is_left(out) + " is gone where the force is read " + found.reading +
            ": what a force may do between its samples, such as a controller's part that is held, or channels that are "
            "read a part of a sample apart; no effect is named";
   }
   if (out.verdict == Verdict::nothing_missing) {
-    std::snprintf(text, sizeof text, "; what is left (gap %.2g on test, %.2g from noise alone) is %s",
-                  out.final_test.value, out.final_test.floor,
-                  round.loose_test ? "no more than three deviations of the parameters make of that record"
-                                   : "removed by no such force in free runs");
     const bool rough = out.final_test.value > 1.5 * out.final_test.floor;
     std::string said = "no effect of the catalogue and no generic force of the motion lowers the left-out gap ";
     if (!round.withdrawn.empty())
@@ -289,18 +290,18 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
       said += "enough; " + small;
     else
       said += "beyond chance";
-    return said + (rough ? text : "");
+    if (!rough) return said;
+    return said + "; " + what_is_left(out) + " is " +
+           (round.loose_test ? "no more than three deviations of the parameters make of that record"
+                             : "removed by no such force in free runs");
   }
   if (!found.baseline.ran()) return "the baseline cannot be run, and no entry of the catalogue makes it run";
   const std::string nearest = round.withdrawn.empty() ? "" : "; nearest: " + round.withdrawn + by_the_test(round);
   if (!left.seen && round.driven > 0) {
-    std::snprintf(text, sizeof text, "%.0f %% of what is left (gap %.2g on test, %.2g from noise alone) ",
-                  100 * round.driven, out.final_test.value, out.final_test.floor);
-    return text +
-           std::string(
-               "follows the force linearly: dynamics that the model lacks, such as a further mode, or a "
-               "part that gives way between the force and the sensor; no entry of the catalogue "
-               "explains them") +
+    std::snprintf(text, sizeof text, "%.0f %% of ", 100 * round.driven);
+    return text + what_is_left(out) +
+           " follows the force linearly: dynamics that the model lacks, such as a further mode, or a part that gives "
+           "way between the force and the sensor; no entry of the catalogue explains them" +
            nearest;
   }
   const bool follows = !leaves_motion_open(study, out.final_train) && !far_from_the_floor(out.final_train, 0);
@@ -310,11 +311,8 @@ std::string sentence(const Study& study, const Round& round, const Discovery& ou
            number(out.final_test.value, 2) + ", " + number(out.final_test.floor, 2) +
            "): these show what the former do not, a larger motion or another band. Train on records like both" +
            nearest;
-  if (!left.seen && !leaves_motion_open(study, out.final_train) && !leaves_motion_open(study, out.final_test)) {
-    std::snprintf(text, sizeof text, "what is left (gap %.2g on test, %.2g from noise alone) is repeatable",
-                  out.final_test.value, out.final_test.floor);
-    return text + std::string(", and no entry of the catalogue explains it") + nearest;
-  }
+  if (!left.seen && !leaves_motion_open(study, out.final_train) && !leaves_motion_open(study, out.final_test))
+    return what_is_left(out) + " is repeatable, and no entry of the catalogue explains it" + nearest;
   if (!left.seen)
     return "much of the motion is not explained, by no entry of the catalogue nor by generic forces of y and v" +
            nearest;

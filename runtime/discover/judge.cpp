@@ -172,6 +172,17 @@ std::vector<Eigen::Index> numbers_added(const Candidate& larger, const Candidate
   return out;
 }
 
+/// Sum of squares along the motion of what a model's force loses where these parameters are zero.
+double squares_without(const Study& study, const Candidate& c, const Eigen::VectorXd& theta,
+                       const std::vector<Eigen::Index>& parameters) {
+  Eigen::VectorXd without = theta;
+  without(parameters).setZero();
+  double squares = 0;
+  for (const Record& record : study.smooth)
+    squares += (open_force(c, theta, record) - open_force(c, without, record)).squaredNorm();
+  return squares;
+}
+
 /// What `larger` adds along the motion has gone, all but a fifth, where these parameters are a twentieth of what they
 /// are.
 bool are_its_size(const Study& study, const Candidate& larger, const Candidate& smaller,
@@ -241,12 +252,7 @@ bool sizes_are_told(const Study& study, const Candidate& named) {
     }
     if (linear.empty()) return true;
     const auto force = [&](const Eigen::VectorXd& theta) {
-      Eigen::VectorXd without = theta;
-      without(linear).setZero();
-      double squares = 0;
-      for (const Record& record : study.smooth)
-        squares += (open_force(named, theta, record) - open_force(named, without, record)).squaredNorm();
-      return std::sqrt(squares);
+      return std::sqrt(squares_without(study, named, theta, linear));
     };
     constexpr double step = 1e-3;  // of a value
     const double size = force(named.fit.theta);
@@ -275,18 +281,15 @@ std::size_t added_near_zero(const Candidate& c, double level) {
 bool carries_force(const Study& study, const Candidate& larger, const Candidate& smaller) {
   constexpr double least = 1e-3;
   const auto& table = larger.system->model().parameters;
-  const Eigen::VectorXd& theta = larger.fit.theta;
-  Eigen::VectorXd without = theta;
+  std::vector<Eigen::Index> added_parameters;
   for (std::size_t j = 0; j < table.size(); ++j) {
     if (smaller.system->model().find(table[j].name)) continue;
     if (!larger.linear[j]) return true;
-    without[static_cast<Eigen::Index>(j)] = 0;
+    added_parameters.push_back(static_cast<Eigen::Index>(j));
   }
-  double squares = 0, rows = 0;
-  for (const Record& record : study.smooth) {
-    squares += (open_force(larger, theta, record) - open_force(larger, without, record)).squaredNorm();
-    rows += static_cast<double>(record.rows());
-  }
+  const double squares = squares_without(study, larger, larger.fit.theta, added_parameters);
+  double rows = 0;
+  for (const Record& record : study.smooth) rows += static_cast<double>(record.rows());
   const auto added = std::find_if(larger.choices.begin(), larger.choices.end(),
                                   [&](const Choice& c) { return !holds(smaller.choices, c.effect); });
   const std::optional<Place> place = added != larger.choices.end() ? added->effect->place : std::nullopt;

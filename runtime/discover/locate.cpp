@@ -36,8 +36,7 @@ Eigen::VectorXd smoothing_error(const Study& study, const Candidate& reference, 
   Record own = record;
   const std::vector<std::string> outputs = study.outputs();
   for (std::size_t c = 0; c < outputs.size(); ++c) {
-    Channel shown = record.channel(outputs[c]);
-    shown.values = as_vector(record[outputs[c]]);
+    Channel shown = of_window(record, outputs[c]);
     for (Eigen::Index i = 0; i < shown.values.size(); ++i)
       if (std::isfinite(runs[c][i])) shown.values[i] = runs[c][i];
     own = own.with(std::move(shown));

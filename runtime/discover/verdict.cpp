@@ -122,11 +122,12 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
+/// A mean force has none that could follow another's.
+bool has_shape(const Choice& c) { return c.effect->name != "constant_force"; }
+
 /// The most at one place.
 std::ptrdiff_t springs_among(const Choices& names) {
-  const auto is_spring = [](const Choice& c) {
-    return c.effect->family == "stiffness" && c.effect->name != "constant_force";
-  };
+  const auto is_spring = [](const Choice& c) { return c.effect->family == "stiffness" && has_shape(c); };
   std::ptrdiff_t most = 0;
   for (const Choice& one : names)
     most = std::max(most, std::ranges::count_if(names, [&](const Choice& c) {
@@ -406,8 +407,7 @@ std::string refuted(const Study& study, const Round& round, double p_value, cons
   // something else.
   const std::size_t names = round.found.chosen.choices.size();
   const double part = 0.2 / static_cast<double>(names);
-  const auto is_shape = [](const Choice& c) { return c.effect->name != "constant_force"; };
-  const auto shapes = std::max<std::ptrdiff_t>(1, std::ranges::count_if(round.found.chosen.choices, is_shape));
+  const auto shapes = std::max<std::ptrdiff_t>(1, std::ranges::count_if(round.found.chosen.choices, has_shape));
   const bool far = leaves_motion_open(study, last, 1.0 / static_cast<double>(shapes)) &&
                    last.value - last.floor > part * (at_most_all(first.value) - last.floor);
   const double closed = closed_share(first.value, last.value, last.floor);

@@ -62,6 +62,24 @@ Candidate with_force(const Study& study, double value, const std::string& force 
   return c;
 }
 
+/// A model with a power of the rate more, whose size is known to this part at a rate of 1, as it stands in smaller
+/// units.
+Candidate with_power(const Study& study, double power, double relative, double unit) {
+  constexpr double value = 0.4, of_power = 0.05;
+  const Model model = testing::baseline("k*y", 1);
+  static std::vector<Effect> kept;
+  kept = {testing::entry(*model.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
+                         {testing::row("drag_c"), testing::row("drag_p")})};
+  Candidate c = compile(study, complete(model), {{&kept.front(), 0}});
+  const double there = value * std::pow(unit, power), slope = there * std::log(unit);
+  c.fit.theta = Eigen::Vector3d(1, there, power);
+  c.fit.covariance = Eigen::Matrix3d::Identity();
+  c.fit.covariance(1, 1) = std::pow(relative * there, 2) + std::pow(slope * of_power, 2);
+  c.fit.covariance(1, 2) = c.fit.covariance(2, 1) = slope * of_power * of_power;
+  c.fit.covariance(2, 2) = of_power * of_power;
+  return c;
+}
+
 TEST(ClosedShare, AModelThatIsWorseThanNoneCountsAsNone) {
   EXPECT_DOUBLE_EQ(closed_share(1e6, 0.3, 0), closed_share(1, 0.3, 0));
   EXPECT_DOUBLE_EQ(closed_share(INFINITY, 0.3, 0), 1 - 0.3 * 0.3);
@@ -71,20 +89,8 @@ TEST(ClosedShare, AModelThatIsWorseThanNoneCountsAsNone) {
 /// The coefficient of a power is another number in other units, and its deviation holds that of the exponent there.
 TEST(Judge, ACoefficientOfAPowerIsToldFromZeroInAllUnits) {
   const Compared c(noise, 0);
-  constexpr double value = 0.4, power = 1.5, relative = 0.1, of_power = 0.05;
-  for (const double unit : {1.0, 1e3, 1e6}) {
-    const Model model = testing::baseline("k*y", 1);
-    const std::vector<Effect> effects{testing::entry(*model.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
-                                                     {testing::row("drag_c"), testing::row("drag_p")})};
-    Candidate larger = compile(c.study, complete(model), {{&effects.front(), 0}});
-    const double there = value * std::pow(unit, power), slope = there * std::log(unit);
-    larger.fit.theta = Eigen::Vector3d(1, there, power);
-    larger.fit.covariance = Eigen::Matrix3d::Identity();
-    larger.fit.covariance(1, 1) = std::pow(relative * there, 2) + std::pow(slope * of_power, 2);
-    larger.fit.covariance(1, 2) = larger.fit.covariance(2, 1) = slope * of_power * of_power;
-    larger.fit.covariance(2, 2) = of_power * of_power;
-    EXPECT_TRUE(told_from_zero(c.study, larger, c.best)) << unit;
-  }
+  for (const double unit : {1.0, 1e3, 1e6})
+    EXPECT_TRUE(told_from_zero(c.study, with_power(c.study, 1.5, 0.1, unit), c.best)) << unit;
 }
 
 /// A baseline whose fit ended elsewhere makes the likelihood of any force that started better: the force's own
@@ -140,22 +146,12 @@ TEST(Judge, AForceThatIsThereWithoutItsCoefficientIsToldByItsOtherNumbers) {
 /// Beside c*v a power near 1 grows without end. In small units the coefficient of any power is uncertain: the force is
 /// not.
 TEST(Judge, ASizeIsToldByItsForceInAllUnits) {
-  constexpr double value = 0.4, power = 1.1, of_power = 0.05;
   for (const double unit : {1.0, 1e3, 1e6})
     for (const double relative : {0.1, 0.9, 1.1}) {
       Compared c(noise, 0);
       add_motion(c, 1 / unit);
-      const Model model = testing::baseline("k*y", 1);
-      const std::vector<Effect> effects{testing::entry(*model.pool, "drag", "drag_c*abs(v)^drag_p*sign(v)",
-                                                       {testing::row("drag_c"), testing::row("drag_p")})};
-      Candidate named = compile(c.study, complete(model), {{&effects.front(), 0}});
-      const double there = value * std::pow(unit, power), slope = there * std::log(unit);
-      named.fit.theta = Eigen::Vector3d(1, there, power);
-      named.fit.covariance = Eigen::Matrix3d::Identity();
-      named.fit.covariance(1, 1) = std::pow(relative * there, 2) + std::pow(slope * of_power, 2);
-      named.fit.covariance(1, 2) = named.fit.covariance(2, 1) = slope * of_power * of_power;
-      named.fit.covariance(2, 2) = of_power * of_power;
-      EXPECT_EQ(sizes_are_told(c.study, named), relative < 1) << unit << ' ' << relative;
+      EXPECT_EQ(sizes_are_told(c.study, with_power(c.study, 1.1, relative, unit)), relative < 1)
+          << unit << ' ' << relative;
     }
 }
 
