@@ -109,10 +109,14 @@ struct Bubble {
   double operator()(double u) const { return u * (1 - u) * (even + odd * (u - 0.5)); }
 };
 
+/// That of this integral and first moment about the middle over an interval of length 1: its own are even/6, odd/120.
+Bubble bubble_of(double from, double to, double integral, double moment) {
+  return {6 * (integral - 0.5 * (from + to)), 120 * (moment - (to - from) / 12)};
+}
+
 constexpr int quarters = 4;
 
-/// That of so many intervals of a grid with their quarters (Boole: exact for a cubic's first moment): its integral is
-/// even/6, its first moment about the middle odd/120.
+/// That of so many intervals of a grid with their quarters (Boole: exact for a cubic's first moment).
 Bubble bubble_over(const VectorXd& grid, Index first, Index rows, bool held) {
   constexpr double weights[quarters + 1] = {7.0 / 90, 32.0 / 90, 12.0 / 90, 32.0 / 90, 7.0 / 90};
   const double from = grid[quarters * first], to = grid[quarters * (first + rows)], own = static_cast<double>(rows);
@@ -123,7 +127,7 @@ Bubble bubble_over(const VectorXd& grid, Index first, Index rows, bool held) {
       integral += weights[j] / own * value;
       moment += weights[j] / own * value * ((static_cast<double>(i) + 0.25 * j) / own - 0.5);
     }
-  return {6 * (integral - 0.5 * (from + to)), 120 * (moment - (to - from) / 12)};
+  return bubble_of(from, to, integral, moment);
 }
 
 /// Samples f at `places` (parts of an interval, the first 0) of each interval, then the last one.
@@ -466,6 +470,27 @@ Excitation Excitation::joined(Index rows) const {
   for (Index i = 0; i + 1 < count; ++i)
     out.source_->bubbles.push_back(bubble_over(grid, i * rows, rows, interpolation_ == Interpolation::hold));
   out.interpolation_ = Interpolation::cubic;
+  return out;
+}
+
+std::pair<Excitation, Excitation> Excitation::held_later(double delay) const {
+  const double whole = std::ceil(delay / dt_ - on_sample);
+  const double jump = delay / dt_ - whole + 1;  // where in an interval the value changes: above 0, to 1
+  VectorXd held(rows_);
+  for (Index i = 0; i < rows_; ++i) held[i] = also_before(t0_ + dt_ * (static_cast<double>(i) - whole));
+  const VectorXd still = VectorXd::Zero(rows_);
+  const auto curved = [&](const VectorXd& samples) {
+    Excitation out(t0_, dt_, {samples.data(), static_cast<std::size_t>(rows_)}, Interpolation::linear);
+    out.interpolation_ = Interpolation::cubic;
+    return out;
+  };
+  std::pair out{curved(held), curved(still)};
+  for (Index i = 0; i + 1 < rows_; ++i) {
+    const double from = held[i], to = held[i + 1], step = to - from;
+    const double integral = from + (1 - jump) * step, moment = 0.5 * jump * (1 - jump) * step;
+    out.first.source_->bubbles.push_back(bubble_of(from, to, integral, moment));
+    out.second.source_->bubbles.push_back(bubble_of(0, 0, step / dt_, (jump - 0.5) * step / dt_));
+  }
   return out;
 }
 

@@ -115,15 +115,18 @@ Excitations excitations_of(const System& system, const Record& record, std::opti
 
 namespace {
 
-/// A signal `delay` later, and its rate; a held one as straight lines within the interval of its jump.
-Excitation shifted(const Excitation& signal, double delay, bool rate) {
+/// A signal `delay` later, and its rate.
+std::pair<Excitation, Excitation> shifted(const Excitation& signal, double delay) {
+  if (signal.interpolation() == Interpolation::hold) return signal.held_later(delay);
   const double h = 1e-4 * signal.dt();
   const auto at = [=](double t) { return signal.also_before(t - delay); };
   const auto slope = [=](double t) {
     return (signal.also_before(t - delay + h) - signal.also_before(t - delay - h)) / (2 * h);
   };
-  if (rate) return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(slope));
-  return Excitation(signal.t0(), signal.dt(), signal.rows(), std::function<double(double)>(at));
+  const auto of = [&](std::function<double(double)> f) {
+    return Excitation(signal.t0(), signal.dt(), signal.rows(), std::move(f));
+  };
+  return {of(at), of(slope)};
 }
 
 }  // namespace
@@ -156,14 +159,12 @@ Excitations Excitations::of(const System& system, std::span<const double> theta)
   if (!system.model().delay.valid()) return all;
   const double delay = system.delay(theta);
   const std::size_t forces = system.model().driven.size();
-  Excitations moved;
-  for (std::size_t i = 0; i < all.signals_.size(); ++i) {
-    moved.channels_.push_back(all.channels_[i]);
-    moved.signals_.push_back(i < forces ? shifted(all.signals_[i], delay, false) : all.signals_[i]);
-  }
+  Excitations moved = all;
   for (std::size_t i = 0; i < forces; ++i) {
+    auto [later, rate] = shifted(all.signals_[i], delay);
+    moved.signals_[i] = std::move(later);
     moved.channels_.push_back("rate_of_" + all.channels_[i]);
-    moved.signals_.push_back(shifted(all.signals_[i], delay, true));
+    moved.signals_.push_back(std::move(rate));
   }
   moved.channels_.push_back("delay_now");
   moved.signals_.push_back(Excitation(t0(), dt(), std::vector<double>(static_cast<std::size_t>(rows()), delay),

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "record/record.hpp"
@@ -73,6 +74,9 @@ class Excitation {
   /// integral and its first moment, which are all that y and v at the rows see of a force on a mass. Throws InputError
   /// when rows < 1, or when fewer than two would be left.
   Excitation joined(Eigen::Index rows) const;
+  /// Of a held force: the same so much later, >= 0 s, before its first row as also_before() has it, and the rate of
+  /// that. The jump between two rows is the cubic of joined(), which goes with the delay without jumps of its own.
+  std::pair<Excitation, Excitation> held_later(double delay) const;
   /// The same with so much more at each sample, read between them as the samples are. Throws InputError when these are
   /// not as many or a sum is not finite.
   Excitation plus(std::span<const double> more) const;

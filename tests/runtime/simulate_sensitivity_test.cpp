@@ -101,6 +101,45 @@ TEST(Sensitivities, JumpWhereAStateReachesItsBound) {
   EXPECT_LT(worst_difference(moving, same, slow, state({0.02, 0.1, 0.015}), 4), 1e-5);
 }
 
+/// Steps of +-2 that hold for three rows, 90 rows at 0.01 s in parts of a row, behind ten that are known.
+Excitation held_steps(int parts) {
+  std::vector<double> force;
+  unsigned bits = 0x2d5b91e7;
+  for (int row = 0; row < 100; ++row) {
+    if (row % 3 == 0) bits = bits >> 1 | (bits & 1) << 31;
+    force.insert(force.end(), static_cast<std::size_t>(parts), bits & 1 ? 2.0 : -2.0);
+  }
+  return Excitation(-0.1, 0.01 / parts, force, Interpolation::hold).part(10 * parts, 90 * parts);
+}
+
+// A held force that is late by parts of a row jumps between the rows. The same steps on rows fine enough to hold the
+// jumps give the motion, to the third moment of a jump within a row; the motion goes with the delay as steadily as that
+// of a smooth force.
+TEST(Sensitivities, OfADelayOfHeldStepsAreThoseOfTheRun) {
+  Model model = model_of("m", "c*v + k*y");
+  const System system(model);
+  model.delay = model.pool->parameter("late");
+  const System late(complete(model));
+  const Eigen::VectorXd at_rest = state({0, 0});
+  for (const int parts : {0, 3, 25, 38, 40, 79}) {  // of 40 to a row
+    const double delay = 0.01 * parts / 40;
+    const std::vector<double> own{1.3, 0.9, 160};
+    const auto theta = theta_of(late, {{"m", own[0]}, {"c", own[1]}, {"k", own[2]}, {"late", delay}});
+    const lunid::Run run = simulate(late, theta, held_steps(1), at_rest, with_substeps(2));
+    const Excitation steps = held_steps(40);
+    std::vector<double> moved;
+    for (Eigen::Index i = 0; i < steps.rows(); ++i)
+      moved.push_back(steps.also_before(0.01 / 40 * (static_cast<double>(i) - parts + 1e-6)));
+    const lunid::Run fine = simulate(system, theta_of(system, {{"m", own[0]}, {"c", own[1]}, {"k", own[2]}}),
+                                     Excitation(0, 0.01 / 40, moved, Interpolation::hold), at_rest, with_substeps(1));
+    const double largest = fine.x.col(0).cwiseAbs().maxCoeff();
+    for (Eigen::Index row = 0; row < run.x.rows(); ++row)
+      EXPECT_NEAR(run.x(row, 0), fine.x(40 * row, 0), 1e-4 * largest) << delay << " s, row " << row;
+  }
+  const auto theta = theta_of(late, {{"m", 1.3}, {"c", 0.9}, {"k", 160}, {"late", 0.0173}});
+  EXPECT_LT(worst_difference(late, theta, held_steps(1), state({0.01, 0.1}), 2), 1e-5);
+}
+
 // With a state, a delayed force and dry friction at which the mass stops: the central differences of the acceleration,
 // and 0 while it sticks.
 TEST(Sensitivities, OfTheAccelerationAreThoseOfTheRun) {
