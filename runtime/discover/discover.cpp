@@ -164,14 +164,29 @@ class Spine {
   /// such a motion. Where nothing was named, also that no set which was fitted comes near, or that the best one is
   /// lost.
   bool nothing_follows(const Round& round) const {
+    if (study_.imposed) return false;
     const Gap& gap = round.left.gap;
-    if (study_.imposed || std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return false;
+    if (std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return may_be_one_that_is_lost(round);
     if (round.names())
-      return noise_leads_astray(study_, gap) && rms_error(round.found.chosen.fit) > 2 * study_.sensor_noise();
+      return (noise_leads_astray(study_, gap) && stays_above_noise(round)) || may_be_one_that_is_lost(round);
     const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
     const std::vector<Candidate>& sets = round.found.grown.sets;
-    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
+    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front()) ||
+           may_be_one_that_is_lost(round);
+  }
+
+  bool stays_above_noise(const Round& round) const {
+    return rms_error(round.found.chosen.fit) > 2 * study_.sensor_noise();
+  }
+
+  /// What was found stays above the noise, and of the best single effects one is lost: a force that jumps, say, where a
+  /// smooth one beside it comes nearer.
+  bool may_be_one_that_is_lost(const Round& round) const {
+    int asked = 3;
+    return stays_above_noise(round) && std::ranges::any_of(round.found.grown.sets, [&](const Candidate& c) {
+             return c.choices.size() == 1 && asked-- > 0 && is_lost(study_, c);
+           });
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model

@@ -1,5 +1,6 @@
 // Levenberg-Marquardt on free runs, and what is known of the solution.
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 
 #include "expr/digits.hpp"
@@ -10,14 +11,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int variance_blocks = 20;  // over which sums of scores are taken to be independent
-
-/// J'J of theta with first states projected out.
-Eigen::MatrixXd schur(const Normal& normal) {
-  Eigen::MatrixXd a = normal.a;
-  for (std::size_t s = 0; s < normal.axx.size(); ++s)
-    a.noalias() -= normal.ax[s] * pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose();
-  return a;
-}
 
 /// Parameters that may not move: fixed ones, and those at a bound that the gradient pushes against.
 std::vector<std::uint8_t> frozen(const Bounds& bounds, const Eigen::VectorXd& theta, const Eigen::VectorXd& descent,
@@ -54,16 +47,25 @@ void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& in
   covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
+/// What this leaves of the columns: their part beside the span of these states, by reflections. Where small differences
+/// grow, both grow alike: of what is left of theta's columns the normal equations lose all below 1e-8 of its length.
+Eigen::MatrixXd beside_states(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& states) {
+  if (states.cols() == 0) return columns;
+  constexpr double same = 1e-10;  // of a column's length
+  const Eigen::VectorXd lengths = states.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(states.rows(), states.cols());
+  qr.setThreshold(same).compute(states * lengths.cwiseInverse().asDiagonal());
+  Eigen::MatrixXd out = qr.householderQ().adjoint() * columns;
+  out.topRows(qr.rank()).setZero();
+  return qr.householderQ() * out;
+}
+
 /// The columns of theta with first states projected out; a matrix per segment.
 std::vector<Eigen::MatrixXd> projected_columns(const Normal& normal) {
   const Eigen::Index p = normal.a.rows();
   std::vector<Eigen::MatrixXd> out;
-  for (std::size_t s = 0; s < normal.parts.size(); ++s) {
-    const Eigen::MatrixXd& columns = normal.parts[s].columns;
-    out.emplace_back(columns.leftCols(p));
-    if (!normal.axx.empty())
-      out.back() -= columns.rightCols(columns.cols() - p) * (pseudo_inverse(normal.axx[s]) * normal.ax[s].transpose());
-  }
+  for (const Normal::Part& part : normal.parts)
+    out.push_back(beside_states(part.columns.leftCols(p), part.columns.rightCols(part.columns.cols() - p)));
   return out;
 }
 
@@ -278,12 +280,15 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
       result.residual[static_cast<std::size_t>(c) * data.size() + static_cast<std::size_t>(segment.record)].segment(
           segment.first, segment.count) = normal.parts[s].residual.segment(c * segment.count, segment.count);
   }
-  result.information = schur(normal);
+  std::vector<Eigen::MatrixXd> columns = projected_columns(normal);
+  result.information = Eigen::MatrixXd::Zero(p, p);
+  for (const Eigen::MatrixXd& own : columns) result.information.noalias() += own.transpose() * own;
   result.unseen.assign(static_cast<std::size_t>(p), 0);
+  constexpr double least = 1e-16;  // of the square of a column's length
   Eigen::Index free = 0;
   for (Eigen::Index i = 0; i < p; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (!(result.information(i, i) > 1e-10 * normal.a(i, i))) result.unseen[k] = 1;
+    if (!(result.information(i, i) > least * normal.a(i, i))) result.unseen[k] = 1;
     if (!result.at_bound[k] && !bounds.fixed[k]) ++free;
   }
   const double states =
@@ -291,8 +296,7 @@ void finish(const System& system, const std::vector<FitData>& data, const Bounds
   result.freedom = std::max(1.0, static_cast<double>(normal.rows - free) - states);
   const Eigen::MatrixXd information = information_of_free(result, bounds), inverse = pseudo_inverse(information);
   result.unidentifiable = unidentifiable(information, inverse);
-  result.covariance =
-      covariance_of(normal, projected_columns(normal), inverse, result.freedom, Eigen::MatrixXd::Zero(p, p));
+  result.covariance = covariance_of(normal, std::move(columns), inverse, result.freedom, Eigen::MatrixXd::Zero(p, p));
 }
 
 }  // namespace
