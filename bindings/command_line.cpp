@@ -59,7 +59,8 @@ void add_shared(CLI::App* app, Values& values, bool with_out = true) {
 /// How a record is read that a command names.
 void add_reading(CLI::App* app, Values& values) {
   app->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
-  app->add_option("--rate", values.rate, "rows per second, where there is no time; of a MAT or HDF5 file also its name")
+  app->add_option("--rate", values.rate,
+                  "rows per second (\"4 kHz\"), where there is no time; of a MAT or HDF5 file also its name")
       ->check(Check([](const std::string& text) -> std::string {
         char* end = nullptr;
         const double rate = std::strtod(text.c_str(), &end);

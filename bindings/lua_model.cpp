@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/columns.hpp"
 #include "runtime.hpp"
 #include "types.hpp"
 
@@ -178,6 +179,14 @@ int read_unit(lua_State* L) {
   return 2;
 }
 
+/// unit_meant("inches") -> "in"; nil of a word that stands for none
+int read_unit_word(lua_State* L) {
+  const std::string unit = unit_meant(check_string(L, 1));
+  if (unit.empty()) return 0;
+  push_text(L, unit);
+  return 1;
+}
+
 int equation(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string format = lua_isnoneornil(L, 2) ? "plain" : check_string(L, 2);
@@ -322,8 +331,10 @@ void open_models(lua_State* L) {
   static constexpr Entry methods[] = {{"equation", guarded<equation>}, {"c_code", guarded<write_c>}};
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Model>(L, methods, meta);
-  static constexpr Entry functions[] = {
-      {"model", guarded<make_model>}, {"model_with", guarded<with>}, {"si_unit", guarded<read_unit>}};
+  static constexpr Entry functions[] = {{"model", guarded<make_model>},
+                                        {"model_with", guarded<with>},
+                                        {"si_unit", guarded<read_unit>},
+                                        {"unit_meant", guarded<read_unit_word>}};
   set_functions(L, functions);
 }
 

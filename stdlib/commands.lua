@@ -79,27 +79,80 @@ end
 local likely = { x = "displacement is written y", X = "displacement is written y", Y = "displacement is written y",
   V = "velocity is written v", dy = "velocity is written v", dx = "velocity is written v" }
 
---- A parameter by a name that others give to a signal is most likely meant as that signal.
-local function warn_of_signal(source, name)
-  if likely[name] then
-    print(("%-11s%s: '%s' is taken for a parameter to fit; the %s"):format("note", source, name, likely[name]))
+local function note(source, text) print(("%-11s%s: %s"):format("note", source, text)) end
+
+--- A parameter by a name that others give to a signal is most likely meant as that signal, by that of an effect as this.
+local function warn_of_name(source, name)
+  local meant = likely[name] and "the " .. likely[name]
+  for _, effect in ipairs(require("lunid.catalogue").names) do
+    if name == effect then
+      meant = ("the effect stands in the file of a baseline (--baseline), as lunid.effects.%s {}"):format(name)
+    end
+  end
+  if meant then note(source, ("'%s' is taken for a parameter to fit; %s"):format(name, meant)) end
+end
+
+--- Parameters that stand alone are constant forces, of which a record shows the sum: "ky + cv" is "k*y + c*v" most likely.
+local function warn_of_constants(source, force)
+  local has, constants, product = {}, {}, false
+  for _, symbol in ipairs(force:symbols()) do has[symbol.name] = true end
+  for _, symbol in ipairs(force:symbols()) do
+    if symbol.kind == "parameter" then
+      local alone = true
+      for _, other in ipairs(force:derivative(core.parse(symbol.name, source)):symbols()) do
+        alone = alone and other.kind == "parameter"
+      end
+      local signal = symbol.name:match "^%a%d*([yv])$"
+      if alone then constants[#constants + 1] = symbol.name end
+      product = product or alone and signal and not has[signal]
+    end
+  end
+  if product or #constants > 1 then
+    note(source, ("constant forces to fit: %s; a product is written with *, as k*y"):format(table.concat(constants, ", ")))
   end
 end
 
 local of_a_kilogram = { [""] = 1e-3, m = 1e-6, u = 1e-9, n = 1e-12 }
 
---- "1.9 t" -> "1900": a mass with its unit, in SI; any other text as it is. Here g is the gram, as nowhere else.
-local function mass_in_si(text)
+--- "1.9 t" -> 1.9, "t"; nil of all that is no number with a unit.
+local function quantity(text)
   local value, unit = text:match "^%s*([%d.]+[eE]?[-+]?%d*)%s*(%a.-)%s*$"
-  if tonumber(text) or not tonumber(value) then return text end
+  if tonumber(text) or not tonumber(value) then return nil end
+  return tonumber(value), unit
+end
+
+--- "1.9 t" -> "1900", "kg": a mass with its unit, in SI; any other text as it is. Here g is the gram, as nowhere else.
+local function mass_in_si(text)
+  local value, unit = quantity(text)
+  if not value then return text end
   local prefix, of_inertia = unit:match "^([mun]?)g%f[%A](.*)$"
   local factor, si = core.si_unit(prefix and "kg" .. of_inertia or unit)
   if factor and prefix then factor = factor * of_a_kilogram[prefix] end
-  if factor and (si:find "kg" or si:find " s^2") then return ("%.17g"):format(tonumber(value) * factor) end
+  if factor and (si:find "kg" or si:find " s^2" or si == "V s/A") then return ("%.17g"):format(value * factor), si end
+  local meant = core.unit_meant(unit)
   local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
-    or ("unknown unit '%s'"):format(unit)
-  fault(("--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2), "
-    .. "got '%s' (%s)"):format(text, problem), "usage")
+    or ("unknown unit '%s'%s"):format(unit, meant and (", did you mean '%s'?"):format(meant) or "")
+  fault(("--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2, "
+    .. "of a circuit H), got '%s' (%s)"):format(text, problem), "usage")
+end
+
+local mass_beside = { m = "kg", rad = "kg m^2" }
+
+--- Raises on a mass in kg beside an angle, and on an inductance beside either.
+local function check_kind_of_mass(text, record)
+  local _, unit = mass_in_si(text)
+  local motion = record.channels.y and record.channels.y.unit
+  local kind = mass_beside[motion]
+  if kind and (unit == "V s/A" or unit == "kg" and unit ~= kind) then
+    fault(("--mass: expected a unit of the kind of %s, since y is in %s, got '%s'"):format(kind, motion, text), "usage")
+  end
+end
+
+--- "4 kHz" -> 4000: rows per second; any other text, a name in a file, as it is.
+local function rate_in_hertz(text)
+  local value, unit = quantity(text)
+  local factor, si = core.si_unit(unit or "")
+  return tonumber(text) or si == "Hz" and value * factor or text
 end
 
 local function baseline(lunid, options)
@@ -118,18 +171,24 @@ local function baseline(lunid, options)
   end
   local schema = require "lunid.schema"
   local function read(text, source)
+    local lua = text:match "lunid%.[%w_.]*"
+    if lua then
+      fault(("%s: expected a formula such as k*y + c*v, got Lua, '%s': that stands in the file of a baseline, --baseline "
+        .. "model.lua"):format(source, lua), "usage")
+    end
     local value = core.parse(text, source)
     for _, symbol in ipairs(value:symbols()) do
       if symbol.kind == "parameter" then
         schema.check_name(source, symbol.name)
-        warn_of_signal(source, symbol.name)
+        warn_of_name(source, symbol.name)
       end
     end
     return value
   end
   local good, model = pcall(function()
-    return lunid.model { mass = read(mass_in_si(options.mass or "0"), "--mass"), restoring = read(options.restoring,
-      "--restoring"), motion = options.imposed_motion and "imposed" or "free",
+    local mass, restoring = read(mass_in_si(options.mass or "0"), "--mass"), read(options.restoring, "--restoring")
+    warn_of_constants("--restoring", restoring)
+    return lunid.model { mass = mass, restoring = restoring, motion = options.imposed_motion and "imposed" or "free",
       interpolation = options.interpolation }
   end)
   if not good then fault(model, "usage") end
@@ -139,7 +198,7 @@ end
 --- A record as the options of the command line say.
 local function read(lunid, path, options, part)
   return lunid.read { path, columns = options.columns, resample = options.resample, window = part,
-    rate = tonumber(options.rate) or options.rate }
+    rate = options.rate and rate_in_hertz(options.rate) }
 end
 
 local function read_all(lunid, paths, options)
@@ -161,7 +220,10 @@ end
 --- What a discovery starts from, read as the options say.
 local function start_of_discovery(lunid, options)
   local start = { model = baseline(lunid, options), train = read_all(lunid, options.train, options) }
-  if not options.baseline then start.model = require("lunid.units").complete(start.model, start.train[1]) end
+  if not options.baseline then
+    check_kind_of_mass(options.mass or "0", start.train[1])
+    start.model = require("lunid.units").complete(start.model, start.train[1])
+  end
   start.test = options.test and read_all(lunid, options.test, options)
   start.window = window(lunid, options.window, "window")
   start.test_window = window(lunid, options.test_window, "test-window")

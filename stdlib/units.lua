@@ -29,6 +29,16 @@ end
 -- Signals of one unit; the motion of a base stands in differences to y and v.
 local signals = { { "y", "yb", m = 1, s = 0 }, { "v", "vb", m = 1, s = -1 }, { "a", "ab", m = 1, s = -2 }, { "t", m = 0, s = 1 } }
 
+-- Functions whose values have no unit.
+local pure = { sin = true, cos = true, tan = true, tanh = true, exp = true }
+
+--- "abs(v)*sin(y)" -> "abs(v)*1": a sine has no unit, whatever stands in it.
+local function without_pure(text)
+  return (text:gsub("%f[%w_]([%a_][%w_]*)(%b())", function(name, inner)
+    return pure[name] and "1" or name .. "(" .. without_pure(inner:sub(2, -2)) .. ")"
+  end))
+end
+
 --- The power of signals of one unit in `factor`, or nil where they stand there otherwise than in a power.
 local function power(factor, names)
   local function ratio(at)
@@ -62,8 +72,9 @@ local function unit_in(expression, name, whole, length, late)
     if other.kind ~= "channel" or other.name == "F" then return "" end
   end
   local m, s = 0, 0
+  local units_alone = core.parse(without_pure(tostring(factor)), name)
   for _, signal in ipairs(signals) do
-    local exponent = power(factor, signal)
+    local exponent = power(units_alone, signal)
     if not exponent then return "" end
     m, s = m - exponent * signal.m, s - exponent * (signal.s + late * signal.m)
   end

@@ -7,6 +7,7 @@
 #include "discover/views.hpp"
 #include "expr/digits.hpp"
 #include "expr/joined.hpp"
+#include "expr/words.hpp"
 #include "record/columns.hpp"
 #include "record/motion.hpp"
 #include "record/spectra.hpp"
@@ -296,12 +297,35 @@ bool are_free(const Study& study, const std::vector<Record>& records) {
 
 namespace {
 
+/// The channel of the language that a unit alone speaks for; 0 of one that may be of several.
+char quantity_of(const std::string& unit) {
+  constexpr std::pair<std::string_view, char> known[] = {{"m", 'y'},     {"rad", 'y'},     {"m/s", 'v'}, {"rad/s", 'v'},
+                                                         {"m/s^2", 'a'}, {"rad/s^2", 'a'}, {"N", 'F'},   {"N m", 'F'}};
+  for (const auto& [name, quantity] : known)
+    if (unit == name) return quantity;
+  return 0;
+}
+
+/// "a=head" where one column alone may be the motion that is missing, or the force, by its unit; else "y=header
+/// [unit]".
+std::string column_for(const Record& record, const std::string& missing) {
+  std::string found;
+  for (const Channel& channel : record.channels()) {
+    const char quantity = quantity_of(channel.unit);
+    const bool alike = quantity && (missing[0] == 'F') == (quantity == 'F');
+    if (missing.size() > 1 || !alike || is_channel_name(channel.name) || channel.name.ends_with("_reference")) continue;
+    if (!found.empty()) return missing + "=header [unit]";
+    found = quantity + ("=" + channel.name);
+  }
+  return found.empty() ? missing + "=header [unit]" : found;
+}
+
 /// What a record lacks, what it has instead, and what to do.
 std::string words_of_missing(const Study& study, const Record& record, const std::vector<std::string>& missing) {
   std::string names, columns, has;
   for (const std::string& name : missing) {
     names += (names.empty() ? "'" : ", '") + name + "'";
-    append_item(columns, name + "=header [unit]");
+    append_item(columns, column_for(record, name));
   }
   for (const Channel& channel : record.channels()) append_item(has, channel.name);
   const std::string what =

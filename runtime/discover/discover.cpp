@@ -479,7 +479,8 @@ std::vector<std::string> notes_before_discovery(const Model& baseline, const std
   validate(options);
   const Frame frame(baseline);
   check_baseline(frame.model());
-  const Spine spine(frame.model(), {}, frame.seen(train), frame.seen(test), options);
+  const std::vector<Record> seen_train = frame.seen(train), seen_test = frame.seen(test);  // what both lack is of train
+  const Spine spine(frame.model(), {}, seen_train, seen_test, options);
   std::vector<std::string> notes = spine.notes();
   if (frame.moves()) notes.insert(notes.begin(), frame.note());
   std::ranges::move(remarks(spine.whole(), train, test), std::back_inserter(notes));
@@ -493,13 +494,14 @@ Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, 
   check_baseline(frame.model());
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<Effect> entries = frame.seen(catalogue);
+  const std::vector<Record> seen_train = frame.seen(train), seen_test = frame.seen(test);
   DiscoverOptions seen = options;
   if (options.criterion)
     seen.criterion = [&](FittedSet set) {
       set.model = frame.as_given(set.model);
       return options.criterion(set);
     };
-  Discovery out = frame.as_given(Spine(frame.model(), entries, frame.seen(train), frame.seen(test), seen).run());
+  Discovery out = frame.as_given(Spine(frame.model(), entries, seen_train, seen_test, seen).run());
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

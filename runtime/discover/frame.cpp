@@ -309,13 +309,16 @@ Discovery Frame::as_given(Discovery found) const {
 }
 
 std::string Frame::note() const {
+  const std::string each = model_.degrees() > 1 ? " (so of y1, v1, a1 and F1, and of the others)" : "";
   switch (kind_) {
     case Kind::ground: return "";
     case Kind::absolute:
       return "the base moves: y, v and a are those relative to it (y - yb), and F is what its acceleration does to the "
-             "mass, -m*ab; base_motion is not tried beside it";
+             "mass, -m*ab" +
+             each + ", everywhere but in the equation; base_motion is not tried beside it";
     case Kind::relative:
-      return "the base moves: F is what its acceleration does to the mass, -m*ab; base_motion is not tried beside it";
+      return "the base moves: F is what its acceleration does to the mass, -m*ab" + each +
+             ", everywhere but in the equation, where it stands on the left; base_motion is not tried beside it";
   }
   return "";
 }

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <numbers>
 
+#include "discover/accept.hpp"
 #include "discover/between_samples.hpp"
+#include "discover/views.hpp"
 #include "expr/digits.hpp"
 #include "expr/joined.hpp"
 #include "expr/words.hpp"
+#include "record/spectra.hpp"
 
 namespace lunid {
 
@@ -46,6 +51,52 @@ std::string unused_reference(const Study& study, const std::vector<Record>& reco
   return "";
 }
 
+/// An angle that turns on and on beside a motion that does not, under a name that no effect looks for.
+std::string unused_angle(const std::vector<Record>& records) {
+  constexpr double turn = 2 * std::numbers::pi, fewest = 2;
+  for (const Record& record : records) {
+    const auto is_known = [](const Channel& channel) {  // the rig itself turns, or the shaft has its name
+      const std::string& name = channel.name;
+      return name.starts_with("shaft_") || name == "phase" || (name[0] == 'y' && channel.unit == "rad");
+    };
+    if (std::ranges::any_of(record.channels(), is_known)) continue;
+    for (const Channel& channel : record.channels()) {
+      if (channel.unit != "rad" || is_channel_name(channel.name)) continue;
+      Eigen::VectorXd angle = as_vector(record[channel.name]);
+      if (!angle.allFinite()) continue;
+      unwrap(angle);
+      if (std::abs(angle[angle.size() - 1] - angle[0]) > fewest * turn)
+        return "nothing uses the channel '" + channel.name +
+               "', an angle that turns on; where it is that of a shaft in the rig, say shaft_angle=" + channel.name;
+    }
+  }
+  return "";
+}
+
+/// The motion of a base is no noise, and not small beside that of the rig.
+bool shakes(const Record& record, const Channel& base, const std::string& own) {
+  constexpr double noises = 10, part = 0.02;
+  const double size = standard_deviation(record[base.name]);
+  return !base.derived && size > std::max(noises * base.noise, part * standard_deviation(record[own]));
+}
+
+/// A base whose motion was measured and stands nowhere in a baseline that nothing else drives.
+std::string unused_base(const Study& study) {
+  if (study.imposed) return "";
+  for (const Record& record : study.full) {
+    if (record.has("shaft_angle")) continue;  // what turns may drive
+    for (const char quantity : {'a', 'v', 'y'}) {
+      const std::string base = quantity + std::string("b");
+      if (record.has(base) && shakes(record, record.channel(base), study.channel(quantity, 0)) &&
+          is_free(study, record))
+        return "nothing drives the baseline: F is 0 in " + record.name() + ", and " + base +
+               " stands nowhere in it; where y is measured from the base add m*ab with the number m, where it is "
+               "measured from the ground write k*(y - yb) + c*(v - vb)";
+    }
+  }
+  return "";
+}
+
 std::string far_clock(const std::vector<Record>& records) {
   constexpr double far = 100;  // times as long as the record
   for (const Record& record : records)
@@ -78,10 +129,16 @@ std::string words_of_readings(const Study& study) {
 }
 
 std::string reading_of_force(const Study& study) {
-  const std::string kinds = study.imposed ? "" : words_of_readings(study);
+  if (study.imposed)
+    return "the motion is imposed: the force of the baseline along y, v and a is held against F, and gaps are of it";
+  const std::string kinds = words_of_readings(study);
   if (kinds.empty()) return "";
-  return "between its rows the force is read as " + kinds +
-         (is_said(study) ? ", as was said" : ": by its rows; discovery asks the models too");
+  const std::string said = "between its rows the force is read as " + kinds;
+  if (is_said(study)) return said + ", as was said";
+  return said + ": by its rows; discovery asks the models too" +
+         (study.full.front().has(study.reference()) && kinds != "hold"
+              ? "; where a digital controller puts it out, --interpolation hold says so"
+              : "");
 }
 
 }  // namespace
@@ -90,8 +147,8 @@ std::vector<std::string> remarks(const Study& study, const std::vector<Record>& 
                                  const std::vector<Record>& test) {
   std::vector<Record> all = train;
   all.insert(all.end(), test.begin(), test.end());
-  std::vector<std::string> out{without_unit(all), unused_reference(study, all), far_clock(all),
-                               reading_of_force(study)};
+  std::vector<std::string> out{without_unit(all), unused_reference(study, all), unused_angle(all), unused_base(study),
+                               far_clock(all),    reading_of_force(study)};
   std::erase(out, "");
   return out;
 }

@@ -169,8 +169,10 @@ void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const S
   }
   plan.source_unit = unit;
   const auto si = si_unit(unit);
+  const std::string meant = unit_meant(unit);
   if (!si && plan.required)
-    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit + "'; known are " + known_units(),
+    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit +
+                         (meant.empty() ? "'; known are " + known_units() : "', did you mean '" + meant + "'?"),
                      where, Fault::data);
   if (!si) {
     plan.unit = unit;

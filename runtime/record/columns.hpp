@@ -13,6 +13,8 @@ constexpr double largest_measurement = 1e60;
 
 /// All unit names, for messages.
 std::string known_units();
+/// The unit that a word stands for, "in" of "inches"; "" of any other.
+std::string unit_meant(std::string_view word);
 
 /// A header cell taken apart: "F (kN)" is {"F (kN)", "F", "kN"}.
 struct HeaderCell {

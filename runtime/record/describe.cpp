@@ -68,7 +68,14 @@ bool is_measured_motion(const Channel& channel) {
 /// Rows on end at the least and the greatest value of a signal.
 struct FlatTops {
   int places = 0;
-  Index longest = 0, rows = 0;
+  Index shortest = 0, longest = 0, rows = 0;
+
+  /// A motion that was made to go from one level to the other: all rows are at one, or it stays as long each time.
+  bool by_design(Index all) const {
+    constexpr double some = 0.3, nearly_all = 0.9;
+    const double part = static_cast<double>(rows) / static_cast<double>(all);
+    return part > nearly_all || (part > some && longest <= shortest + 1);
+  }
 };
 
 /// Those that a clipped sensor has: the rows before and after are some steps away. A peak that is flat since the signal
@@ -81,7 +88,7 @@ FlatTops flat_tops(std::span<const double> x, const ChannelSummary& s, double st
     if ((x[first] != s.least && x[first] != s.most) || end - first < fewest || first == 0 || end == x.size()) continue;
     if (std::min(std::abs(x[first - 1] - x[first]), std::abs(x[end] - x[first])) <= 2 * step) continue;
     const auto rows = static_cast<Index>(end - first);
-    ++out.places;
+    out.shortest = out.places++ > 0 ? std::min(out.shortest, rows) : rows;
     out.longest = std::max(out.longest, rows);
     out.rows += rows;
   }
@@ -90,11 +97,10 @@ FlatTops flat_tops(std::span<const double> x, const ChannelSummary& s, double st
 
 /// ", up to 8 equal rows on end", and whether a clipped sensor made them.
 std::string words_of_equal_rows(const Record& record, const Channel& channel, const ChannelSummary& s, double step) {
-  constexpr double by_design = 0.3;  // part of the rows: a motion that was made to go from one level to the other
   const auto words = [](Index rows) { return ", up to " + std::to_string(rows) + " equal rows on end"; };
   if (is_measured_motion(channel)) {
     const FlatTops flat = flat_tops(record[channel.name], s, step);
-    if (flat.places > 1 && static_cast<double>(flat.rows) < by_design * static_cast<double>(record.rows()))
+    if (flat.places > 1 && !flat.by_design(record.rows()))
       return words(flat.longest) + " at its extremes, " + std::to_string(flat.places) + " times: clipped?";
   }
   return s.held >= 4 && s.held + 1 < record.rows() ? words(s.held + 1) : "";

@@ -1,6 +1,7 @@
 // Units: names with SI prefixes, and products and quotients of them. A name that is missing here is one row.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -54,6 +55,7 @@ constexpr std::array rows{
     Row{"A", 1, "A", all},
     Row{"C", 1, "C", all},
     Row{"Wb", 1, "Wb", all},
+    Row{"H", 1, "V s/A", all},
     Row{"Pa", 1, "Pa", all},
     Row{"bar", 1e5, "Pa", "m"},
     Row{"J", 1, "J", all},
@@ -79,6 +81,14 @@ constexpr std::array<std::pair<std::string_view, std::pair<char, double>>, 9> pr
     {"k", {'k', 1e3}},
     {"M", {'M', 1e6}},
     {"G", {'G', 1e9}},
+}};
+
+/// Units in full, as they are said.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 19> words{{
+    {"metre", "m"},    {"meter", "m"},  {"inch", "in"},    {"foot", "ft"},   {"feet", "ft"},
+    {"newton", "N"},   {"second", "s"}, {"minute", "min"}, {"hour", "h"},    {"degree", "deg"},
+    {"radian", "rad"}, {"volt", "V"},   {"ampere", "A"},   {"coulomb", "C"}, {"henry", "H"},
+    {"pascal", "Pa"},  {"hertz", "Hz"}, {"tonne", "t"},    {"pound", "lb"},
 }};
 
 /// A factor and powers of SI units.
@@ -178,7 +188,16 @@ std::optional<SiUnit> si_unit(std::string_view unit) {
 std::string known_units() {
   std::string text;
   for (const Row& row : rows) text += (text.empty() ? "" : " ") + std::string(row.name);
-  return text + ", many of them with p n u m k M G before, and products such as mm/s^2 or kN*m";
+  return text + ", many of them with p n u (or \u00b5) m k M G before, and products such as mm/s^2 or kN*m";
+}
+
+std::string unit_meant(std::string_view word) {
+  std::string lower(word);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const auto& [name, unit] : words)
+    for (const char* plural : {"", "s", "es"})
+      if (lower == std::string(name) + plural) return std::string(unit);
+  return "";
 }
 
 }  // namespace lunid

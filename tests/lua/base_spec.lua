@@ -78,7 +78,8 @@ spec.case("a spring between a mass and its base is named from displacements of b
   spec.equal(found.verdict, "explained")
   spec.equal(found.effects[1].name, "cubic_stiffness")
   spec.near(found.effects[1].parameters.k3.value, 0.05*stiffness/size^2, 0.03 * 0.05*stiffness/size^2)
-  spec.contains(tostring(found), "the base moves: y, v and a are those relative to it (y - yb)")
+  spec.contains(tostring(found), "the base moves: y, v and a are those relative to it (y - yb), and F is what its acceleration "
+    .. "does to the mass, -m*ab, everywhere but in the equation; base_motion")
   spec.contains(found.model:equation(), "k*(y - yb) + c*(v - vb) + cubic_stiffness_k3*(y - yb)^3")
   -- as the baseline was given: it runs on the motion of the base
   local clean = measure(cubic, 2)
@@ -138,6 +139,53 @@ spec.case("what cannot be looked at says why, and what to do", function()
   fails(k*(y - yb), against, "expected one quantity of the rig and of its base (y and yb, v and vb, or a and ab), got y, ab")
   fails(k*y, seen, "where the base drives, the baseline holds differences to it, as k*(y - yb) + c*(v - vb), or m*ab")
   fails(k*(y - yb), record(measure(none, 1), { "y" }, 1), "the record holds no motion of it; name its column")
+end)
+
+--- Writes a shaken rig: its motion, and that of its base under the name `base`; what --check says of it.
+local function checked(base, options)
+  local lines = { "t [s],y [m]," .. base }
+  for i = 0, 399 do
+    local t = i/100
+    lines[#lines + 1] = ("%g,%.8g,%.8g"):format(t, 0.02*math.sin(7*t) + 0.01*math.sin(23*t), 0.5*math.sin(7*t))
+  end
+  spec.write("shaken.csv", table.concat(lines, "\n") .. "\n")
+  spec.shell "sed 's/,base .*/,nothing [V]/; 1!s/,[^,]*$/,0/' shaken.csv > bare.csv"
+  return spec.lunid("discover shaken.csv --mass 3 --check " .. options)
+end
+
+spec.case("--check says = 0 where the base alone drives, and what F is from there on", function()
+  local said = checked("base [m/s^2]", '--restoring "k*y + c*v + 3*ab" --columns "ab=base"')
+  spec.contains(said, "3*a + k*y + c*v + 3*ab = 0\n")
+  spec.contains(said, "the base moves: F is what its acceleration does to the mass, -m*ab, everywhere but in the equation, "
+    .. "where it stands on the left")
+  spec.contains(checked("base [m/s^2]", '--restoring "k*y + c*v + 3*ab" --columns "ab=base,F=0"'), "3*a + k*y + c*v + 3*ab = F\n")
+  spec.write("storeys.lua", 'local lunid = require "lunid"\nlocal k = lunid.parameter "k"\n'
+    .. 'return lunid.chain { masses = { 2, 1 }, ends = "base", element = function(d) return k*d end }')
+  spec.write("storeys.csv", spec.shell "awk -F, 'NR==1{print \"t,y1,y2,yb\"} NR>1{print $1\",\"$2\",\"2*$2\",\"0.1*$2}' shaken.csv")
+  local chain = spec.lunid "discover storeys.csv --baseline storeys.lua --check"
+  spec.contains(chain, "2*a1 + k*(y1 - yb) - k*(y2 - y1) = 0\na2 + k*(y2 - y1) = 0\n")
+  spec.contains(chain, "-m*ab (so of y1, v1, a1 and F1, and of the others), everywhere")
+end)
+
+spec.case("--check says that a base was measured and nothing drives", function()
+  local unused = "nothing drives the baseline: F is 0 in shaken.csv, and ab stands nowhere in it"
+  local usual = '--restoring "k*y + c*v" --columns '
+  spec.contains(checked("base [m/s^2]", usual .. '"ab=base,F=0"'), unused)
+  local function silent(options)
+    local said = checked("base [m/s^2]", options)
+    spec.contains(said, "to fit")
+    spec.equal(said:find("nothing drives", 1, true), nil)
+  end
+  silent(usual .. '"F=base [N]"')  -- a force, no base
+  silent(usual .. '"ab=base,F=1"')  -- both: base_motion is tried
+  silent(usual .. '"ab=base [um/s^2],F=0"')  -- a base at rest
+  silent '--restoring "k*y + c*v + 3*ab" --columns "ab=base,F=0"'
+end)
+
+spec.case("a base that no record holds is missed in the training record first", function()
+  checked("base [m/s^2]", "--restoring 0")
+  spec.contains(spec.lunid 'discover shaken.csv --test bare.csv --mass 3 --restoring "k*(y - yb)" --check',
+    "shaken.csv: discover: a base that moves: the record holds no motion of it")
 end)
 
 spec.case("a chain stands on a base", function()

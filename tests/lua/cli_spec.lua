@@ -74,6 +74,18 @@ spec.case("other names for motion and force: all that are missing, what there is
     .. 'its column, e.g. --columns "y=header [unit], F=header [unit]"' .. kept, 3)
 end)
 
+spec.case("a column whose unit speaks for one channel is named where that is missing", function()
+  local function offers(header, expected)
+    record("other.csv", 100, function(_, cells) return { cells[1], cells[2], cells[3], cells[2] } end, header)
+    spec.contains(spec.lunid("discover other.csv " .. usual), ('name its column, e.g. --columns "%s"'):format(expected))
+  end
+  offers("t,clamp [kN],head [g],oil [K]", "a=head, F=clamp")
+  offers("t,tau_cmd [N m],y,oil", "F=tau_cmd")
+  offers("t,tau_cmd [N m],y,tau [N m]", "F=header [unit]")  -- either
+  offers("t,F,head [g],ldv [m/s]", "y=header [unit]")
+  offers("t,F,drop [V],oil", "y=header [unit]")  -- a volt may be anything
+end)
+
 spec.case("on a terminal: the stage, the part that is done and the time left", function()
   local command = ("'%s' discover good.csv --mass 1 --restoring 'k*y + c*v' --out watched"):format(spec.executable)
   local said = spec.shell(('script -qec "%s" /dev/null'):format(command))
@@ -134,6 +146,8 @@ spec.case("no time column: --rate says how far the rows are apart", function()
   says("simulate bare/model.lua --excitation bare.csv --rate fs --out bare-run",
     "bare.csv: rate and interval: expected a number for a CSV file, got the name 'fs'", 3)
   says("discover bare.csv --rate 0 " .. usual, "--rate: expected > 0, got '0'\n", 2)
+  says([[discover bare.csv --rate "0.2 kHz" --check --mass 1 --restoring "k*y + c*v"]], "100 rows, 0.495 s at 200 Hz", 0)
+  says([[discover bare.csv --rate "4 ms" --check --mass 1 --restoring "k*y + c*v"]], "got the name '4 ms'", 3)
 end)
 
 spec.case("a logger's file is read as it is, and what was skipped is said", function()
@@ -177,12 +191,24 @@ spec.case("a mass with its unit", function()
   says('discover good.csv --mass "2e7 g cm^2" --restoring "k*y + c*v" --check', "2*a + k*y + c*v = F", 0)
   says('discover good.csv --mass 12lb --restoring "k*y + c*v" --check', "5.4431084400000005*a + k*y + c*v = F", 0)
   says('discover good.csv --mass "0.5 slug ft^2" --restoring "k*y + c*v" --check', "0.677908974", 0)
-  local expected = "--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2), got "
+  local expected = "--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2, "
+    .. "of a circuit H), got "
   refused("good.csv", '--mass "5 m/s^2" --restoring "k*y" --out out', expected .. "'5 m/s^2' ('m/s^2' is a unit of m/s^2)" .. kept, 2)
   refused("good.csv", '--mass "12 stone" --restoring "k*y" --out out', expected .. "'12 stone' (unknown unit 'stone')" .. kept, 2)
+  refused("good.csv", '--mass "8.5 Tonnes" --restoring "k*y" --out out', expected .. "'8.5 Tonnes' (unknown unit 'Tonnes', did you mean 't'?)" .. kept, 2)
   for unit in expected:match "%((.-),":gmatch "%a+" do  -- what it lists is known
     says(('discover good.csv --mass "1 %s" --restoring "k*y + c*v" --check'):format(unit), "k*y + c*v = F", 0)
   end
+end)
+
+spec.case("a mass of another kind than its motion", function()
+  local function beside(unit, mass) return ('discover good.csv --mass "%s" --restoring "k*y + c*v" --columns "y=y [%s]" --check'):format(mass, unit) end
+  says(beside("mrad", "0.36 kg"), "--mass: expected a unit of the kind of kg m^2, since y is in rad, got '0.36 kg'\n", 2)
+  says(beside("mm", "12 mH"), "--mass: expected a unit of the kind of kg, since y is in m, got '12 mH'\n", 2)
+  says(beside("mrad", "0.36 kg m^2"), "0.36*a + k*y", 0)
+  says(beside("mrad", "0.36"), "0.36*a + k*y", 0)
+  says(beside("V", "0.36 kg"), "0.36*a + k*y", 0)  -- a motion that is not calibrated
+  says(beside("nC", "12 mH"), "0.012*a + k*y", 0)
 end)
 
 spec.case("a parameter that the data do not excite", function()
@@ -199,6 +225,27 @@ end)
 spec.case("unbalanced parentheses", function()
   refused("good.csv", '--mass 1 --restoring "k*(y + c*v" --out out',
     "--restoring:1:11: expected ')' to close the '(' in column 3, got the end" .. kept, 2)
+end)
+
+spec.case("an effect of the catalogue stands in a file", function()
+  refused("good.csv", '--mass 1 --restoring "k*y + lunid.effects.bouc_wen {}" --out out',
+    "--restoring: expected a formula such as k*y + c*v, got Lua, 'lunid.effects.bouc_wen': that stands in the file of a "
+      .. "baseline, --baseline model.lua" .. kept, 2)
+  says('discover good.csv --mass 1 --restoring "k*y + bouc_wen" --check', "note       --restoring: 'bouc_wen' is taken for a parameter "
+    .. "to fit; the effect stands in the file of a baseline (--baseline), as lunid.effects.bouc_wen {}\n", 0)
+end)
+
+spec.case("constant forces that were meant as products", function()
+  local function constants(restoring)
+    return spec.lunid(('discover good.csv --mass 1 --restoring "%s" --check'):format(restoring)):match "constant forces to fit: [^\n]*"
+  end
+  spec.equal(constants "ky + cv", "constant forces to fit: ky, cv; a product is written with *, as k*y")
+  spec.equal(constants "k*y + cv", "constant forces to fit: cv; a product is written with *, as k*y")
+  spec.equal(constants "spring + damper", "constant forces to fit: spring, damper; a product is written with *, as k*y")
+  for _, right in ipairs { "k*y + c*v + F0", "c*v + W", "W", "k*(y - y0) + c*v", "k*y + Fy*sign(v)", "k*tanh(y/yv) + c*v",
+    "k*y + c*abs(v)^p*sign(v)", "0" } do
+    spec.equal(constants(right), nil)
+  end
 end)
 
 spec.case("wrong usage", function()
@@ -344,6 +391,24 @@ spec.case("--check says how the force is read between its rows", function()
     "between its rows the force is read as linear, as was said")
   spec.equal(reading("free.csv " .. linear), nil)  -- a decay has no force
   spec.equal(reading('good.csv --imposed-motion --restoring "k*y + c*v"'), nil)
+  spec.contains(noted('good.csv --imposed-motion --restoring "k*y + c*v"'),
+    "the motion is imposed: the force of the baseline along y, v and a is held against F, and gaps are of it")
+  record("loop.csv", 600, function(_, cells) return { cells[1], cells[2], cells[3], cells[3] } end, "t,F,y,y_reference")
+  spec.contains(noted("loop.csv " .. linear), "asks the models too; where a digital controller puts it out, --interpolation hold says so")
+end)
+
+spec.case("--check says that the angle of a shaft wants its name", function()
+  local function angle(header, turns)
+    record("turns.csv", 600, function(i, cells)
+      return { cells[1], cells[2], cells[3], ("%.6f"):format(360 * (i/600*turns % 1)) }
+    end, header)
+    return noted("turns.csv " .. linear):match "nothing uses[^\n]*"
+  end
+  spec.equal(angle("t,F [N],y [mm],keyphasor [deg]", 20),
+    "nothing uses the channel 'keyphasor', an angle that turns on; where it is that of a shaft in the rig, say shaft_angle=keyphasor")
+  spec.equal(angle("t,F [N],y [mm],tilt [deg]", 0.9), nil)
+  spec.equal(angle("t,F [N],y [mm],shaft_angle [deg]", 20), nil)
+  spec.equal(angle("t,F [N m],y [mrad],motor [deg]", 20), nil)  -- the rig is what turns
 end)
 
 spec.case("--check says that a set point wants its name", function()
@@ -525,10 +590,10 @@ spec.case("run.json repeats a run bit for bit, and tells a changed input", funct
 end)
 
 spec.case("parameters of --restoring get the units that the equation gives them", function()
-  local _, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v + c2*abs(v)*v + p*cos(40*y)" --out units'
+  local _, code = spec.lunid 'discover good.csv --mass 1 --restoring "k*y + c*v + c2*abs(v)*v + k1*cos(40*y)*v^2 + p*abs(y)^1.5" --out units'
   spec.equal(code, 0)
   local model = spec.shell "cat units/model.lua"
-  for name, unit in pairs { k = "N/m", c = "N s/m", c2 = "N s^2/m^2" } do
+  for name, unit in pairs { k = "N/m", c = "N s/m", c2 = "N s^2/m^2", k1 = "N s^2/m^2" } do
     spec.equal(model:match('{ "' .. name .. '"[^}]-unit = "([^"]*)"'), unit)
   end
   spec.equal(model:match '{ "p"[^}]-unit', nil)

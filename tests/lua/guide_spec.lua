@@ -48,6 +48,18 @@ spec.case("the baselines that the guide writes are models", function()
   spec.equal(#lunid.load(spec.folder .. "/two_masses.lua").parameters, 2)
 end)
 
+spec.case("the guide lists the units that there are", function()
+  spec.write("odd.csv", "t,y [furlong]\n0,1\n1,2\n")
+  local units = spec.message_of(function() lunid.read(spec.folder .. "/odd.csv") end):match "known are (.-), many"
+  local said, listed = guide:match "Known are (.-), and products and", {}
+  for list in said:gmatch "`([^`]*)`" do
+    for unit in list:gmatch "%S+" do listed[unit] = true end
+  end
+  for unit in units:gmatch "%S+" do
+    assert(listed[unit] or unit:find "^ms", unit)  -- powers stand behind
+  end
+end)
+
 spec.case("the options that the guide names are those of the command, its examples are there", function()
   local help = spec.lunid "discover --help"
   for option in guide:gmatch "%-%-[%l][%l%-]+" do

@@ -262,6 +262,7 @@ TEST(Units, PrefixesProductsAndQuotientsOfTheTablesNames) {
                {"kHz", 1e3, "Hz"},
                {"1/s", 1, "1/s"},
                {"uV", 1e-6, "V"},
+               {"mH", 1e-3, "V s/A"},
                {"lbf*ft", 1.3558179483314004, "N m"}};
   for (const auto& k : known) {
     const auto si = si_unit(k.unit);

@@ -148,6 +148,8 @@ TEST(Fault, Units) {
   const std::string text = complaint("t,F,y [furlong]\n" + rows(8));
   EXPECT_EQ(text.substr(0, 66), "run3.csv:1: column 'y [furlong]': unknown unit 'furlong'; known ar");
   EXPECT_NE(text.find(" mil "), std::string::npos);
+  EXPECT_EQ(complaint("t,F,y [Inches]\n" + rows(8)),
+            "run3.csv:1: column 'y [Inches]': unknown unit 'Inches', did you mean 'in'?");
   EXPECT_EQ(complaint("t [mm],F,y\n" + rows(8)),
             "run3.csv:1: column 't [mm]': 'mm' is no unit of channel 't', expected s, ms, us or min");
   EXPECT_EQ(complaint("t,F,y\n" + rows(8), {parse_columns("y=y [kN]"), false}),

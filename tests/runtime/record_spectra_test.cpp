@@ -285,6 +285,8 @@ TEST(Summary, AsksWhetherAMotionThatIsFlatAtItsExtremesIsClipped) {
   for (const char* name : {"F", "ab", "y_reference", "accel"})                   // made so by whoever drives
     EXPECT_EQ(clipped(name, 0.8, -0.8, 0).find("clipped?"), std::string::npos) << name;
   EXPECT_EQ(clipped("y", 2, -2, 0).find("clipped?"), std::string::npos);
+  for (const double most : {0.1, 0.0, -0.2})  // more than a third of the rows, up to two of three
+    EXPECT_NE(clipped("y", most, -2, 0).find("at its extremes"), std::string::npos) << clipped("y", most, -2, 0);
 }
 
 TEST(Summary, CoarseStepsRestAndLevelsThatAreMeantAreNoClipping) {
@@ -299,6 +301,8 @@ TEST(Summary, CoarseStepsRestAndLevelsThatAreMeantAreNoClipping) {
     silent(white(4000, 5).unaryExpr([=](double x) { return step * std::round(x / step); }));
   silent(sampled(2000, [](double i) { return std::sin(0.03 * i) > 0 ? 1.0 : -1.0; }));            // a square wave
   silent(sampled(2000, [](double i) { return std::clamp(3 * std::sin(0.03 * i), -1.0, 1.0); }));  // a trapezoid
+  silent(sampled(2000, [](double i) { return std::max(std::sin(0.03 * i), -0.5); }));             // a cam that dwells
+  silent(sampled(2000, [](double i) { return std::sin(std::floor(i / 40) * 7) > 0 ? 1.0 : -1.0; }));  // random bits
   silent(sampled(2000, [](double i) { return i < 300 ? 1 : std::exp(-0.002 * i) * std::cos(0.1 * i); }));  // let go
 }
 
