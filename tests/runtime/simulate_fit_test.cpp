@@ -507,6 +507,23 @@ TEST(FitTrajectory, TakesItsStepsFromWhereTheMotionIsFastest) {
   EXPECT_NEAR(result.theta[2], 560, 3 * std::sqrt(result.covariance(2, 2)));
 }
 
+/// Between two wells small differences grow some million times: parameters and first states move the run alike, and what
+/// tells them apart is less than 1e-5 of what either does.
+TEST(FitTrajectory, TellsParametersFromFirstStatesWhereSmallDifferencesGrow) {
+  const std::array<double, 3> values{-2300, 2, 3e6};
+  const auto x = truth<2>({0.03, 0}, [=](double t, const std::array<double, 2>& s) {
+    return std::array<double, 2>{s[1], push(t) - values[0] * s[0] - values[1] * s[1] - values[2] * std::pow(s[0], 3)};
+  });
+  const System system(model_of("1", "k*y + c*v + k3*y^3"));
+  const std::vector<FitData> data{data_of(system, record_of(x, {"y"}, {1e-4}, 5))};
+  const FitResult result = fit_trajectory(system, vector({values[0], values[1], values[2]}), data, {});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    EXPECT_FALSE(result.unseen[i]) << i;
+    EXPECT_NEAR(result.theta[k], values[i], 4 * result.deviation(k)) << i;
+  }
+}
+
 /// A steep spring under little damping: a first state that is read off noisy data loses its motion within a few turns,
 /// whatever the parameters, and the whole run does not find it again (it ended at 9 to 40 times the noise).
 TEST(FitTrajectory, FindsTheFirstStateOfAMotionThatHangsOnIt) {
