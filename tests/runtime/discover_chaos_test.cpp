@@ -74,6 +74,43 @@ TEST(DiscoveryOfChaos, ANameWhoseFitIsLostIsHeardAgainInShortRuns) {
   EXPECT_LT(d.final_test.value, 1.5 * d.final_test.floor);
 }
 
+/// A spring that has to be pulled off its seat, under a force that leaves it there again and again. A smooth spring
+/// comes nearer over the whole record than the jump, whose run noise leads astray.
+TEST(DiscoveryOfChaos, AJumpThatIsLostToNoiseIsFoundBesideASmoothForce) {
+  const auto seated = [](std::uint64_t seed, int rows) {
+    truth::Physics physics;
+    physics.zeta = 0.13;
+    const auto seat = [](double x, double) { return std::copysign(0.6, x); };
+    physics.law = std::make_shared<truth::Law>(truth::laws::of_motion(seat, [](double x, double) { return x; }));
+    const truth::Signal tones = truth::multisine(0.1, 2.4, 60, seed);
+    const auto uneven = [=](double t) { return (t < 0.5 * rows * testing::spacing ? 0.45 : 1.3) * tones(t); };
+    const truth::Motion motion = truth::integrate(physics, uneven, 0.18, {}, rows, testing::spacing, 60);
+    const double noise = 0.0056 * moments::standard_deviation(motion.x);
+    const Record record = testing::noisy_record(motion, "y", motion.x, noise, seed);
+    return derive_motion(Record("seat", 0, testing::spacing, {record.channel("F"), record.channel("y")}));
+  };
+  const Model model = baseline("k*y + c*v", 1);
+  Effect smooth = testing::entry(*model.pool, "saturating_stiffness", "smooth_Fy*tanh(smooth_k*y/smooth_Fy)",
+                                 {testing::row("smooth_k", 0), testing::row("smooth_Fy", 0)});
+  smooth.guess = [](const RecordScales& s, int) {
+    std::vector<Guess> out;
+    for (const double stiffer : {0.3, 1.0, 3.0, 30.0})
+      for (const double part : {0.3, 1.0})
+        out.push_back({{"smooth_k", stiffer * s.stiffness}, {"smooth_Fy", part * s.force_std}});
+    return out;
+  };
+  smooth.range = [](const RecordScales& s, int) {
+    return Ranges{{"smooth_k", {1e-3 * s.stiffness, 1e3 * s.stiffness}},
+                  {"smooth_Fy", {1e-3 * s.force_std, 30 * s.force_std}}};
+  };
+  const Effect jump = testing::entry(*model.pool, "preload", "preload_F0*sign(y)", {testing::row("preload_F0")});
+  const Discovery d = discover(model, {smooth, jump}, {seated(1, 1900)}, {seated(2, 900)});
+  ASSERT_EQ(d.effects.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.effects[0].name, "preload");
+  EXPECT_NEAR(d.effects[0].parameters[0].value, 0.6, 0.01);
+  EXPECT_LT(d.final_test.value, 1.5 * d.final_test.floor);
+}
+
 /// An entry with a memory has one more value in each of some hundred runs, which follow noise.
 TEST(DiscoveryOfChaos, ValuesInEveryShortRunAreNoBetterName) {
   const Model model = baseline("k*y + c*v", 1);

@@ -507,8 +507,8 @@ TEST(FitTrajectory, TakesItsStepsFromWhereTheMotionIsFastest) {
   EXPECT_NEAR(result.theta[2], 560, 3 * std::sqrt(result.covariance(2, 2)));
 }
 
-/// Between two wells small differences grow some million times: parameters and first states move the run alike, and what
-/// tells them apart is less than 1e-5 of what either does.
+/// Between two wells small differences grow some million times: parameters and first states move the run alike, and
+/// what tells them apart is less than 1e-5 of what either does.
 TEST(FitTrajectory, TellsParametersFromFirstStatesWhereSmallDifferencesGrow) {
   const std::array<double, 3> values{-2300, 2, 3e6};
   const auto x = truth<2>({0.03, 0}, [=](double t, const std::array<double, 2>& s) {
