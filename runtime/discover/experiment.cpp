@@ -194,7 +194,7 @@ class Designer {
   }
 
   // ---- separation ----
-  /// What rival b leaves of rival a's answer after its best refit.
+  /// What rival b leaves of rival a's answer after its best refit; infinite where its run stops.
   double refitted(const Rival& b, const Answer& a, const Record& driven) const {
     FitData data{a.record, {}, {}};
     if (!imposed_) data.excitation = excitation_of(driven);
@@ -256,6 +256,12 @@ class Designer {
       for (std::size_t b = a + 1; b < rivals_.size(); ++b) {
         const double apart = separation(rivals_[a], rivals_[b], refitted(rivals_[b], all[a], out.excitation),
                                         refitted(rivals_[a], all[b], out.excitation));
+        if (!std::isfinite(apart)) {  // how far a run that stops is from another says no excitation
+          out.separation = 0;
+          out.pairs.clear();
+          out.remark = "a fit of one rival to the other's motion stops";
+          return;
+        }
         out.pairs.push_back({static_cast<int>(a), static_cast<int>(b), apart});
         out.separation = std::min(out.separation, apart);
       }

@@ -92,6 +92,24 @@ TEST(Experiment, ANestedRivalIsToldWhereItIsTheTruth) {
   EXPECT_TRUE(design_experiment({linear, duffing}, {"linear", "duffing"}, options_for(1, 1)).best().decides());
 }
 
+/// Under a small force a spring with a preload comes to rest on its seat, where a fit counts more switches than it
+/// follows. That says nothing of how far the rivals are apart.
+TEST(Experiment, AFitThatStopsIsNoSeparation) {
+  const auto pool = std::make_shared<Pool>();
+  const Model seat = with_values(pool, 1, "k*y + c*v + p*sign(y)", {{"k", 1}, {"c", 0.26}, {"p", 0.6}}),
+              smooth =
+                  with_values(pool, 1, "k*y + c*v + s*tanh(g*y/s)", {{"k", 1}, {"c", 0.26}, {"s", 0.6}, {"g", 20}});
+  ExperimentOptions o = options_for(0.48, 1);
+  o.duration = 100;
+  const ExperimentDesign design = design_experiment({seat, smooth}, {"seat", "smooth"}, o);
+  bool stopped = false;
+  for (const ExperimentCandidate& c : design.candidates) {
+    EXPECT_TRUE(std::isfinite(c.separation)) << c.name;
+    stopped = stopped || c.remark.find("stops") != std::string::npos;
+  }
+  EXPECT_TRUE(stopped);
+}
+
 TEST(Experiment, KeepsTheLimits) {
   const auto pool = std::make_shared<Pool>();
   const Model a = with_values(pool, 1, "k*y + c*v + k3*y^3", {{"k", 1}, {"c", 0.05}, {"k3", 0.5}}),
