@@ -50,7 +50,7 @@ class Spine {
   Discovery run() {
     progress("refit the baseline", 0.05);
     Round round = begin();
-    if (nothing_follows(round)) look_in_short_runs(round);
+    if (nothing_follows(round) || may_be_one_that_is_lost(round)) look_in_short_runs(round);
     fit_all(round);
     if (leaves_anything(round) && !is_noise_of_forces(round) && ground_.take_more_rows(most_on_more_rows(round)))
       look_at_more_rows(round);
@@ -164,16 +164,13 @@ class Spine {
   /// such a motion. Where nothing was named, also that no set which was fitted comes near, or that the best one is
   /// lost.
   bool nothing_follows(const Round& round) const {
-    if (study_.imposed) return false;
     const Gap& gap = round.left.gap;
-    if (std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return may_be_one_that_is_lost(round);
-    if (round.names())
-      return (noise_leads_astray(study_, gap) && stays_above_noise(round)) || may_be_one_that_is_lost(round);
+    if (study_.imposed || std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return false;
+    if (round.names()) return noise_leads_astray(study_, gap) && stays_above_noise(round);
     const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
     const std::vector<Candidate>& sets = round.found.grown.sets;
-    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front()) ||
-           may_be_one_that_is_lost(round);
+    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
   }
 
   bool stays_above_noise(const Round& round) const {
@@ -184,9 +181,10 @@ class Spine {
   /// smooth one beside it comes nearer.
   bool may_be_one_that_is_lost(const Round& round) const {
     int asked = 3;
-    return stays_above_noise(round) && std::ranges::any_of(round.found.grown.sets, [&](const Candidate& c) {
-             return c.choices.size() == 1 && asked-- > 0 && is_lost(study_, c);
-           });
+    if (study_.imposed || !stays_above_noise(round)) return false;
+    return std::ranges::any_of(round.found.grown.sets, [&](const Candidate& c) {
+      return c.choices.size() == 1 && asked-- > 0 && is_lost(study_, c);
+    });
   }
 
   /// A wrong model and a motion that no run can hold look alike over a long record. Over short ones a right model

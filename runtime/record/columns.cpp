@@ -169,11 +169,12 @@ void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const S
   }
   plan.source_unit = unit;
   const auto si = si_unit(unit);
-  const std::string meant = unit_meant(unit);
-  if (!si && plan.required)
+  if (!si && plan.required) {
+    const std::string meant = unit_meant(unit);
     throw InputError("column '" + plan.header.text + "': unknown unit '" + unit +
                          (meant.empty() ? "'; known are " + known_units() : "', did you mean '" + meant + "'?"),
                      where, Fault::data);
+  }
   if (!si) {
     plan.unit = unit;
     warnings.push_back("column '" + plan.header.text + "': unknown unit '" + unit + "', taken as it is");

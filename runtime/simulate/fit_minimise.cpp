@@ -49,7 +49,8 @@ void widen(const std::vector<Eigen::MatrixXd>& scores, const Eigen::MatrixXd& in
 
 /// What this leaves of the columns: their part beside the span of these states, by reflections. Where small differences
 /// grow, both grow alike: of what is left of theta's columns the normal equations lose all below 1e-8 of its length.
-Eigen::MatrixXd beside_states(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& states) {
+Eigen::MatrixXd beside_states(const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                              const Eigen::Ref<const Eigen::MatrixXd>& states) {
   if (states.cols() == 0) return columns;
   constexpr double same = 1e-10;  // of a column's length
   const Eigen::VectorXd lengths = states.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
