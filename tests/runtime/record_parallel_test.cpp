@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -18,19 +19,40 @@ TEST(ParallelFor, RunsEachJobOnce) {
   EXPECT_EQ(times, std::vector<int>(100, 1));
 }
 
-TEST(ParallelFor, OfAJobStaysOnItsThread) {
-  std::vector<std::set<std::thread::id>> threads(4);
-  std::vector<std::thread::id> own(4);
-  parallel_for(4, 2, [&](int i) {
-    const auto k = static_cast<std::size_t>(i);
+TEST(ParallelFor, OfOneThreadStaysOnItWhateverItsJobsAskFor) {
+  std::set<std::thread::id> threads;
+  parallel_for(4, 1, [&](int) { parallel_for(50, 8, [&](int) { threads.insert(std::this_thread::get_id()); }); });
+  EXPECT_EQ(threads, std::set{std::this_thread::get_id()});
+}
+
+TEST(ParallelFor, OfAJobTakesTheThreadsThatHaveNothingElseToDo) {
+  for (int longest : {0, 1}) {  // on the thread that waits for the other, and on that one
     std::mutex guard;
-    own[k] = std::this_thread::get_id();
-    parallel_for(50, 8, [&](int) {
+    std::set<std::thread::id> threads;
+    const auto count = [&] {
       const std::lock_guard lock(guard);
-      threads[k].insert(std::this_thread::get_id());
+      return threads.size();
+    };
+    parallel_for(2, 2, [&](int i) {
+      if (i != longest) return;
+      while (count() < 2) {  // hangs where one thread does all
+        parallel_for(2, 2, [&](int) {
+          std::this_thread::yield();
+          const std::lock_guard lock(guard);
+          threads.insert(std::this_thread::get_id());
+        });
+      }
     });
-  });
-  for (std::size_t k = 0; k < threads.size(); ++k) EXPECT_EQ(threads[k], std::set{own[k]});
+    EXPECT_EQ(threads.size(), 2u);
+  }
+}
+
+TEST(ParallelFor, RethrowsWhatAJobOfAJobThrew) {
+  const auto fails = [](int i) {
+    if (i == 7) throw std::runtime_error("seven");
+  };
+  for (int threads : {1, 2, 4})
+    EXPECT_THROW(parallel_for(3, threads, [&](int) { parallel_for(20, 4, fails); }), std::runtime_error);
 }
 
 TEST(ParallelFor, IsParallelAgainBehindAJobThatFailed) {
