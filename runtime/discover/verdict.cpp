@@ -205,13 +205,42 @@ double share_closed(const Study& study, const Round& round, double before) {
   return std::max(of_blocks, closed_share(before, after.value, after.floor));
 }
 
+/// A damper of the baseline itself that feeds the motion beside the names, beyond chance, and did not alone.
+bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double deviations = 3) {
+  for (const Eigen::Index j : turned_negative(baseline, named, deviations)) {
+    const Model& model = baseline.system->model();
+    const Expr of = model.pool->parameter(model.parameters[static_cast<std::size_t>(j)].name);
+    for (int i = 0; i < model.degrees(); ++i)
+      if (derivative(model.coordinate(i).restoring, of) == model.pool->channel(model.channel('v', i))) return true;
+  }
+  return false;
+}
+
+/// Linear in the motion and in its own states, at any time alike.
+bool is_linear_in_motion(const Choice& choice) {
+  std::vector<Expr> parts{choice.form().force};
+  for (const InternalState& state : states_of(*choice.effect, choice.variant)) parts.push_back(state.rate);
+  const auto moves = [](Expr x) { return x.kind() != SymbolKind::parameter; };
+  const auto is_linear = [&](Expr part) {
+    return part.valid() && std::ranges::all_of(symbols(part), [&](Expr x) {
+             return !moves(x) || std::ranges::none_of(symbols(derivative(part, x)), moves);
+           });
+  };
+  return std::ranges::all_of(parts, is_linear);
+}
+
 /// What keeps names that close this share of the squared excess from being the answer; or "". `before`: the baseline's
 /// gap over the training records.
 std::string why_no_explanation(const Study& study, const Round& round, double before, double closed) {
-  if (round.found.chosen.degenerate()) return "a parameter sits where the effect is another one, or none";
-  if (round.found.chosen.choices.size() > 1 && !sizes_are_told(study, round.found.chosen))
+  const Candidate& named = round.found.chosen;
+  const bool several = named.choices.size() > 1;
+  if (named.degenerate()) return "a parameter sits where the effect is another one, or none";
+  if (several && !sizes_are_told(study, named))
     return "the size of one of them is not told from zero beside another term";
-  if (closed >= most_closed(round.found.chosen.choices)) return "";
+  if (several && std::ranges::all_of(named.choices, is_linear_in_motion) &&
+      feeds_the_motion(round.found.baseline, named))
+    return "linear forces beside a damper of the baseline that drives the motion follow what acts late";
+  if (closed >= most_closed(named.choices)) return "";
   const std::string words = round.left.closure.words();
   if (round.left.material) return "leaves a repeatable force" + (words.empty() ? "" : ": " + words);
   if (is_patchwork(study, round, before))
@@ -372,17 +401,6 @@ bool surely_lowers(const Study& study, double p_value, const std::vector<FreeRun
 }  // namespace
 
 namespace {
-
-/// A damper of the baseline itself that feeds the motion beside the names, beyond chance, and did not alone.
-bool feeds_the_motion(const Candidate& baseline, const Candidate& named, double deviations = 3) {
-  for (const Eigen::Index j : turned_negative(baseline, named, deviations)) {
-    const Model& model = baseline.system->model();
-    const Expr of = model.pool->parameter(model.parameters[static_cast<std::size_t>(j)].name);
-    for (int i = 0; i < model.degrees(); ++i)
-      if (derivative(model.coordinate(i).restoring, of) == model.pool->channel(model.channel('v', i))) return true;
-  }
-  return false;
-}
 
 /// A friction that does more work on the motion than it takes from it, along the first training record.
 const Effect* friction_that_drives(const Study& study, const Candidate& named) {

@@ -6,7 +6,8 @@ local y, v = lunid.displacement, lunid.velocity
 
 --- The motion of x'' + rest(x, v, z) = F(t), z' = rate(x, v, z), by Runge and Kutta's fourth order in `fine` parts of a
 --- sample: lists of the force, the displacement and the acceleration. `of.held`: the force is, over each
---- sample; `of.straight`: it goes in a straight line to the next. `of.delay`: rest is told x of so long before, too.
+--- sample; `of.straight`: it goes in a straight line to the next. `of.delay`: rest is told x, or what `of.late` says, of so
+--- long before, too.
 local function motion(of, force, rows, dt, fine)
   local h, x, forces, ys, accelerations = dt / fine, { 0, 0 }, {}, {}, {}
   local between, past = force, {}
@@ -22,7 +23,7 @@ local function motion(of, force, rows, dt, fine)
     return d
   end
   for i = 1, rows do
-    forces[i], ys[i], past[#past + 1] = force((i - 1) * dt), x[of.shows or 1], x[1]
+    forces[i], ys[i], past[#past + 1] = force((i - 1) * dt), x[of.shows or 1], x[of.late or 1]
     accelerations[i] = slope((i - 1) * dt, x)[2]
     if of.held then between = function() return forces[i] end end
     if of.straight then
@@ -31,7 +32,7 @@ local function motion(of, force, rows, dt, fine)
     end
     for j = 1, fine do
       x = spec.runge_kutta(slope, ((i - 1) + (j - 1) / fine) * dt, x, h)
-      if j < fine then past[#past + 1] = x[1] end
+      if j < fine then past[#past + 1] = x[of.late or 1] end
     end
   end
   return forces, ys, accelerations
@@ -81,7 +82,7 @@ end
 --- What the whole catalogue finds; train and test are { force, rows, dt, seed }, train may be several of them.
 local function found_in(of, noise, train, test, interpolation)
   local function record(made) return record_of(of, made[1], made[2], made[3], noise, made[4]) end
-  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = of.least_damping or 0 }
   local records = {}
   for i, made in ipairs(type(train[1]) == "table" and train or { train }) do records[i] = record(made) end
   return lunid.discover {
@@ -256,6 +257,16 @@ spec.case("a spring that answers the displacement of two periods before has no n
   local of = { name = "regenerative", delay = 13.2, rest = function(x, u, _, _, late) return x + 0.04*u + 0.06*(x - late) end,
     catalogue = { "hidden_mode", "added_mass", "maxwell_relaxation", "cubic_stiffness" } }
   local found = found_in(of, 0.005, { band(0.3, 9), 2000, 0.25, 9 }, { band(0.3, 1), 2000, 0.25, 10 })
+  spec.equal(found.verdict, "unknown-effect")
+  spec.equal(#found.effects, 0)
+end)
+
+-- A reflex answers the velocity of a quarter of a period before. Relaxation and a hidden mode follow it down to the
+-- noise, on the test record too, beside a damper that drives the motion.
+spec.case("linear forces beside a damper that drives are no explanation", function()
+  local of = { name = "reflex", delay = 1.4, late = 2, rest = function(x, u, _, _, late) return x + 0.67*u + 0.38*late end,
+    least_damping = -10, catalogue = { "maxwell_relaxation", "hidden_mode" } }
+  local found = found_in(of, 0.008, { band(0.3, 9), 2000, 0.1, 9 }, { chirp(0.4, 0.25, 2.5, 200), 2000, 0.1, 10 })
   spec.equal(found.verdict, "unknown-effect")
   spec.equal(#found.effects, 0)
 end)
