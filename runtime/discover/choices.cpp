@@ -85,4 +85,18 @@ bool is_general_form(const Choices& general, const Choices& special) {
   return general.size() == special.size() && std::ranges::all_of(special, is_covered);
 }
 
+bool has_shape(const Choice& choice) { return choice.effect->name != "constant_force"; }
+
+std::ptrdiff_t springs_among(const Choices& set) {
+  const auto is_spring = [](const Choice& c) { return c.effect->family == "stiffness" && has_shape(c); };
+  std::ptrdiff_t most = 0;
+  for (const Choice& one : set)
+    most = std::max(most, std::ranges::count_if(set, [&](const Choice& c) {
+                      return is_spring(c) && c.effect->place == one.effect->place;
+                    }));
+  return most;
+}
+
+bool is_series(const Choices& set) { return springs_among(set) > 2; }
+
 }  // namespace lunid

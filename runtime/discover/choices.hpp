@@ -1,5 +1,6 @@
 #pragma once
 // Sets of entries of the catalogue, and how two of them stand to each other.
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -40,5 +41,12 @@ Choices beyond(const Choices& set, const Choices& other);
 bool related(const Choices& a, const Choices& b);
 /// As many entries, each that of `special` or one of which it is a special case.
 bool is_general_form(const Choices& general, const Choices& special);
+
+/// A mean force has none that could follow another's.
+bool has_shape(const Choice& choice);
+/// The most at one place.
+std::ptrdiff_t springs_among(const Choices& set);
+/// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
+bool is_series(const Choices& set);
 
 }  // namespace lunid

@@ -114,7 +114,10 @@ class Grower {
       if (leaves_noise(c) && !c.degenerate()) fewest_ = std::min(fewest_, c.added());
     std::erase_if(level, [&](const Candidate& c) { return leaves_noise(c) || c.added() + 1 >= fewest_; });
     std::vector<Candidate> parents = parents_among(level);
-    std::erase_if(parents, [](const Candidate& c) { return c.choices.size() > 1 && many_states(c.choices); });
+    std::erase_if(parents, [](const Candidate& c) {
+      return (c.choices.size() > 1 && many_states(c.choices)) ||
+             is_series(c.choices);  // is no name, nor is what holds it
+    });
     return parents;
   }
 

@@ -122,20 +122,6 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
 
 namespace {
 
-/// A mean force has none that could follow another's.
-bool has_shape(const Choice& c) { return c.effect->name != "constant_force"; }
-
-/// The most at one place.
-std::ptrdiff_t springs_among(const Choices& names) {
-  const auto is_spring = [](const Choice& c) { return c.effect->family == "stiffness" && has_shape(c); };
-  std::ptrdiff_t most = 0;
-  for (const Choice& one : names)
-    most = std::max(most, std::ranges::count_if(names, [&](const Choice& c) {
-                      return is_spring(c) && c.effect->place == one.effect->place;
-                    }));
-  return most;
-}
-
 /// Of the squared excess, by names that stand beside a small repeatable force: each has to leave less where they are
 /// several, and two springs nothing to speak of, which follow a curve of another kind as a series does.
 double most_closed(const Choices& names) {
@@ -147,8 +133,6 @@ constexpr double much_open = 0.15;    ///< of the motion
 constexpr double little_open = 0.05;  ///< the same where less is asked for
 
 }  // namespace
-
-bool is_series(const Choices& names) { return springs_among(names) > 2; }
 
 bool is_loose_series(const Choices& names, const Gap& train, double closed) {
   return springs_among(names) > 1 && train.value > 1.5 * train.floor && closed < most_closed(names);

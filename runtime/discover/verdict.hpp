@@ -63,9 +63,6 @@ double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, con
 /// make of it there: a sweep through a jump hangs on a damping that the training records show to a percent.
 bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test);
 
-/// Three springs and stops at one place: a curve of another kind, which takes as many of them as its noise shows.
-bool is_series(const Choices& names);
-
 /// Two springs and stops at one place that leave what noise does not of the training records, and close less than
 /// 99.8 % of the squared excess over left-out blocks (`closed`).
 bool is_loose_series(const Choices& names, const Gap& train, double closed);

@@ -96,6 +96,28 @@ TEST(Grow, SeeksFewerParametersThanThoseOfAnEffectThatLeavesTheNoise) {
   for (const Candidate& c : found.sets) EXPECT_TRUE(c.added() < 3 || c.choices.size() == 1) << c.name();
 }
 
+/// Three springs at one place are no name, nor is what holds them: nothing is added to them.
+TEST(Grow, AddsNothingToASeries) {
+  truth::Physics physics;
+  physics.other = [](double x, double) { return 0.5 * (std::exp(x) - 1 - x); };
+  const Model model = complete(testing::baseline("k*y + c*v", 1));
+  const truth::Motion motion =
+      truth::integrate(physics, truth::multisine(0.2, 2.2, 20, 5), 0.3, {}, 1500, testing::spacing, 16);
+  const DiscoverOptions options;
+  const Study study = prepare(model, {testing::noisy_record(motion, "y", motion.x, 1e-6, 5)}, {}, options);
+  Pool& pool = *model.pool;
+  std::vector<Effect> catalogue{
+      entry(pool, "second", "second_a*y^2", {row("second_a")}), entry(pool, "third", "third_a*y^3", {row("third_a")}),
+      entry(pool, "fourth", "fourth_a*y^4", {row("fourth_a")}), entry(pool, "fifth", "fifth_a*y^5", {row("fifth_a")})};
+  const auto largest = [&](const char* family) {
+    for (Effect& effect : catalogue) effect.family = family;
+    const Grown found = grow(study, model, fitted_baseline(study, model), catalogue, {}, false, silent);
+    return std::ranges::max(found.sets, {}, [](const Candidate& c) { return c.choices.size(); }).choices.size();
+  };
+  EXPECT_EQ(largest("test"), 4u);
+  EXPECT_EQ(largest("stiffness"), 3u);
+}
+
 /// A search that is made again fits nothing twice, what ended at a limit included: a softening spring that hardens.
 TEST(Grow, TakesUpWhatIsKnown) {
   SpringAndDrag given;
