@@ -92,8 +92,12 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
     names.push_back(header[i].name);
   }
   const std::string near = nearest_word(map.header, names);
+  const bool several = map.header.find('=') != std::string::npos;
   throw InputError("no column '" + map.header + "' for channel '" + map.channel + "'; the file has " +
-                       list_headers(header) + (near.empty() ? "" : "; did you mean '" + near + "'?"),
+                       list_headers(header) +
+                       (several        ? "; commas separate one column from the next"
+                        : near.empty() ? ""
+                                       : "; did you mean '" + near + "'?"),
                    where, Fault::data);
 }
 
@@ -149,7 +153,7 @@ std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, c
 /// "lbf ft" of "lb ft": what is meant by a unit of mass for a channel F or F1 ...; "" where it is none.
 std::string as_force(std::string_view channel, std::string unit) {
   if (!channel.starts_with('F') || channel.find_first_not_of("0123456789", 1) != channel.npos) return "";
-  for (const std::string_view mass : {"lb", "kg", "t"}) {
+  for (const std::string_view mass : {"lb", "kg", "oz", "t"}) {
     const std::size_t at = unit.find(mass);
     if (at == unit.npos) continue;
     unit.insert(at + mass.size(), "f");
@@ -159,39 +163,65 @@ std::string as_force(std::string_view channel, std::string unit) {
   return "";
 }
 
-/// `asked_for`: by the study, not by the file, so that a unit of another kind is a mistake.
-void set_unit(ColumnPlan& plan, const std::string& unit, bool asked_for, const SourceSpan& where,
-              std::vector<std::string>& warnings) {
+/// The channel whose units a channel has: y of y1, yb and y_reference.
+const Meaning* kind_of(std::string_view channel) {
+  const std::string_view rest = channel.substr(std::min<std::size_t>(1, channel.size()));
+  const bool numbered = rest.find_first_not_of("0123456789") == rest.npos;
+  return numbered || rest == "b" || rest == "_reference" ? meaning_of(channel.substr(0, 1)) : nullptr;
+}
+
+/// A unit in brackets that the header goes on behind.
+void warn_of_unit_in_name(const ColumnPlan& plan, std::vector<std::string>& warnings) {
+  const std::string& text = plan.header.text;
+  for (const char* pair : {"[]", "()"}) {
+    const std::size_t open = text.find(pair[0]), close = text.find(pair[1], open + 1);
+    if (!plan.required || open == text.npos || close == text.npos) continue;
+    const std::string unit(trim(text.substr(open + 1, close - open - 1)));
+    if (si_unit(unit))
+      warnings.push_back("column '" + text + "': '" + unit + "' within the name is not read as its unit; say it with " +
+                         "columns, \"" + plan.channel + "=" + text + " [" + unit + "]\" (--columns)");
+  }
+}
+
+std::string did_you_mean(const std::string& word) { return word.empty() ? "" : ", did you mean '" + word + "'?"; }
+
+/// A unit that is said, in the header or by the study, of a column that is a channel is one of its kind.
+void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where, std::vector<std::string>& warnings) {
   if (unit.empty()) {
+    warn_of_unit_in_name(plan, warnings);
     if (const Meaning* meaning = meaning_of(plan.channel))
       plan.unit = meaning->units[is_of_rotation(*meaning, plan.header) ? 1 : 0];
     return;
   }
   plan.source_unit = unit;
   const auto si = si_unit(unit);
-  if (!si && plan.required) {
-    const std::string meant = unit_meant(unit);
-    throw InputError("column '" + plan.header.text + "': unknown unit '" + unit +
-                         (meant.empty() ? "'; known are " + known_units() : "', did you mean '" + meant + "'?"),
-                     where, Fault::data);
-  }
+  const std::string what = "column '" + plan.header.text + "': ";
   if (!si) {
+    std::string word = unit_meant(unit);
+    if (const std::string force = as_force(plan.channel, word); !force.empty()) word = force;
+    const std::string unknown = what + "unknown unit '" + unit + "'", meant = did_you_mean(word);
+    if (plan.required)
+      throw InputError(unknown + (meant.empty() ? "; known are " + known_units() : meant), where, Fault::data);
     plan.unit = unit;
-    warnings.push_back("column '" + plan.header.text + "': unknown unit '" + unit + "', taken as it is");
+    warnings.push_back(unknown + ", taken as it is" + meant);
     return;
   }
   plan.factor = si->factor;
   plan.unit = si->unit;
-  const Meaning* meaning = meaning_of(plan.channel);
-  if (meaning && fits(*meaning, si->unit)) return;
-  const std::string text =
-      "column '" + plan.header.text + "': '" + unit + "' is no unit of channel '" + plan.channel + "'";
+  const std::string no_unit = what + "'" + unit + "' is no unit of channel '" + plan.channel + "'";
   if (const std::string force = as_force(plan.channel, unit); !force.empty())
-    throw InputError(text + ", it holds a mass: as a force it is written " + force, where, Fault::data);
-  if (!meaning) return;
-  if (plan.channel == "t") throw InputError(text + ", expected s, ms, us or min", where, Fault::data);
-  if (asked_for) throw InputError(text + ", expected one of the kind of " + units_of(*meaning), where, Fault::data);
-  warnings.push_back(text);
+    throw InputError(no_unit + ", it holds a mass: as a force it is written " + force, where, Fault::data);
+  const Meaning* meaning = plan.required ? kind_of(plan.channel) : nullptr;
+  if (!meaning || fits(*meaning, si->unit)) return;
+  if (meaning->channel == "t") throw InputError(no_unit + ", expected s, ms, us or min", where, Fault::data);
+  std::string alike = unit_alike(unit);
+  if (const auto other = si_unit(alike); !other || !fits(*meaning, other->unit)) alike.clear();
+  std::string text = no_unit + ", expected one of the kind of " + units_of(*meaning) + did_you_mean(alike);
+  if (unit == plan.header.unit)  // the file's own word
+    text += (alike.empty() ? "; say" : " Say") + std::string(" it with columns, such as \"") + plan.channel + "=" +
+            plan.header.name + " [" + (alike.empty() ? std::string(meaning->units[0]) : alike) +
+            "]\", or where it is another quantity give it another name, \"other=" + plan.header.name + "\" (--columns)";
+  throw InputError(text, where, Fault::data);
 }
 
 void check_repeats(const std::vector<HeaderCell>& header, const SourceSpan& where) {
@@ -215,7 +245,7 @@ void plan_derived(std::vector<ColumnPlan>& plans, const SourceSpan& where, std::
     if (name.empty() || taken) continue;
     plan.channel = name;
     plan.derived = true;
-    set_unit(plan, plan.header.unit, false, where, warnings);
+    set_unit(plan, plan.header.unit, where, warnings);
   }
 }
 
@@ -226,7 +256,22 @@ void plan_extra(ColumnPlan& plan, const std::vector<ColumnPlan>& plans, const So
   for (const ColumnPlan& other : plans)
     if (other.required && other.channel == name) name = "column " + plan.header.name;
   plan.channel = name;
-  set_unit(plan, plan.header.unit, false, where, warnings);
+  set_unit(plan, plan.header.unit, where, warnings);
+}
+
+/// A channel that is said to be the same in every row is no column of the file.
+void leave_out_constants(const std::vector<HeaderCell>& header, const ReadOptions& options,
+                         std::vector<ColumnPlan>& plans, std::vector<std::string>& warnings) {
+  for (const ColumnMap& map : options.columns) {
+    if (!constant_of(map) || has_header(header, map)) continue;
+    for (ColumnPlan& plan : plans) {
+      if (plan.channel != map.channel) continue;
+      warnings.push_back("left out: the column '" + plan.header.text + "', because " + map.channel + "=" + map.header +
+                         " is given");
+      plan.channel.clear();
+      plan.required = false;
+    }
+  }
 }
 
 /// What to do where no column is the time; those that have a meaning already are not it.
@@ -288,7 +333,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   const auto assign = [&](std::size_t i, std::string channel, const std::string& unit) {
     plans[i].channel = std::move(channel);
     plans[i].required = true;
-    set_unit(plans[i], unit.empty() ? header[i].unit : unit, !unit.empty(), where, warnings);
+    set_unit(plans[i], unit.empty() ? header[i].unit : unit, where, warnings);
   };
   for (std::size_t i = 0; i < header.size(); ++i) plans[i].header = header[i];
   for (const ColumnMap& map : options.columns) {
@@ -301,7 +346,6 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     assign(i, map.channel, map.unit);
   }
   const bool given = options.interval > 0;
-  std::optional<std::size_t> no_time;  // a time that the rate or interval stands for
   for (const Meaning& meaning : meanings) {
     const bool mapped = std::any_of(plans.begin(), plans.end(),
                                     [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
@@ -313,7 +357,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     if (!i) continue;
     assign(*i, std::string(meaning.channel), "");
     if (!given || meaning.channel != "t") continue;
-    no_time = i;
+    plans[*i].clock = true;
     warnings.push_back("left out: the time '" + header[*i].text + "', because a rate or interval is given");
   }
   if (needs_time && !given &&
@@ -324,7 +368,9 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
   plan_derived(plans, where, warnings);
   for (ColumnPlan& plan : plans)
     if (!plan.required && !plan.derived) plan_extra(plan, plans, where, warnings);
-  if (no_time) plans[*no_time].channel.clear(), plans[*no_time].required = false;
+  for (ColumnPlan& plan : plans)
+    if (plan.clock) plan.channel.clear(), plan.required = false;
+  leave_out_constants(header, options, plans, warnings);
   return plans;
 }
 
@@ -349,8 +395,18 @@ Record with_constants(const Record& record, const std::vector<ColumnMap>& column
     ColumnPlan plan;
     plan.channel = plan.header.text = plan.header.name = map.channel;
     std::vector<std::string> warnings;
+    const std::string said = map.channel + "=" + map.header;
+    if (*value != 0 && map.unit.empty()) {
+      const Meaning* kind = kind_of(map.channel);
+      throw InputError("no column '" + map.header + "' for channel '" + map.channel +
+                           "': a column is named by its header; a channel that is the same in every row has its unit "
+                           "beside the number, as " +
+                           said + " [" + std::string(kind ? kind->units[0] : "m") + "]",
+                       {record.name()}, Fault::data);
+    }
     const bool is_force = map.unit.empty() && map.channel == "F";
-    set_unit(plan, is_force ? unit_of_force(record) : map.unit, true, {record.name()}, warnings);
+    plan.required = true;
+    set_unit(plan, is_force ? unit_of_force(record) : map.unit, {record.name()}, warnings);
     Channel channel = channel_of(plan);
     channel.values = Eigen::VectorXd::Constant(record.rows(), *value * plan.factor);
     out = out.with(std::move(channel));
@@ -359,7 +415,15 @@ Record with_constants(const Record& record, const std::vector<ColumnMap>& column
 }
 
 ColumnMap parse_column(std::string_view channel, std::string_view text) {
-  const HeaderCell cell = split_header(text);
+  text = trim(text);
+  HeaderCell cell;
+  const std::size_t end = text.starts_with('"') ? text.find('"', 1) : text.npos;
+  if (end != text.npos) {
+    cell = split_header("header" + std::string(text.substr(end + 1)));
+    cell.name = text.substr(1, end - 1);
+  } else {
+    cell = split_header(text);
+  }
   std::string name(trim(channel));
   for (const Meaning& meaning : meanings)
     if (likeness(meaning, name) == 2) name = meaning.channel;
@@ -370,8 +434,11 @@ std::vector<ColumnMap> parse_columns(std::string_view text) {
   std::vector<ColumnMap> maps;
   for (std::size_t begin = 0; begin <= text.size();) {
     std::size_t end = begin;
-    for (int depth = 0; end < text.size() && (depth > 0 || text[end] != ','); ++end)
+    bool quoted = false;
+    for (int depth = 0; end < text.size() && (quoted || depth > 0 || text[end] != ','); ++end) {
+      quoted = quoted != (text[end] == '"');
       depth += text[end] == '[' || text[end] == '(' ? 1 : text[end] == ']' || text[end] == ')' ? -1 : 0;
+    }
     const std::string_view item = trim(text.substr(begin, end - begin));
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos || equals == 0 || trim(item.substr(equals + 1)).empty())

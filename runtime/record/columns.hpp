@@ -13,7 +13,10 @@ constexpr double largest_measurement = 1e60;
 
 /// All unit names, for messages.
 std::string known_units();
-/// The unit that a word stands for, "in" of "inches"; "" of any other.
+/// The unit that a name stands for, in full ("inches"), in other letters ("KN", "nm" for Nm) or in the plural; "" of
+/// any other.
+std::string unit_alike(std::string_view name);
+/// The same of a product, whose names that are known stay: "kN/in" of "KN/inch".
 std::string unit_meant(std::string_view word);
 
 /// A header cell taken apart: "F (kN)" is {"F (kN)", "F", "kN"}.
@@ -32,6 +35,7 @@ struct ColumnPlan {
   std::string unit;         ///< SI unit
   std::string source_unit;  ///< the column's: as was asked for, else as its header has it
   bool derived = false;     ///< from another channel, by its header's name (derived_ending)
+  bool clock = false;       ///< a time that is left out, since a rate or interval stands for it
   bool required = false;    ///< a cell that is no number is an error; else the column is dropped with a warning
 };
 

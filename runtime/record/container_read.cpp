@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "expr/words.hpp"
 #include "record/atomic_file.hpp"
 #include "record/container_plan.hpp"
 #include "record/time_base.hpp"
@@ -63,12 +64,24 @@ TimeBase time_base_of(Container& file, const ContainerPlan& plan, const std::str
   return base_of(variable, plan.plans[plan.time], t, path, resample, warnings);
 }
 
+/// A time beside which an interval is given may tell of another.
+void compare_clock(Container& file, const ContainerPlan& plan, const std::string& path,
+                   std::vector<std::string>& warnings) {
+  const auto clock = std::ranges::find_if(plan.plans, &ColumnPlan::clock);
+  if (clock == plan.plans.end()) return;
+  const VectorXd t =
+      clock->factor * read_choice(file, path, plan.choices[static_cast<std::size_t>(clock - plan.plans.begin())]);
+  std::string text = other_clock(clock->header.text, {t.data(), static_cast<std::size_t>(t.size())}, plan.interval);
+  if (!text.empty()) warnings.push_back(std::move(text));
+}
+
 }  // namespace
 
 Record read_container(const std::string& path, const ReadOptions& options) {
   const auto file = open_container(path);
   ContainerPlan plan = plan_container(*file, path, options);
   std::vector<std::string>& warnings = plan.warnings;
+  compare_clock(*file, plan, path, warnings);
   VectorXd t;
   const TimeBase base = time_base_of(*file, plan, path, options.resample, t, warnings);
   std::vector<Channel> channels;
@@ -89,12 +102,26 @@ Record read_container(const std::string& path, const ReadOptions& options) {
   return has_motion(record) ? derive_motion(record) : record;
 }
 
+namespace {
+
+/// Numbers of which none is the language's own.
+Record with_warning_of_names(Record record) {
+  const auto is_known = [](const Channel& channel) { return is_channel_name(channel.name); };
+  if (std::ranges::none_of(record.channels(), is_known))
+    record.warn(
+        "no column is known as a motion (y, v, a) or a force (F): name them with columns = \"y=header [unit], "
+        "F=header [unit]\" (--columns)");
+  return record;
+}
+
+}  // namespace
+
 Record read_record(const std::string& path, const ReadOptions& options) {
-  if (is_container(path)) return with_constants(read_container(path, options), options.columns);
+  if (is_container(path)) return with_warning_of_names(with_constants(read_container(path, options), options.columns));
   if (!options.interval_name.empty() || !options.rate_name.empty())
     fail(path, "rate and interval: expected a number for a CSV file, got the name '" +
                    (options.rate_name.empty() ? options.interval_name : options.rate_name) + "'");
-  return with_constants(read_csv(path, options), options.columns);
+  return with_warning_of_names(with_constants(read_csv(path, options), options.columns));
 }
 
 namespace {

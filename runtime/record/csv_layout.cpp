@@ -16,7 +16,7 @@ struct Line {
   std::string text;  ///< without the mark of a comment
   bool comment = false;
   int number = 0;
-  std::string_view rest;  ///< what follows it
+  std::string_view from, rest;  ///< what begins with it, and what follows it
 };
 
 /// '#', '%' or "//" at the start of a line: how long it is, 0 where there is none.
@@ -45,26 +45,24 @@ std::string_view without_indent(std::string_view line) {
 std::vector<Line> first_lines(std::string_view rest, char ending) {
   std::vector<Line> lines;
   std::string_view line;
-  for (int number = 0; lines.size() < lines_looked_through && any_line(rest, ending, number, line);) {
+  std::string_view from = rest;
+  for (int number = 0; lines.size() < lines_looked_through && any_line(rest, ending, number, line); from = rest) {
     const std::string_view text = without_indent(line);
     if (text.empty()) continue;
     const std::size_t mark = comment_mark(text);
     if (mark && !lines.empty() && lines.back().comment) lines.pop_back();  // only the last of them may be the header
-    lines.push_back({utf8(mark ? text.substr(mark) : line), mark > 0, number, rest});
+    lines.push_back({utf8(mark ? text.substr(mark) : line), mark > 0, number, from, rest});
   }
   return lines;
 }
 
-char find_separator(std::string_view header) {
-  for (char candidate : {'\t', ';', ','})
-    if (split_cells(header, candidate).size() > 1) return candidate;
-  return ',';
-}
-
-/// Cells of a line without the empty one that a separator at its end makes.
+/// Cells of a line without the empty one that a separator at its end makes; none between blanks where other separators
+/// are there too.
 std::vector<std::string> cells_of(std::string_view line, char separator) {
   std::vector<std::string> cells = split_cells(line, separator);
   if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  const auto goes_on = [](const std::string& cell) { return cell.ends_with(',') || cell.ends_with(';'); };
+  if (separator == ' ' && std::ranges::any_of(cells, goes_on)) cells.clear();
   return cells;
 }
 
@@ -72,6 +70,17 @@ bool is_number(const std::string& cell) { return to_number(cell) || has_decimal_
 
 std::size_t count_numbers(const std::vector<std::string>& cells) {
   return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_number));
+}
+
+bool are_numbers(const std::vector<std::string>& cells) {
+  return !cells.empty() && count_numbers(cells) == cells.size();
+}
+
+/// Of a line that is taken for the header; blanks may be part of names, and separate numbers alone.
+char find_separator(std::string_view header) {
+  for (char candidate : {'\t', ';', ','})
+    if (split_cells(header, candidate).size() > 1) return candidate;
+  return are_numbers(cells_of(header, ' ')) ? ' ' : ',';
 }
 
 /// Numbers, perhaps with some text after them.
@@ -171,7 +180,7 @@ std::optional<Place> header_above_rows(const Lines& lines, char separator) {
 
 std::optional<Place> place_of(const Lines& lines, std::size_t first) {
   if (const auto place = header_at(lines, first)) return place;
-  for (const char separator : {'\t', ';', ','})
+  for (const char separator : {'\t', ';', ',', ' '})
     if (const auto place = header_above_rows(lines, separator)) return place;
   return std::nullopt;
 }
@@ -198,13 +207,29 @@ std::string of_unknown_unit(const Lines& lines, std::size_t header, char separat
   return {};
 }
 
+/// Are columns asked for by their numbers?
+bool are_numbered(const ReadOptions& options) {
+  return std::ranges::any_of(options.columns, [](const ColumnMap& map) {
+    return !map.header.empty() && map.header != "0" && map.header.find_first_not_of("0123456789") == map.header.npos;
+  });
+}
+
+/// "1", "2" ... of a table without names.
+std::vector<HeaderCell> numbers_for_names(std::size_t count) {
+  std::vector<HeaderCell> header;
+  for (std::size_t i = 1; i <= count; ++i) header.push_back({std::to_string(i), std::to_string(i), ""});
+  return header;
+}
+
 /// Names and units of the columns. `units`: the line below, empty where it holds none.
 std::vector<HeaderCell> header_cells(const std::string& path, const Line& line, char separator,
                                      const std::vector<std::string>& units) {
   const std::vector<std::string> cells = cells_of(line.text, separator);
-  if (count_numbers(cells) == cells.size())
+  if (are_numbers(cells))
     fail(path, line.number,
-         "no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' first");
+         "no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' first, or "
+         "say "
+         "the columns by their numbers: columns = \"t=1,F=2 [N],y=3 [mm]\" (--columns)");
   std::vector<HeaderCell> header;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells[i].empty()) fail(path, line.number, "column " + std::to_string(i + 1) + " has no name");
@@ -240,11 +265,36 @@ bool next_line(std::string_view& rest, char ending, int& number, std::string_vie
   return false;
 }
 
+namespace {
+
+/// Cells between any number of blanks; a bracket belongs to the name before it.
+std::vector<std::string> split_at_blanks(std::string_view line) {
+  std::vector<std::string> cells;
+  bool between = true;
+  int depth = 0;
+  for (const char c : line) {
+    const bool opens = c == '[' || c == '(', blank = c == ' ' || c == '\t';
+    if (blank && depth == 0) {
+      between = true;
+      continue;
+    }
+    if (between && (cells.empty() || !opens)) cells.emplace_back();
+    if (between && !cells.back().empty()) cells.back() += ' ';
+    between = false;
+    depth += opens ? 1 : c == ']' || c == ')' ? -1 : 0;
+    cells.back() += c;
+  }
+  return cells;
+}
+
+}  // namespace
+
 std::vector<std::string> split_cells(std::string_view line, char separator) {
+  if (separator == ' ') return split_at_blanks(line);
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
+    if (line[i] == '"' && (quoted || trim(cells.back()).empty())) {
       if (quoted && i + 1 < line.size() && line[i + 1] == '"')
         cells.back() += line[i++];
       else
@@ -259,8 +309,25 @@ std::vector<std::string> split_cells(std::string_view line, char separator) {
   return cells;
 }
 
+namespace {
+
+/// "1.5E-3" of Fortran's "1.5D-3" and of a minus that is a typographer's; nothing where the cell has neither.
+std::optional<std::string> in_plain_signs(std::string_view cell) {
+  static constexpr std::string_view minus = "\u2212";
+  std::string plain;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const bool is_minus = cell.substr(i).starts_with(minus);
+    plain += is_minus ? '-' : cell[i] == 'D' || cell[i] == 'd' ? 'E' : cell[i];
+    if (is_minus) i += minus.size() - 1;
+  }
+  return plain == cell ? std::nullopt : std::optional(plain);
+}
+
+}  // namespace
+
 std::optional<double> to_number(std::string_view cell, char decimal) {
   cell = trim(cell);
+  if (const auto plain = in_plain_signs(cell)) return to_number(*plain, decimal);
   if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
   double value = 0;
   const fast_float::parse_options options(fast_float::chars_format::general, decimal);
@@ -296,7 +363,8 @@ std::string utf8(std::string_view text) {
   return valid && more == 0 ? std::string(text) : latin;
 }
 
-CsvLayout find_layout(const std::string& path, std::string_view text, std::vector<std::string>& warnings) {
+CsvLayout find_layout(const std::string& path, std::string_view text, const ReadOptions& options,
+                      std::vector<std::string>& warnings) {
   CsvLayout layout;
   layout.ending = text.find('\n') == text.npos ? '\r' : '\n';
   const Lines lines = first_lines(text, layout.ending);
@@ -315,16 +383,23 @@ CsvLayout find_layout(const std::string& path, std::string_view text, std::vecto
   const Line& header = lines[place->header];
   const Line& last = place->units ? lines[*place->units] : header;
   layout.separator = place->separator;
-  layout.header = header_cells(path, header, layout.separator,
-                               place->units ? split_cells(last.text, layout.separator) : std::vector<std::string>{});
   layout.header_line = header.number;
   layout.line = last.number;
   layout.rest = last.rest;
   layout.row_bytes = header.text.size() + 1;
-  if (layout.header.size() == 1)
+  const std::vector<std::string> cells = cells_of(header.text, layout.separator);
+  if (are_numbers(cells) && are_numbered(options)) {
+    layout.header = numbers_for_names(cells.size());
+    layout.line = header.number - 1;
+    layout.rest = header.from;
+    return layout;
+  }
+  layout.header = header_cells(path, header, layout.separator,
+                               place->units ? split_cells(last.text, layout.separator) : std::vector<std::string>{});
+  if (layout.header.size() == 1 && !(options.interval > 0))
     fail(path, header.number,
-         "expected columns separated by , ; or tab, got one column '" + layout.header[0].text + "'" +
-             layout.header_advice);
+         "expected columns separated by , ; tab or blanks, got one column '" + layout.header[0].text +
+             "'; where it is one alone give the rows per second: rate = HZ (--rate HZ)" + layout.header_advice);
   return layout;
 }
 

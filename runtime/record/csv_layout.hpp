@@ -13,7 +13,8 @@ namespace lunid {
 /// `number` is that of the line before, and then of the line. False at the end.
 bool next_line(std::string_view& rest, char ending, int& number, std::string_view& line);
 
-/// Cells of a line; quotes protect separators and are removed, a doubled quote stands for one.
+/// Cells of a line; quotes round a cell protect separators and are removed, a doubled quote in them stands for one.
+/// Blanks separate in any number.
 std::vector<std::string> split_cells(std::string_view line, char separator);
 /// The whole of a cell as a finite number, with `decimal` for its point; nullopt where it is none.
 std::optional<double> to_number(std::string_view cell, char decimal = '.');
@@ -36,8 +37,10 @@ struct CsvLayout {
 /// Finds the header in the text that a file begins with: the first line of names that has rows of numbers below it, or
 /// a line of units and then rows. What stands before it is skipped with a warning. A comment of as many names as the
 /// first row has numbers is a header too, where no other line precedes the rows. Where there is none of these the first
-/// line is taken for the header. Throws InputError (Fault::data): no header, no columns, a column without a name, units
-/// twice.
-CsvLayout find_layout(const std::string& path, std::string_view text, std::vector<std::string>& warnings);
+/// line is taken for the header. A table of numbers alone has those of its columns for names, where the options ask
+/// by them; one column is a table where they give an interval. Throws InputError (Fault::data): no header, no columns,
+/// a column without a name, units twice.
+CsvLayout find_layout(const std::string& path, std::string_view text, const ReadOptions& options,
+                      std::vector<std::string>& warnings);
 
 }  // namespace lunid

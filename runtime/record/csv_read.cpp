@@ -19,6 +19,16 @@ TimeBase time_base(CsvTable& table, std::size_t time, const std::string& path, b
   return fit_time_base(t, resolution, table.lines, path, resample, warnings);
 }
 
+/// A time beside which an interval is given may tell of another.
+void compare_clock(const CsvTable& table, double interval, std::vector<std::string>& warnings) {
+  const auto clock = std::ranges::find_if(table.plans, &ColumnPlan::clock);
+  if (clock == table.plans.end()) return;
+  std::vector<double> t = table.columns[static_cast<std::size_t>(clock - table.plans.begin())];
+  for (double& stamp : t) stamp *= clock->factor;
+  if (std::string text = other_clock(clock->header.text, t, interval); !text.empty())
+    warnings.push_back(std::move(text));
+}
+
 /// Rows that stand so far apart, from 0 s on.
 TimeBase even_base(const CsvTable& table, const std::string& path, double interval) {
   const std::size_t rows = table.lines.size();
@@ -44,8 +54,10 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   const auto is_time = [](const ColumnPlan& plan) { return plan.channel == "t"; };
   const auto time =
       static_cast<std::size_t>(std::find_if(table.plans.begin(), table.plans.end(), is_time) - table.plans.begin());
-  if (table.plans.size() < 2)
+  const auto is_signal = [](const ColumnPlan& plan) { return plan.channel != "t" && !plan.channel.empty(); };
+  if (std::ranges::none_of(table.plans, is_signal))
     throw InputError("expected a column of numbers beside the time", {path, table.header_line}, Fault::data);
+  if (options.interval > 0) compare_clock(table, options.interval, warnings);
   const TimeBase base = options.interval > 0 ? even_base(table, path, options.interval)
                                              : time_base(table, time, path, options.resample, warnings);
 
@@ -58,6 +70,7 @@ Record read_csv(const std::string& path, const ReadOptions& options) {
   }
   Record record(path, base.t0, base.dt, std::move(channels));
   for (std::string& warning : warnings) record.warn(std::move(warning));
+  if (time < table.plans.size() && table.plans[time].source_unit.empty()) record.note_time_without_unit();
   record.note_gaps(base.gaps);
   return has_motion(record) ? derive_motion(record) : record;
 }

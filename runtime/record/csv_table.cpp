@@ -2,6 +2,7 @@
 
 #include <fast_float/fast_float.h>
 #include <fcntl.h>
+#include <iconv.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -91,7 +92,7 @@ void CsvParser::fail(const std::string& message, int line) const {
 }
 
 std::string_view CsvParser::header(std::string_view text, std::vector<std::string>& warnings) {
-  const CsvLayout layout = find_layout(path_, text, warnings);
+  const CsvLayout layout = find_layout(path_, text, options_, warnings);
   ending_ = layout.ending;
   separator_ = layout.separator;
   line_ = layout.line;
@@ -124,22 +125,23 @@ void CsvParser::restart(int line) {
 }
 
 void CsvParser::read_row(std::string_view line) {
-  if (line.find('"') != line.npos) {  // rare: unquote, then as usual
-    std::string plain;
-    for (const std::string& cell : split_cells(line, separator_)) {
-      if (separator_ == ',' && has_decimal_comma(cell))
-        fail("decimal comma in '" + cell +
-                 "' between commas: export the file with decimal points, or with ; between "
-                 "the columns",
-             line_);
-      plain += (plain.empty() ? "" : std::string(1, separator_)) + cell;
-    }
-    return read_plain(plain);
+  if (separator_ != ' ' && line.find('"') == line.npos) return read_plain(line, separator_);
+  constexpr char between = '\n';  // which no cell holds
+  std::string plain;
+  const std::vector<std::string> cells = split_cells(line, separator_);
+  for (const std::string& cell : cells) {
+    if (separator_ == ',' && has_decimal_comma(cell))
+      fail("decimal comma in '" + cell +
+               "' between commas: export the file with decimal points, or with ; between "
+               "the columns",
+           line_);
+    if (&cell != &cells.front()) plain += between;
+    plain += cell;
   }
-  read_plain(line);
+  read_plain(plain, between);
 }
 
-void CsvParser::read_plain(std::string_view line) {
+void CsvParser::read_plain(std::string_view line, char separator) {
   const char *cursor = line.data(), *const end = line.data() + line.size();
   const std::size_t width = table_.columns.size();
   const fast_float::parse_options form(fast_float::chars_format::general, point_.mark == ',' ? ',' : '.');
@@ -151,19 +153,19 @@ void CsvParser::read_plain(std::string_view line) {
     const char* tail = stop;
     while (tail < end && *tail == ' ') ++tail;
     const bool good =
-        error == std::errc() && (tail == end || *tail == separator_) && std::abs(value) <= largest_measurement;
+        error == std::errc() && (tail == end || *tail == separator) && std::abs(value) <= largest_measurement;
     if (!good) {
-      tail = std::find(cursor, end, separator_);
+      tail = std::find(cursor, end, separator);
       if (i == width && trim({cursor, static_cast<std::size_t>(end - cursor)}).empty()) return;  // trailing separator
     }
-    if (i >= width) return wrong_length(line);
+    if (i >= width) return wrong_length(line, separator);
     const std::string_view cell{cursor, static_cast<std::size_t>(tail - cursor)};
     if (!good) value = slow(cell, i);
     if (!settled_ && std::isfinite(value)) settle(cell);
     if (i == time_) count_digits(cell, table_.time_digits);
     table_.columns[i].push_back(value);
     if (tail == end) {
-      if (i + 1 != width) wrong_length(line);
+      if (i + 1 != width) wrong_length(line, separator);
       return;
     }
     cursor = tail + 1;
@@ -188,18 +190,20 @@ void CsvParser::settle(std::string_view cell) {
   settled_ = point_.mark == '.' || (mark == ',' && !may_be_thousands(cell));
 }
 
-void CsvParser::wrong_length(std::string_view line) const {
-  const std::vector<std::string> cells = split_cells(line, separator_);
+void CsvParser::wrong_length(std::string_view line, char separator) const {
+  const std::vector<std::string> cells = split_cells(line, separator);
   const bool whole = std::all_of(cells.begin(), cells.end(), [](const std::string& c) {
     return !c.empty() && c.find('.') == c.npos && to_number(c);
   });
   std::string text =
       "expected " + std::to_string(table_.columns.size()) + " cells, got " + std::to_string(cells.size());
-  if (separator_ == ',' && whole && cells.size() > table_.columns.size())
+  if (separator == ',' && whole && cells.size() > table_.columns.size())
     text +=
         "; the numbers seem to have decimal commas: export the file with decimal points, or with ; between the columns";
   else if (table_.lines.size() == 1)
     text += row_advice_;
+  else
+    text += "; a line that is no row, such as one behind the table, has to go or to begin with #";
   fail(text, line_);
 }
 
@@ -239,11 +243,37 @@ void CsvParser::judge(std::vector<std::string>& warnings) {
          point_.line);
   for (std::size_t i = bad_.size(); i-- > 0;) {
     if (!bad_[i].count) continue;
-    warnings.push_back("left out: line " + std::to_string(bad_[i].first[0].line) + ": " + describe(i, false));
+    if (!table_.plans[i].channel.empty())  // else that is said
+      warnings.push_back("left out: line " + std::to_string(bad_[i].first[0].line) + ": " + describe(i, false));
     table_.plans.erase(table_.plans.begin() + static_cast<std::ptrdiff_t>(i));
     table_.columns.erase(table_.columns.begin() + static_cast<std::ptrdiff_t>(i));
     bad_.erase(bad_.begin() + static_cast<std::ptrdiff_t>(i));
   }
+}
+
+void CsvParser::drop_bad_rows(std::vector<std::string>& warnings) {
+  std::vector<std::string> faults;
+  std::vector<bool> bad(table_.lines.size(), false);
+  for (std::size_t i = 0; i < bad_.size(); ++i) {
+    if (!bad_[i].count || !table_.plans[i].required) continue;
+    for (const BadCell& cell : bad_[i].first)
+      if (!fault_of(cell.text, point_.mark, point_.text, point_.line).alone) return;
+    faults.push_back("line " + std::to_string(bad_[i].first[0].line) + ": " + describe(i, false) +
+                     ": what stands there is taken for a missing row");
+    for (std::size_t row = 0; row < bad.size(); ++row) bad[row] = bad[row] || std::isnan(table_.columns[i][row]);
+  }
+  if (faults.empty() || 2 * std::ranges::count(bad, true) > std::ssize(bad)) return;
+  const auto keep = [&](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < bad.size(); ++row)
+      if (!bad[row]) values[kept++] = values[row];
+    values.resize(kept);
+  };
+  for (auto& column : table_.columns) keep(column);
+  keep(table_.lines);
+  for (std::size_t i = 0; i < bad_.size(); ++i)
+    if (table_.plans[i].required) bad_[i] = {};
+  warnings.insert(warnings.end(), faults.begin(), faults.end());
 }
 
 double PrintedDigits::resolution(double value) const {
@@ -252,10 +282,32 @@ double PrintedDigits::resolution(double value) const {
   return std::max(fixed, std::pow(10.0, std::floor(std::log10(std::abs(value))) + 1 - significant));
 }
 
+namespace {
+
+bool is_utf16(std::string_view text) { return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"); }
+
+/// Of UTF-16, which says by its first two bytes in which order they are.
+std::string from_utf16(const std::string& path, std::string text) {
+  const iconv_t converter = ::iconv_open("UTF-8", "UTF-16");
+  std::string out(2 * text.size(), '\0');
+  char *from = text.data(), *to = out.data();
+  std::size_t left = text.size() / 2 * 2, room = out.size();
+  const bool good = ::iconv(converter, &from, &left, &to, &room) != static_cast<std::size_t>(-1);
+  ::iconv_close(converter);
+  if (!good) throw InputError("expected UTF-8 or UTF-16 text, got neither", {path}, Fault::data);
+  out.resize(out.size() - room);
+  return out;
+}
+
+}  // namespace
+
 void check_text(const std::string& path, std::string_view text) {
-  if (text.empty()) throw InputError("the file is empty", {path}, Fault::data);
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.find('\0') != text.npos)
-    throw InputError("expected UTF-8 text, got UTF-16 or a binary file", {path}, Fault::data);
+  const auto fail = [&](const std::string& message) { throw InputError(message, {path}, Fault::data); };
+  if (text.empty()) fail("the file is empty");
+  if (text.starts_with("\x1f\x8b")) fail("expected text, got a file that gzip has packed: unpack it (gunzip)");
+  if (text.starts_with("PK\x03\x04")) fail("expected text, got a workbook or an archive: export the table as CSV");
+  if (is_utf16(text)) fail("expected UTF-8 text, got UTF-16: save it as UTF-8, or read it whole with lunid.read");
+  if (text.find('\0') != text.npos) fail("expected UTF-8 text, got UTF-16 or a binary file");
 }
 
 std::string read_text(const std::string& path) {
@@ -279,6 +331,7 @@ std::string read_text(const std::string& path) {
     }
   }
   ::close(descriptor);
+  if (is_utf16(text)) text = from_utf16(path, std::move(text));
   check_text(path, text);
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return text;
@@ -286,10 +339,13 @@ std::string read_text(const std::string& path) {
 
 CsvTable parse_table(const std::string& path, std::string_view text, const ReadOptions& options,
                      std::vector<std::string>& warnings) {
-  CsvParser parser(
-      path, options,
-      "; mend it, or delete the line and set resample = true (--resample), which interpolates missing rows");
+  CsvParser parser(path, options,
+                   options.interval > 0
+                       ? "; mend it: beside a rate no row may be missing"
+                       : "; mend it, or set resample = true (--resample), which interpolates such rows as "
+                         "missing ones");
   parser.rows(parser.header(text, warnings));
+  if (options.resample && !(options.interval > 0)) parser.drop_bad_rows(warnings);
   parser.judge(warnings);
   return parser.take();
 }

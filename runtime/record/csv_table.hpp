@@ -44,7 +44,10 @@ class CsvParser {
   void rows(std::string_view piece);
   /// Throws on the earliest cell that is no number, of the columns that matter.
   void refuse_bad_cells() const;
-  /// The same, and on commas that may be decimal or not; drops other columns that have such a cell.
+  /// Takes the rows with such a cell for missing ones, with a warning, where they are not most of all and nothing is
+  /// wrong but the cell.
+  void drop_bad_rows(std::vector<std::string>& warnings);
+  /// Throws as refuse_bad_cells(), and on commas that may be decimal or not; drops other columns that have such a cell.
   void judge(std::vector<std::string>& warnings);
 
   const CsvTable& table() const { return table_; }
@@ -69,11 +72,11 @@ class CsvParser {
  private:
   [[noreturn]] void fail(const std::string& message, int line) const;
   void read_row(std::string_view line);
-  void read_plain(std::string_view line);
+  void read_plain(std::string_view line, char separator);
   double slow(std::string_view cell, std::size_t column);
   void settle(std::string_view cell);
   std::string describe(std::size_t column, bool advise) const;
-  [[noreturn]] void wrong_length(std::string_view line) const;
+  [[noreturn]] void wrong_length(std::string_view line, char separator) const;
 
   /// A cell that tells what stands before the decimals.
   struct Evidence {

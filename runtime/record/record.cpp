@@ -130,6 +130,7 @@ void Record::take_notes(const Record& from) {
   history_ = from.history_;
   part_ = from.part_;
   parts_ = from.parts_;
+  time_without_unit_ = from.time_without_unit_;
 }
 
 std::string Record::words_of_part() const {

@@ -64,6 +64,9 @@ class Record {
   void note(std::string text) { history_.push_back(std::move(text)); }
   /// Takes the warnings, the history and the part of the record that this one was made of.
   void take_notes(const Record& from);
+  /// Its file has a column of the time without a unit: seconds were taken.
+  bool time_without_unit() const { return time_without_unit_; }
+  void note_time_without_unit() { time_without_unit_ = true; }
   /// Times on either side of rows that were missing and are interpolated [s].
   void note_gaps(std::vector<std::pair<double, double>> gaps) { gaps_ = std::move(gaps); }
 
@@ -91,6 +94,7 @@ class Record {
   std::vector<std::string> warnings_, history_;
   std::vector<std::pair<double, double>> gaps_;
   int part_ = 0, parts_ = 0;
+  bool time_without_unit_ = false;
 };
 
 /// "t=time" or "y=disp [mm]" or "F=load (kN)": channel, header in the file, unit (optional).

@@ -311,6 +311,17 @@ TimeBase Stamps::fit(const std::string& path, std::vector<std::string>& warnings
       {path, most_line_}, Fault::data);
 }
 
+std::string other_clock(std::string name, std::span<const double> t, double interval) {
+  constexpr double alike = 0.01;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+  if (steps.empty()) return {};
+  const double step = middle_value(std::move(steps));
+  if (!(step > 0) || std::abs(step / interval - 1) < alike) return {};
+  return "the time '" + std::move(name) + "' has " + number(1 / step) + " rows per second, the rate that is given " +
+         number(1 / interval);
+}
+
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base) {
   Eigen::VectorXd result(base.rows);
   const std::size_t last = t.size() - 1;

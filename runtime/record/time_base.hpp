@@ -48,6 +48,9 @@ class Stamps {
   std::string backward_;
 };
 
+/// What there is to say of stamps [s] that are left out, since an interval [s] is given, and tell of another; else "".
+std::string other_clock(std::string name, std::span<const double> t, double interval);
+
 /// Values at t0 + i*dt from values at uneven, increasing times t, by cubics through the four nearest samples.
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base);
 

@@ -20,10 +20,10 @@ struct Row {
   std::string_view prefixes = "";  ///< those that it takes
 };
 
-constexpr double inch = 0.0254, foot = 0.3048, pound = 0.45359237, pound_force = 4.4482216152605, gravity = 9.80665,
-                 turn = 2 * std::numbers::pi;
+constexpr double inch = 0.0254, foot = 0.3048, gravity = 9.80665, pound = 0.45359237, ounce = pound / 16,
+                 pound_force = 4.4482216152605, turn = 2 * std::numbers::pi;
 constexpr double degree = std::numbers::pi / 180;
-constexpr std::string_view all = "pnumkMG";
+constexpr std::string_view all = "pnumkMG", of_force = "pnumcdDkMG";
 
 constexpr std::array rows{
     Row{"m", 1, "m", all},
@@ -31,17 +31,21 @@ constexpr std::array rows{
     Row{"in", inch, "m"},
     Row{"mil", 1e-3 * inch, "m"},
     Row{"ft", foot, "m"},
-    Row{"N", 1, "N", all},
+    Row{"N", 1, "N", of_force},
     Row{"lbf", pound_force, "N"},
+    Row{"ozf", pound_force / 16, "N"},
     Row{"kip", 1e3 * pound_force, "N"},
     Row{"kgf", gravity, "N"},
     Row{"tf", 1e3 * gravity, "N"},
-    Row{"Nm", 1, "N m", all},
+    Row{"Nm", 1, "N m", of_force},
+    Row{"Ncm", 1e-2, "N m"},
+    Row{"Nmm", 1e-3, "N m"},
     Row{"s", 1, "s", all},
     Row{"sec", 1, "s"},
     Row{"min", 60, "s"},
     Row{"h", 3600, "s"},
     Row{"g", gravity, "m/s^2", "num"},
+    Row{"Gal", 1e-2, "m/s^2", "um"},
     Row{"ms-1", 1, "m/s"},
     Row{"ms^-1", 1, "m/s"},
     Row{"ms-2", 1, "m/s^2"},
@@ -58,12 +62,15 @@ constexpr std::array rows{
     Row{"H", 1, "V s/A", all},
     Row{"Pa", 1, "Pa", all},
     Row{"bar", 1e5, "Pa", "m"},
+    Row{"psi", pound_force / (inch * inch), "Pa", "k"},
+    Row{"mmHg", 133.322387415, "Pa"},
     Row{"J", 1, "J", all},
     Row{"W", 1, "W", all},
     Row{"K", 1, "K"},
     Row{"kg", 1, "kg"},
     Row{"t", 1e3, "kg"},
     Row{"lb", pound, "kg"},
+    Row{"oz", ounce, "kg"},
     Row{"slug", pound_force / foot, "kg"},
     Row{"Hz", 1, "Hz", all},
     Row{"-", 1, ""},
@@ -71,24 +78,27 @@ constexpr std::array rows{
     Row{"%", 1e-2, ""},
 };
 
-constexpr std::array<std::pair<std::string_view, std::pair<char, double>>, 9> prefixes{{
+constexpr std::array<std::pair<std::string_view, std::pair<char, double>>, 12> prefixes{{
     {"p", {'p', 1e-12}},
     {"n", {'n', 1e-9}},
     {"u", {'u', 1e-6}},
     {"\u00b5", {'u', 1e-6}},
     {"\u03bc", {'u', 1e-6}},
     {"m", {'m', 1e-3}},
+    {"c", {'c', 1e-2}},
+    {"d", {'d', 1e-1}},
+    {"da", {'D', 10}},
     {"k", {'k', 1e3}},
     {"M", {'M', 1e6}},
     {"G", {'G', 1e9}},
 }};
 
 /// Units in full, as they are said.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 19> words{{
-    {"metre", "m"},    {"meter", "m"},  {"inch", "in"},    {"foot", "ft"},   {"feet", "ft"},
-    {"newton", "N"},   {"second", "s"}, {"minute", "min"}, {"hour", "h"},    {"degree", "deg"},
-    {"radian", "rad"}, {"volt", "V"},   {"ampere", "A"},   {"coulomb", "C"}, {"henry", "H"},
-    {"pascal", "Pa"},  {"hertz", "Hz"}, {"tonne", "t"},    {"pound", "lb"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 24> words{{
+    {"metre", "m"},  {"meter", "m"},  {"inch", "in"},    {"foot", "ft"}, {"feet", "ft"},      {"micron", "um"},
+    {"newton", "N"}, {"second", "s"}, {"minute", "min"}, {"hour", "h"},  {"degree", "deg"},   {"radian", "rad"},
+    {"volt", "V"},   {"ampere", "A"}, {"coulomb", "C"},  {"henry", "H"}, {"pascal", "Pa"},    {"hertz", "Hz"},
+    {"tonne", "t"},  {"pound", "lb"}, {"ounce", "oz"},   {"kp", "kgf"},  {"kilopond", "kgf"}, {"\"", "in"},
 }};
 
 /// A factor and powers of SI units.
@@ -150,7 +160,7 @@ std::optional<Product> named(std::string_view name) {
 /// Where the next factor ends, and how many bytes its separator has; '/' divides what follows.
 std::pair<std::size_t, std::size_t> next_separator(std::string_view unit) {
   std::pair<std::size_t, std::size_t> first{unit.size(), 0};
-  for (const std::string_view separator : {"/", "*", " ", "\u00b7", "\u22c5"})
+  for (const std::string_view separator : {"/", "*", " ", ".", "\u00b7", "\u22c5"})
     if (const std::size_t at = unit.find(separator); at < first.first) first = {at, separator.size()};
   return first;
 }
@@ -191,13 +201,49 @@ std::string known_units() {
   return text + ", many of them with p n u (or \u00b5) m k M G before, and products such as mm/s^2 or kN*m";
 }
 
-std::string unit_meant(std::string_view word) {
-  std::string lower(word);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const auto& [name, unit] : words)
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+}  // namespace
+
+std::string unit_alike(std::string_view name) {
+  const std::string said = lower(name);
+  for (const auto& [word, unit] : words)
     for (const char* plural : {"", "s", "es"})
-      if (lower == std::string(name) + plural) return std::string(unit);
+      if (said == std::string(word) + plural) return std::string(unit);
+  for (const Row& row : rows)
+    if (said == lower(row.name)) return std::string(row.name);
+  for (const auto& [text, prefix] : prefixes)
+    for (const Row& row : rows)
+      if (row.prefixes.find(prefix.first) != std::string_view::npos && said == lower(text) + lower(row.name))
+        return std::string(text) + std::string(row.name);
+  for (const Row& row : rows)
+    if (row.name.size() > 1 && said == lower(row.name) + "s") return std::string(row.name);
   return "";
+}
+
+std::string unit_meant(std::string_view word) {
+  std::string meant;
+  while (true) {
+    const auto [end, length] = next_separator(word);
+    std::string_view name = word.substr(0, end);
+    std::string power;
+    if (!named(name)) {
+      const std::string_view whole = name;
+      take_exponent(name);
+      power = whole.substr(name.size());
+    }
+    const std::string one = named(name) ? std::string(name) : unit_alike(name);
+    if (one.empty()) return "";
+    meant += one + power + std::string(word.substr(end, length));
+    if (end == word.size()) return meant;
+    word.remove_prefix(end + length);
+  }
 }
 
 }  // namespace lunid

@@ -111,6 +111,15 @@ TEST(Csv, ANumberInPlaceOfAHeaderIsAConstantChannel) {
   EXPECT_DOUBLE_EQ(with("F=1.5 [kN m]")["F"][3], 1500);
   EXPECT_EQ(with("F=2")["F"][3], with("v=2")["v"][3]);  // a column of that name goes before
   EXPECT_NE(with("F=2")["F"][3], 2);
+  const TextFile driven(
+      "t,y [rad],F,ab\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n");  // goes before the file's
+  const Record still = read_record(driven.path(), {parse_columns("F=0 [N m], ab=0"), false});
+  EXPECT_EQ(still["F"][3], 0);
+  EXPECT_EQ(still["ab"][3], 0);
+  EXPECT_EQ(still.warnings().front(), "left out: the column 'F', because F=0 is given");
+  EXPECT_EQ(test::message_of(file, [&] { with("F=3"); }),
+            "run3.csv: no column '3' for channel 'F': a column is named by its header; a channel that is the same in "
+            "every row has its unit beside the number, as F=3 [N]");
   EXPECT_THROW(with("F=0 [mm]"), InputError);
   EXPECT_THROW(with("t=0"), InputError);  // no time stands still
 }
@@ -263,7 +272,16 @@ TEST(Units, PrefixesProductsAndQuotientsOfTheTablesNames) {
                {"1/s", 1, "1/s"},
                {"uV", 1e-6, "V"},
                {"mH", 1e-3, "V s/A"},
-               {"lbf*ft", 1.3558179483314004, "N m"}};
+               {"lbf*ft", 1.3558179483314004, "N m"},
+               {"N.m", 1, "N m"},
+               {"m.s-2", 1, "m/s^2"},
+               {"cN m", 1e-2, "N m"},
+               {"Ncm", 1e-2, "N m"},
+               {"daN", 10, "N"},
+               {"mGal", 1e-5, "m/s^2"},
+               {"psi", 6894.757293168361, "Pa"},  // lbf/in^2
+               {"mmHg", 133.322387415, "Pa"},     // by definition
+               {"ozf in", 0.007061551814226044, "N m"}};
   for (const auto& k : known) {
     const auto si = si_unit(k.unit);
     ASSERT_TRUE(si) << k.unit;

@@ -152,7 +152,118 @@ TEST(Layout, AnAbbreviatedNameIsThatOfItsChannel) {
   EXPECT_DOUBLE_EQ(read(text)["F"][0], 7e3);
   for (const char* columns : {"a=Disp. (mm/s^2)", "a=Disp. [mm/s^2]"})
     EXPECT_DOUBLE_EQ(read(text, {parse_columns(columns), false})["a"][0], 5e-3);
-  EXPECT_DOUBLE_EQ(read(text, {parse_columns("v=Disp."), false})["v"][0], 5e-3);
+  EXPECT_DOUBLE_EQ(read(text, {parse_columns("other=Disp."), false})["other"][0], 5e-3);
+}
+
+TEST(Layout, ColumnsBetweenBlanks) {
+  for (const std::string header :
+       {"t F y\n", "  t   F\ty  \n", "# t F y\n", "Logger 3\nt F y\n", "t [s]  F [N] y [m]\n"}) {
+    std::string text = rows(20);
+    std::replace(text.begin(), text.end(), ',', ' ');
+    expect_rows(read(header + text));
+    std::string wide;
+    for (const char c : text) wide += c == ' ' ? "    " : c == '\n' ? "\n   " : std::string(1, c);
+    expect_rows(read(header + "   " + wide));
+  }
+  const Record record = read("t [s] F [kN m] y (mm)\n0 1 2\n1 1 2\n2 1 2\n3 1 2\n4 1 2\n5 1 2\n");
+  EXPECT_EQ(record["F"][0], 1000);
+  EXPECT_EQ(record.channel("F").unit, "N m");
+  EXPECT_DOUBLE_EQ(record["y"][0], 2e-3);
+  // Commas go before, where names and words hold blanks.
+  EXPECT_EQ(read("t, F, pile head, remark\n0, 1, 2, at rest\n1, 1, 2, ok\n2, 1, 2, ok\n3, 1, 2, ok\n4, 1, 2, ok\n5, 1, "
+                 "2, ok\n")["pile head"][0],
+            2);
+}
+
+TEST(Layout, ATableWithoutNamesIsReadByItsNumbers) {
+  const ReadOptions options{parse_columns("t=1, F=2 [kN], y=3"), false};
+  const Record record = read(rows(20), options);
+  EXPECT_EQ(record.rows(), 20);
+  EXPECT_EQ(record["F"][5], 2000);
+  std::string blanks = "# saved\n" + rows(20);
+  std::replace(blanks.begin(), blanks.end(), ',', ' ');
+  EXPECT_EQ(read(blanks, options)["F"][5], 2000);
+  const TextFile file(rows(20));
+  const Record free = read_record(file.path(), {parse_columns("t=1, F=0, y=3"), false});
+  EXPECT_EQ(free["F"][5], 0);
+  EXPECT_EQ(free["2"][5], 2);
+  EXPECT_EQ(test::message_of(file,
+                             [&] {
+                               read_record(file.path(), {parse_columns("t=1, y=4"), false});
+                             }),
+            "run3.csv: no column '4' for channel 'y': a column is named by its header; a channel that is the same in "
+            "every row has its unit beside the number, as y=4 [m]");
+}
+
+TEST(Layout, OneColumnAloneHasARate) {
+  ReadOptions options;
+  options.interval = 0.01;
+  const Record record = read("v [mm/s]\n1\n2\n3\n4\n3\n2\n1\n", options);
+  EXPECT_EQ(record.rows(), 7);
+  EXPECT_DOUBLE_EQ(record["v"][2], 3e-3);
+  EXPECT_EQ(complaint("t\n1\n2\n3\n4\n5\n6\n", options), "run3.csv:1: expected a column of numbers beside the time");
+}
+
+TEST(Layout, Utf16IsRead) {
+  const std::string text = "t,F,y [\u00b5m]\n" + rows(20);
+  std::string wide = "\xff\xfe";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool micro = text[i] == '\xc2';
+    wide += micro ? text[++i] : text[i];
+    wide += '\0';
+  }
+  expect_rows(read(wide), 1e-6);
+  const TextFile file(wide);
+  EXPECT_EQ(test::message_of(file, [&] { open_stream(file.path(), {}); }),
+            "run3.csv: expected UTF-8 text, got UTF-16: save it as UTF-8, or read it whole with lunid.read");
+}
+
+TEST(Layout, QuotesRoundACellProtectCommasAndOthersAreSigns) {
+  const std::string body = "0,1,2\n1,1,2\n2,1,2\n3,1,2\n4,1,2\n5,1,2\n";
+  EXPECT_EQ(read("t,\"Force, N\",y\n" + body, {parse_columns("F=\"Force, N\" [kN],y=y"), false})["F"][0], 1000);
+  EXPECT_EQ(read("t,y [\"],F\n" + body, {parse_columns("y=y [in]"), false})["y"][0], 0.0254);
+}
+
+TEST(Layout, ExponentsOfFortranAndATypographersMinus) {
+  const Record record = read("t,F,y\n0,1.5D+03,\u22122d-3\n1,1,2\n2,1,2\n3,1,2\n4,1,2\n5,1,2\n");
+  EXPECT_EQ(record["F"][0], 1500);
+  EXPECT_EQ(record["y"][0], -2e-3);
+}
+
+TEST(Layout, RowsWithACellThatIsNoNumberAreMissingOnesWhereThatIsAskedFor) {
+  std::string text = rows(20);
+  const std::size_t row = text.find("0.0500");
+  const std::string without = std::string(text).erase(row, text.find('\n', row) + 1 - row);
+  text.replace(row, text.find('\n', row) - row, "0.0500,OVL,1");
+  ReadOptions options;
+  options.resample = true;
+  const Record record = read("t,F,y\n" + text, options), deleted = read("t,F,y\n" + without, options);
+  ASSERT_EQ(record.rows(), 20);
+  EXPECT_EQ(record["F"][5], deleted["F"][5]);
+  EXPECT_EQ(record["y"][5], deleted["y"][5]);
+  EXPECT_EQ(record.warnings()[0],
+            "line 7: column 'F': expected a number, got 'OVL': what stands there is taken for a missing row");
+  options.interval = 0.01;  // rows count there
+  EXPECT_EQ(complaint("t,F,y\n" + text, options),
+            "run3.csv:7: column 'F': expected a number, got 'OVL'; mend it: beside a rate no row may be missing");
+}
+
+TEST(Layout, ATimeThatIsLeftOutIsHeldAgainstTheRate) {
+  ReadOptions options;
+  options.interval = 0.005;
+  EXPECT_EQ(read("t,F,y\n" + rows(20), options).warnings().back(),
+            "the time 't' has 100 rows per second, the rate that is given 200");
+  options.interval = 0.01;
+  EXPECT_EQ(read("t,F,y\n" + rows(20), options).warnings().size(), 1u);
+  const Record clock =
+      read("time,F,y\n12:00:00,1,2\n12:00:01,1,2\n12:00:02,1,2\n12:00:03,1,2\n12:00:04,1,2\n12:00:05,1,2\n", options);
+  EXPECT_EQ(clock.warnings().size(), 1u);  // said once
+}
+
+TEST(Layout, ATimeWithoutAUnitIsKnownAsSuch) {
+  EXPECT_TRUE(read("t,F,y\n" + rows(20)).window(0.05, 0.15).time_without_unit());
+  EXPECT_FALSE(read("t [s],F,y\n" + rows(20)).time_without_unit());
+  EXPECT_FALSE(read("t,F,y\n" + rows(20), {parse_columns("t=t [s]"), false}).time_without_unit());
 }
 
 }  // namespace

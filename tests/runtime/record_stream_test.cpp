@@ -252,7 +252,10 @@ TEST(Stream, FaultsNameTheLineHoweverFarDown) {
             where +
                 "column 'F': expected a number, got 'n/a'; mend it, or delete the line and use lunid.read, whose "
                 "resample = true interpolates missing rows");
-  EXPECT_EQ(stream_complaint(with("20000.00,1")), where + "expected 4 cells, got 2");
+  EXPECT_EQ(stream_complaint(with("20000.00,1")),
+            where +
+                "expected 4 cells, got 2; a line that is no row, such as one behind the table, has to go or to "
+                "begin with #");
   EXPECT_EQ(stream_complaint(with("19.00,1,1,20")),
             where +
                 "time runs backwards: t = 0.019 s after t = 19.9988 s; delete the rows that are out of order, or "
