@@ -129,6 +129,7 @@ class Parser {
   [[noreturn]] Expr unknown_function(const Token& name) {
     const std::string word(name.text);
     if (word == "pow") fail_at(name, "unknown function 'pow', write a^b for a power");
+    if (word == "if") fail_at(name, "unknown function 'if', write where(condition, a, b)");
     std::string message = "unknown function '" + word + "'";
     const std::string near = word == "ln" ? "log" : nearest_word(word, function_names());
     if (is_channel_name(word) || pool_.find(word).valid() || near.empty())

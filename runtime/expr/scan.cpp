@@ -74,7 +74,9 @@ Token Scanner::sign() {
   if (two == "**") fail(first, "unexpected '**', write '^' for a power");
   if (two == "==" || two == "~=" || two == "!=")
     fail(first, "unexpected '" + std::string(two) + "', comparisons are > < >= <=");
-  if (two[0] == '=') fail(first, "unexpected '=', comparisons are > < >= <=");
+  if (two[0] == '=') fail(first, "unexpected '=': give one side of an equation alone; comparisons are > < >= <=");
+  if (two[0] == '|') fail(first, "unexpected '|', write abs(v) for the size of v");
+  if (two[0] == '\'') fail(first, "unexpected \"'\": the derivative of y is v, that of v is a");
   if (two == ">=" || two == "<=") return at_ += 2, Token{TokenKind::sign, two, 0, first};
   if (std::string_view("+-*/^(),><").find(text_[at_]) != std::string_view::npos)
     return ++at_, Token{TokenKind::sign, text_.substr(first, 1), 0, first};
