@@ -47,8 +47,12 @@ std::string measured_in(const Study& study, const std::vector<const Record*>& re
   for (const Record* record : records)
     for (int i = 0; i < study.degrees(); ++i)
       if (const std::string own = measured_channel(*record, suffix_of(study, i)); own[0] != first[0])
-        throw InputError("discover: expected all records to measure one channel of the motion, got " + first + " in " +
-                             records.front()->name() + " and " + own + " here",
+        throw InputError(record == records.front()
+                             ? "discover: expected one quantity of the motion at all coordinates, got " + first +
+                                   " and " + own +
+                                   ": leave one out or give it another name, and take y, v or a throughout"
+                             : "discover: expected all records to measure one channel of the motion, got " + first +
+                                   " in " + records.front()->name() + " and " + own + " here",
                          {record->name(), 0, 0}, Fault::data);
   return first.substr(0, 1);
 }
@@ -72,7 +76,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
   const auto motion = record[measured];
   const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
   if (!(*high > *low))
-    throw InputError("discover: the " + words_of(measured) + " is constant (" + number(*low) + " " +
+    throw InputError("discover: the " + words_of(measured) + " is constant (" + number(*low + 0.0) + " " +
                          units_of(record, "y" + measured.substr(1)).of(measured) +
                          " in every row); nothing can be learned from a record without motion",
                      where, Fault::data);
@@ -203,22 +207,23 @@ Record with_all_forces(const Study& study, const Record& record, std::vector<std
 
 /// At the same times.
 bool have_rows_in_common(const Record& a, const Record& b) {
+  if (a.dt() > b.dt()) return have_rows_in_common(b, a);
   constexpr Eigen::Index enough = 20;  // that measured values are alike by chance
-  const double first = std::max(a.start(), b.start()), shift_a = (first - a.start()) / a.dt(),
-               shift_b = (first - b.start()) / b.dt();
-  const auto from_a = static_cast<Eigen::Index>(std::lround(shift_a)),
-             from_b = static_cast<Eigen::Index>(std::lround(shift_b));
-  const Eigen::Index rows = std::min(a.rows() - from_a, b.rows() - from_b);
-  const bool aligned =
-      std::abs(shift_a - static_cast<double>(from_a)) < 0.01 && std::abs(shift_b - static_cast<double>(from_b)) < 0.01;
-  if (std::abs(a.dt() - b.dt()) > 1e-9 * a.dt() || !aligned || rows < enough) return false;
+  const double ratio = b.dt() / a.dt(), first = std::max(a.start(), b.start()),
+               row_b = std::ceil((first - b.start()) / b.dt() - 0.01),
+               row_a = (b.start() + row_b * b.dt() - a.start()) / a.dt();
+  const auto step = static_cast<Eigen::Index>(std::lround(ratio)),
+             from_a = static_cast<Eigen::Index>(std::lround(row_a)), from_b = static_cast<Eigen::Index>(row_b);
+  const Eigen::Index rows = std::min((a.rows() - from_a + step - 1) / step, b.rows() - from_b);
+  const bool aligned = std::abs(row_a - static_cast<double>(from_a)) < 0.01;
+  if (std::abs(ratio - static_cast<double>(step)) > 1e-9 * ratio || !aligned || rows < enough) return false;
   bool moves = false;
   for (const Channel& channel : a.channels()) {
+    if (channel.derived) continue;  // of every second row others
     if (!b.has(channel.name)) return false;
-    const auto own = a[channel.name].subspan(static_cast<std::size_t>(from_a), static_cast<std::size_t>(rows));
-    const auto other = b[channel.name].subspan(static_cast<std::size_t>(from_b), static_cast<std::size_t>(rows));
-    if (!std::ranges::equal(own, other)) return false;
-    moves = moves || std::ranges::any_of(own, [&](double x) { return x != own.front(); });
+    const auto own = as_vector(a[channel.name])(Eigen::seqN(from_a, rows, step)).eval();
+    if (own != as_vector(b[channel.name]).segment(from_b, rows)) return false;
+    moves = moves || (own.array() != own[0]).any();
   }
   return moves;
 }
@@ -279,6 +284,11 @@ void compare_sensors(const Study& study, const Record& record, std::vector<std::
 
 bool warn_of_known_rows(const std::vector<Record>& train, const std::vector<Record>& test,
                         std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < train.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (have_rows_in_common(train[j], train[i]))
+        warnings.push_back("the training record " + train[i].name() + " holds rows of the training record " +
+                           train[j].name() + ": they count twice, and deviations come out too small. Give them once");
   bool any = false;
   for (const Record& record : test)
     for (const Record& known : train)
@@ -306,37 +316,100 @@ char quantity_of(const std::string& unit) {
   return 0;
 }
 
-/// "a=head" where one column alone may be the motion that is missing, or the force, by its unit; else "y=header
+bool is_free_to_name(const Channel& channel) {
+  return !channel.derived && !is_channel_name(channel.name) && !channel.name.ends_with("_reference");
+}
+
+/// As --columns names the channel's column; what is no column of the file has its own name.
+std::string header_of(const Channel& channel) {
+  return channel.source.empty() ? channel.name : parse_column(channel.name, channel.source).header;
+}
+
+/// "y=Y" of a channel Y, and "y=y mm [mm]" of a column `y mm` or `y_mm`; "" of others.
+std::string alike_in_name(const Channel& channel, const std::string& missing) {
+  const auto lower = [](std::string text) {
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+  };
+  const std::string name = lower(channel.name);
+  if (name == lower(missing) || (missing == "y" && name == "x")) return missing + "=" + header_of(channel);
+  const std::string rest = name.starts_with(lower(missing)) ? channel.name.substr(missing.size()) : "";
+  if (rest.size() < 2 || (rest[0] != ' ' && rest[0] != '_') || !si_unit(rest.substr(1))) return "";
+  return missing + "=" + header_of(channel) + " [" + rest.substr(1) + "]";
+}
+
+/// "a=head" where one column alone may be the motion that is missing, or the force, by its name or unit; else "y=header
 /// [unit]".
 std::string column_for(const Record& record, const std::string& missing) {
   std::string found;
+  if (missing.size() == 1)
+    for (const Channel& channel : record.channels())
+      if (const std::string named = is_free_to_name(channel) ? alike_in_name(channel, missing) : ""; !named.empty())
+        return named;
   for (const Channel& channel : record.channels()) {
     const char quantity = quantity_of(channel.unit);
     const bool alike = quantity && (missing[0] == 'F') == (quantity == 'F');
-    if (missing.size() > 1 || !alike || is_channel_name(channel.name) || channel.name.ends_with("_reference")) continue;
+    if (missing.size() > 1 || !alike || !is_free_to_name(channel)) continue;
     if (!found.empty()) return missing + "=header [unit]";
-    found = quantity + ("=" + channel.name);
+    found = quantity + ("=" + header_of(channel));
   }
   return found.empty() ? missing + "=header [unit]" : found;
 }
 
+/// The motions of several coordinates that are missing, as the quantity that is measured at others, and columns for
+/// them: those that are in its unit, where there are as many.
+struct MissingMotions {
+  std::vector<std::string> names;
+  std::string columns;
+};
+
+MissingMotions missing_motions(const Record& record, std::vector<std::string> names) {
+  std::vector<const Channel*> free;
+  char quantity = 0;
+  for (const Channel& channel : record.channels()) {
+    const bool numbered = channel.name.size() > 1 && std::isdigit(static_cast<unsigned char>(channel.name[1]));
+    if (!channel.derived && numbered && std::string_view("yva").find(channel.name[0]) != std::string_view::npos)
+      quantity = channel.name[0];
+  }
+  for (const Channel& channel : record.channels()) {
+    const char own = quantity_of(channel.unit);
+    if (!is_free_to_name(channel) || own == 0 || own == 'F' || (quantity && own != quantity)) continue;
+    if (!quantity) quantity = own;
+    free.push_back(&channel);
+  }
+  MissingMotions out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (quantity) names[i][0] = quantity;
+    append_item(out.columns,
+                names[i] + "=" + (free.size() == names.size() ? header_of(*free[i]) : std::string("header [unit]")));
+  }
+  out.names = std::move(names);
+  return out;
+}
+
 /// What a record lacks, what it has instead, and what to do.
-std::string words_of_missing(const Study& study, const Record& record, const std::vector<std::string>& missing) {
+std::string words_of_missing(const Study& study, const Record& record, std::vector<std::string> missing) {
+  const bool of_several = missing.front()[0] == 'y' && study.degrees() > 1;
   std::string names, columns, has;
+  if (of_several) {
+    const auto forces = std::ranges::find(missing, 'F', [](const std::string& name) { return name[0]; });
+    MissingMotions motions = missing_motions(record, {missing.begin(), forces});
+    std::ranges::move(motions.names, missing.begin());
+    columns = motions.columns;
+  }
   for (const std::string& name : missing) {
     names += (names.empty() ? "'" : ", '") + name + "'";
-    append_item(columns, column_for(record, name));
+    if (!of_several || name[0] == 'F') append_item(columns, column_for(record, name));
   }
   for (const Channel& channel : record.channels()) append_item(has, channel.name);
   const std::string what =
       std::string("the record has no channel") + (missing.size() > 1 ? "s " : " ") + names + " (it has " + has + "); ";
-  if (missing.front()[0] == 'y' && study.degrees() > 1)
-    return what +
-           "the motion of every coordinate of the model has to be measured: name its column, or take a model without "
-           "it";
+  if (of_several)
+    return what + "the motion of every coordinate of the model has to be measured: name its column, e.g. --columns \"" +
+           columns + "\" (in a study columns = \"...\"), or take a model without it";
   const bool drives = missing.front()[0] == 'F',
              shaken = drives && (record.has("yb") || record.has("vb") || record.has("ab"));
-  return what + "name its column, e.g. --columns \"" + columns + "\"" +
+  return what + "name its column, e.g. --columns \"" + columns + "\" (in a study columns = \"...\")" +
          (drives && !shaken ? ", or say F=0 there where nothing drives it" : "") +
          (shaken ? "; where the base drives, the baseline holds differences to it, as k*(y - yb) + c*(v - vb), or m*ab"
                  : "");
@@ -346,8 +419,9 @@ std::string words_of_missing(const Study& study, const Record& record, const std
 
 void check_record(const Study& study, const Record& record) {
   const SourceSpan where{record.name(), 0, 0};
-  if (record.rows() < 30)
-    throw InputError("discover: expected at least 30 rows in a record, got " + std::to_string(record.rows()) +
+  if (record.rows() < least_rows_of_record)
+    throw InputError("discover: expected at least " + std::to_string(least_rows_of_record) + " rows in a record, got " +
+                         std::to_string(record.rows()) +
                          "; a motion of a few periods is needed to tell one effect from another",
                      where, Fault::data);
   std::vector<std::string> needed;

@@ -20,6 +20,8 @@ bool are_decays(const Study& study, const std::vector<Record>& records);
 bool is_free(const Study& study, const Record& record);
 bool are_free(const Study& study, const std::vector<Record>& records);
 
+/// Of a record that a discovery trains or tests on.
+inline constexpr Eigen::Index least_rows_of_record = 30;
 /// Throws InputError for a record that cannot be a discovery's: rows, forces, a motion that is there and moves.
 void check_record(const Study& study, const Record& record);
 
@@ -32,7 +34,8 @@ Record without_wild_rows(const Record& record, std::vector<std::string>& warning
 /// go together the gain of a sensor is off, with a warning; the fits see one of them.
 void compare_sensors(const Study& study, const Record& record, std::vector<std::string>& warnings);
 
-/// Whether a test record holds rows of a training record, at the same times; each that does is a warning.
+/// Whether a test record holds rows of a training record, at the same times; each that does is a warning, and so is a
+/// training record that holds rows of another one.
 bool warn_of_known_rows(const std::vector<Record>& train, const std::vector<Record>& test,
                         std::vector<std::string>& warnings);
 

@@ -136,6 +136,14 @@ std::vector<Guess> guesses_of(const Study& study, const Model& model, const Effe
 
 }  // namespace
 
+void check_excitation_of_linear(const Study& study, const Model& model) {
+  Candidate baseline = compile(study, model, {});
+  if (!std::ranges::all_of(baseline.linear, [](std::uint8_t each) { return each != 0; })) return;
+  find_starts(study, baseline, Eigen::VectorXd(), {});
+  std::vector<std::string> warnings;
+  if (!baseline.starts.empty()) check_excitation(study, model, baseline, warnings);
+}
+
 Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings,
                        std::span<const Effect> catalogue) {
   Candidate baseline = compile(study, model, {});

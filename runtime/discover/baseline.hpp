@@ -18,4 +18,8 @@ FitOptions full_fit(const Study& study, int iterations);
 Candidate fit_baseline(const Study& study, const Model& model, std::vector<std::string>& warnings,
                        std::span<const Effect> catalogue = {});
 
+/// Throws as fit_baseline() does of parameters that the data do not excite, as far as nothing has to be searched for
+/// that: of a force that is linear in all of them. The rest is asked when the baseline is fitted.
+void check_excitation_of_linear(const Study& study, const Model& model);
+
 }  // namespace lunid

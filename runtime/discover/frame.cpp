@@ -6,6 +6,7 @@
 
 #include "discover/places.hpp"
 #include "discover/views.hpp"
+#include "expr/digits.hpp"
 #include "expr/joined.hpp"
 #include "record/derive.hpp"
 #include "record/motion.hpp"
@@ -308,6 +309,18 @@ Discovery Frame::as_given(Discovery found) const {
   return found;
 }
 
+/// What ab stands with in the equation is the mass, or one of the two is not meant so.
+std::string Frame::other_weight() const {
+  for (int i = 0; i < model_.degrees(); ++i) {
+    const double weight = inertia_[static_cast<std::size_t>(i)], mass = model_.coordinate(i).mass.value();
+    if (weight == 0 || std::abs(weight - mass) <= 1e-9 * std::abs(mass)) continue;
+    return ". The equation has " + number(weight) + "*ab beside a mass of " + number(mass) +
+           ": it is taken as it is, F = -" + number(weight) +
+           "*ab; of a motion that is measured from the base the two are one number";
+  }
+  return "";
+}
+
 std::string Frame::note() const {
   const std::string each = model_.degrees() > 1 ? " (so of y1, v1, a1 and F1, and of the others)" : "";
   switch (kind_) {
@@ -318,7 +331,8 @@ std::string Frame::note() const {
              each + ", everywhere but in the equation; base_motion is not tried beside it";
     case Kind::relative:
       return "the base moves: F is what its acceleration does to the mass, -m*ab" + each +
-             ", everywhere but in the equation, where it stands on the left; base_motion is not tried beside it";
+             ", everywhere but in the equation, where it stands on the left; base_motion is not tried beside it" +
+             other_weight();
   }
   return "";
 }

@@ -35,6 +35,7 @@ class Frame {
   std::string note() const;  ///< what y and F are; empty on the ground
 
  private:
+  std::string other_weight() const;
   enum class Kind { ground, absolute, relative };  ///< of the motions that the baseline is given in
 
   void look_from_base(const Model& given);

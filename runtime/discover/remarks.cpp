@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "discover/accept.hpp"
+#include "discover/baseline.hpp"
 #include "discover/between_samples.hpp"
 #include "discover/views.hpp"
 #include "expr/digits.hpp"
@@ -25,16 +26,28 @@ void append_new(std::vector<std::string>& list, const std::string& text) {
   if (std::ranges::find(list, text) == list.end()) list.push_back(text);
 }
 
+/// A time in seconds that may be one in milliseconds.
+std::string question_of_clock(const std::vector<Record>& records) {
+  constexpr double slow = 1;  // [s] between rows
+  for (const Record& record : records)
+    if (record.time_without_unit() && record.dt() > slow)
+      return "; the rows of " + record.name() + " are " + number(record.dt()) +
+             " s apart: where that is ms, say --columns \"t=header [ms]\"";
+  return "";
+}
+
 /// Channels of the language whose columns have no unit; a constant such as F=0 needs none.
 std::string without_unit(const std::vector<Record>& records) {
   std::vector<std::string> names;
-  for (const Record& record : records)
+  for (const Record& record : records) {
+    if (record.time_without_unit()) append_new(names, "t");
     for (const Channel& channel : record.channels())
       if (!channel.derived && channel.source_unit.empty() && is_channel_name(channel.name) &&
           varies(record[channel.name]))
         append_new(names, channel.name);
+  }
   if (names.empty()) return "";
-  return "no unit is given for " + joined(names) + ": SI is taken";
+  return "no unit is given for " + joined(names) + ": SI is taken" + question_of_clock(records);
 }
 
 /// A set point that stands under its own name alone.
@@ -135,7 +148,7 @@ std::string reading_of_force(const Study& study) {
   if (kinds.empty()) return "";
   const std::string said = "between its rows the force is read as " + kinds;
   if (is_said(study)) return said + ", as was said";
-  return said + ": by its rows; discovery asks the models too" +
+  return said + ": by its rows, as a first guess; a run asks its models how it is best read" +
          (study.full.front().has(study.reference()) && kinds != "hold"
               ? "; where a digital controller puts it out, --interpolation hold says so"
               : "");
@@ -145,6 +158,7 @@ std::string reading_of_force(const Study& study) {
 
 std::vector<std::string> remarks(const Study& study, const std::vector<Record>& train,
                                  const std::vector<Record>& test) {
+  check_excitation_of_linear(study, study.model);
   std::vector<Record> all = train;
   all.insert(all.end(), test.begin(), test.end());
   std::vector<std::string> out{without_unit(all), unused_reference(study, all), unused_angle(all), unused_base(study),

@@ -407,6 +407,11 @@ Study prepare(const Model& baseline, std::vector<Record> train, std::vector<Reco
       continue;
     }
     const auto rows = static_cast<Eigen::Index>(std::floor(static_cast<double>(record.rows()) * (1 - options.holdout)));
+    if (rows < least_rows_of_record)
+      throw InputError("discover: expected at least " + std::to_string(least_rows_of_record) +
+                           " rows in a record without what is held out of it, got " + std::to_string(rows) + " of " +
+                           std::to_string(record.rows()) + ": give a longer one, or a test record (--test)",
+                       {record.name(), 0, 0}, Fault::data);
     kept.push_back(record.slice(0, rows));
     study.test.push_back(record.slice(rows, record.rows() - rows));
     check_record(study, kept.back());
