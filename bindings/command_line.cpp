@@ -58,7 +58,10 @@ void add_shared(CLI::App* app, Values& values, bool with_out = true) {
 
 /// How a record is read that a command names.
 void add_reading(CLI::App* app, Values& values) {
-  app->add_option("--columns", values.columns, "\"t=time,y=disp [mm],F=load [kN]\"");
+  app->add_option("--columns", values.columns,
+                  "\"t=time,y=disp [mm],F=load [kN]\": channel=header [unit], where the header does not say it; F=0 "
+                  "where nothing drives (lunid help columns)")
+      ->join(',');
   app->add_option("--rate", values.rate,
                   "rows per second (\"4 kHz\"), where there is no time; of a MAT or HDF5 file also its name")
       ->check(Check([](const std::string& text) -> std::string {
@@ -94,7 +97,8 @@ void add_discover(CLI::App& app, Values& values) {
   discover->add_option("--test", values.tests,
                        "TEST.csv ...: opened once, when TRAIN has chosen; else the last 30 % is held out");
   discover->add_option("--window", values.windows, "A:B, part of the training records [s]");
-  discover->add_option("--test-window", values.test_windows, "A:B, part of the test records [s]");
+  discover->add_option("--test-window", values.test_windows,
+                       "A:B, part of the test records [s]; without --test of TRAIN");
   add_reading(discover, values);
   discover->add_flag("--imposed-motion", values.imposed_motion, "the motion is imposed: the gap is that of the force");
   discover

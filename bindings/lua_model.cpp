@@ -187,6 +187,11 @@ int read_unit_word(lua_State* L) {
   return 1;
 }
 
+int list_units(lua_State* L) {
+  push_text(L, known_units());
+  return 1;
+}
+
 int equation(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::string format = lua_isnoneornil(L, 2) ? "plain" : check_string(L, 2);
@@ -334,7 +339,8 @@ void open_models(lua_State* L) {
   static constexpr Entry functions[] = {{"model", guarded<make_model>},
                                         {"model_with", guarded<with>},
                                         {"si_unit", guarded<read_unit>},
-                                        {"unit_meant", guarded<read_unit_word>}};
+                                        {"unit_meant", guarded<read_unit_word>},
+                                        {"known_units", guarded<list_units>}};
   set_functions(L, functions);
 }
 

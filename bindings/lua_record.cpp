@@ -157,6 +157,8 @@ void push_channels(lua_State* L, const std::vector<Channel>& channels) {
     lua_setfield(L, -2, "unit");
     push_text(L, channel.source);
     lua_setfield(L, -2, "source");
+    push_text(L, channel.source_unit);
+    lua_setfield(L, -2, "source_unit");
     lua_pushnumber(L, channel.noise);
     lua_setfield(L, -2, "noise");
     lua_pushboolean(L, channel.derived);

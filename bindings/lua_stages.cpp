@@ -132,12 +132,26 @@ void push_slow(lua_State* L, const SlowTime& slow) {
   }
 }
 
+/// What a stage does with its records; what is wrong with these is told of the stage, not of a discovery.
+template <class Work>
+auto as_stage(const std::string& stage, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    constexpr std::string_view whole = "discover: ";
+    if (!error.message().starts_with(whole)) throw;
+    throw InputError(stage + ": " + error.message().substr(whole.size()), error.where(), error.fault());
+  }
+}
+
 /// locate(model, {records}, {place=})
 int run_locate(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> records = read_records(L, 2);
   const ProgressLine line;
-  const Located found = locate(model, records, read_discover_options(L, 3), string_field(L, 3, "place").value_or(""));
+  const DiscoverOptions options = read_discover_options(L, 3);
+  const std::string place = string_field(L, 3, "place").value_or("");
+  const Located found = as_stage("locate", [&] { return locate(model, records, options, place); });
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -165,7 +179,8 @@ int run_propose(lua_State* L) {
   const std::vector<Effect> catalogue = read_catalogue(L, 2);
   const std::vector<Record> records = read_records(L, 3);
   const ProgressLine line;
-  const Proposed found = propose(model, catalogue, records, read_discover_options(L, 4));
+  const DiscoverOptions options = read_discover_options(L, 4);
+  const Proposed found = as_stage("propose", [&] { return propose(model, catalogue, records, options); });
   lua_newtable(L);
   set_model(L, "model", found.baseline);
   set_number(L, "gap", found.gap);
@@ -197,7 +212,9 @@ int run_rank(lua_State* L) {
   });
   const std::vector<Record> records = read_records(L, 4);
   const ProgressLine line;
-  const std::vector<Ranked> found = rank_sets(model, catalogue, sets, records, read_discover_options(L, 5));
+  const DiscoverOptions options = read_discover_options(L, 5);
+  const std::vector<Ranked> found =
+      as_stage("rank", [&] { return rank_sets(model, catalogue, sets, records, options); });
   push_list(L, found.size(), [&](std::size_t i) {
     const Ranked& r = found[i];
     set_text(L, "name", r.name);

@@ -36,6 +36,15 @@ function catalogue.entry(name)
   return loaded[name]
 end
 
+--- Those of the names that begin with a word: "cubic" of cubic_stiffness and cubic_damping.
+local function names_with(word, names)
+  local found = {}
+  for _, name in ipairs(names) do
+    if name:sub(1, #word + 1) == word .. "_" then found[#found + 1] = name end
+  end
+  return found
+end
+
 --- Raises, as the field `where`, on a name that is neither in the catalogue nor that of an entry of the user's own.
 function catalogue.check_names(where, names, own)
   local there, known = { table.unpack(catalogue.names) }, {}
@@ -43,9 +52,9 @@ function catalogue.check_names(where, names, own)
   for _, name in ipairs(there) do known[name] = true end
   for _, name in ipairs(names) do
     if not known[name] then
-      local near = core.nearest(name, there)
+      local near = core.nearest(name, there) or table.concat(names_with(name, there), "' or '")
       schema.fail(where, ("unknown effect '%s'%s"):format(name,
-        near and (", did you mean '%s'?"):format(near)
+        near ~= "" and (", did you mean '%s'?"):format(near)
           or " (see `lunid list effects`; entries of your own stand in effects = { ... })"))
     end
   end

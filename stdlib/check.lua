@@ -2,6 +2,7 @@
 local catalogue = require "lunid.catalogue"
 local core = require "lunid.core"
 local element = require "lunid.element"
+local records = require "lunid.records"
 local schema = require "lunid.schema"
 local strict = require "lunid.strict"
 
@@ -121,12 +122,6 @@ local function expressions_in(text)
   return found
 end
 
-local function fields_of(definition)
-  local known = {}
-  for _, field in ipairs(definition.fields) do known[#known + 1] = field.name end
-  return known
-end
-
 local function contains(list, word)
   for _, each in ipairs(list) do
     if each == word then return true end
@@ -134,10 +129,14 @@ local function contains(list, word)
   return false
 end
 
---- The constructor whose braces open at `inside`: tokens lunid . name { (also lunid . figure . lines {).
+--- The constructor whose braces open at `inside`: tokens lunid . name { (also lunid . figure . lines {, and
+--- lunid . read ( "run.csv" , {).
 local function constructor_at(tokens, inside)
   if not inside or inside.text ~= "{" then return nil end
   local at = inside.at - 1
+  if tokens[at] and tokens[at].text == "," and tokens[at - 1].kind == "string" and tokens[at - 2].text == "(" then
+    at = at - 2
+  end
   if tokens[at] and tokens[at].text == "(" then at = at - 1 end
   local parts = {}
   while tokens[at] and tokens[at].kind == "name" do
@@ -152,34 +151,80 @@ local function constructor_at(tokens, inside)
   return schema.definitions[table.concat(parts, ".", 2)]
 end
 
---- All that is wrong or doubtful: list of { line, text, fatal }.
+local signs_of_literals = { ["{"] = 1, ["}"] = -1, [","] = 0, [";"] = 0, ["="] = 0, ["-"] = 0 }
+
+--- The value that is written from token `i` on, where it is nothing but strings, numbers, true, false and tables of them.
+local function literal_at(tokens, i)
+  local words, depth = {}, 0
+  while tokens[i] do
+    local token, text = tokens[i], tokens[i].text
+    if depth == 0 and (text == "," or text == ";" or text == "}") then break end
+    local is_key = token.kind == "name" and depth > 0 and tokens[i + 1] and tokens[i + 1].text == "="
+    local step = token.kind == "symbol" and signs_of_literals[text]
+    if not (step or is_key or token.kind == "string" or token.kind == "number" or text == "true" or text == "false") then
+      return nil
+    end
+    depth, words[#words + 1], i = depth + (step or 0), text, i + 1
+  end
+  local chunk = load("return " .. table.concat(words, " "), "", "t", {})
+  return chunk and chunk()
+end
+
+--- What the call would say of a value that is written for a field, or nil.
+local function problem_of_value(definition, name, value)
+  local good, message = pcall(function()
+    schema.check_value(definition, name, value)
+    if name == "catalogue" or name == "without" then catalogue.check_names(definition.name .. ": " .. name, value) end
+  end)
+  return not good and tostring(message):gsub("^%S+:%d+: ", "") or nil
+end
+
+local files_of = { read = true, stream = true, table = true, load = true }
+
+--- The file that tokens lunid . read "run.csv" at `i` = read name, or nil.
+local function file_at(tokens, i)
+  if not files_of[tokens[i].text] then return nil end
+  local at = tokens[i + 1] and tokens[i + 1].text == "(" and i + 2 or i + 1
+  local token = tokens[at]
+  local ends = token and tokens[at + 1] and tokens[at + 1].text
+  if not token or token.kind ~= "string" or ends == ".." or ends == "." then return nil end
+  return load("return " .. token.text, "", "t", {})()
+end
+
+--- All that is wrong or doubtful: list of { line, text, fatal }. A study may write what it reads itself.
 function check.findings(text)
   local lunid = require "lunid"
   local tokens, found = tokens_of(text), {}
   local declared, expressions = declared_names(tokens), expressions_in(text)
   local environment = strict.environment ""
+  local writes = text:find(":save", 1, true) or text:find("%f[%w]io%.") or text:find("%f[%w]os%.")
   local function add(line, words, fatal) found[#found + 1] = { line = line, text = words, fatal = fatal } end
   walk(tokens, function(token, i, inside)
     local before, after = tokens[i - 1], tokens[i + 1]
     if token.kind == "name" and not is_field(tokens, i, inside) then
       if not declared[token.text] and rawget(environment, token.text) == nil then
-        local what = token.text == "lunid" and "; begin with local lunid = require \"lunid\"" or ""
-        add(token.line, ("undeclared name '%s'%s"):format(token.text, what), true)
+        add(token.line, strict.words_of_undeclared(token.text, {}), true)
       end
     elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "lunid" then
       local good, message = pcall(function() return lunid[token.text] end)
       if not good then add(token.line, tostring(message):gsub("^%S+:%d+: ", ""), true) end
+      local file = file_at(tokens, i)
+      if file and not core.kind_of(records.find(file)) then
+        add(token.line, ("no such file: '%s'"):format(file), not writes)
+      end
     elseif token.kind == "name" and before and before.text == "." and tokens[i - 2].text == "effects"
       and tokens[i - 4] and tokens[i - 4].text == "lunid" then
       local good, message = pcall(function() return lunid.effects[token.text] end)
       if not good then add(token.line, tostring(message):gsub("^%S+:%d+: ", ""), true) end
     elseif token.kind == "name" then
       local definition = constructor_at(tokens, inside)
-      if definition and after and after.text == "=" and definition.style ~= "arguments"
-        and not contains(fields_of(definition), token.text) then
-        local near = core.nearest(token.text, fields_of(definition))
-        add(token.line, ("%s: unknown field '%s'%s"):format(definition.name, token.text,
-          near and (", did you mean '%s'?"):format(near) or ""), true)
+      if definition and after and after.text == "=" and definition.style ~= "arguments" then
+        local problem = schema.problem_of_name(definition, token.text)
+        local value = not problem and literal_at(tokens, i + 2)
+        if value ~= nil and value ~= false then problem = problem_of_value(definition, token.text, value) end
+        if problem then
+          add(token.line, problem:find("unknown field", 1, true) == 1 and definition.name .. ": " .. problem or problem, true)
+        end
       end
     elseif token.kind == "symbol" and (token.text == "==" or token.text == "~=") then
       local name = before and expressions[before.text] and before.text or after and expressions[after.text] and after.text
@@ -192,14 +237,14 @@ function check.findings(text)
   return found
 end
 
-local records = { csv = true, txt = true, dat = true, tsv = true, mat = true, h5 = true, hdf5 = true }
+local of_records = { csv = true, txt = true, dat = true, tsv = true, mat = true, h5 = true, hdf5 = true }
 
 --- Raises where there is no such file, or it is a record.
 function check.expect_study(path)
   local kind = core.kind_of(path)
   if not kind then core.raise(("no such study: '%s'"):format(path), "usage") end
   if kind == "directory" then core.raise(("'%s' is a directory; expected a study, such as study.lua"):format(path), "usage") end
-  if records[(path:match "%.(%w+)$" or ""):lower()] then
+  if of_records[(path:match "%.(%w+)$" or ""):lower()] then
     core.raise(("'%s' is a record, not a study: type `lunid discover %s --mass M --restoring \"k*y + c*v\"`, or write a "
       .. "study, such as study.lua, that has lunid.read \"%s\""):format(path, path, path), "usage")
   end
@@ -209,6 +254,7 @@ end
 function check.study(path)
   check.expect_study(path)
   strict.load_file(path)
+  records.folder = core.parent_of(path)
   local fatal = 0
   for _, finding in ipairs(check.findings(core.read_text(path))) do
     print(("%s:%d: %s%s"):format(path, finding.line, finding.fatal and "" or "warning: ", finding.text))

@@ -102,13 +102,33 @@ local function warn_of_constants(source, force)
       for _, other in ipairs(force:derivative(core.parse(symbol.name, source)):symbols()) do
         alone = alone and other.kind == "parameter"
       end
-      local signal = symbol.name:match "^%a%d*([yv])$"
+      local factor, signal = symbol.name:match "^(%a%d*)([yva])$"
       if alone then constants[#constants + 1] = symbol.name end
-      product = product or alone and signal and not has[signal]
+      product = product or alone and signal and (has[factor] or not has[signal])
     end
   end
   if product or #constants > 1 then
     note(source, ("constant forces to fit: %s; a product is written with *, as k*y"):format(table.concat(constants, ", ")))
+  end
+end
+
+--- "2*a + k*y" beside a mass of 2: the mass stands there already.
+local function warn_of_second_mass(source, model)
+  local weight = model.restoring:derivative(core.parse("a", source))
+  if tostring(weight) ~= "0" and tostring(weight) == tostring(model.mass) then
+    note(source, ("%s*a stands beside the mass %s, and both act; the mass is given by --mass alone"):format(tostring(weight),
+      tostring(model.mass)))
+  end
+end
+
+--- "v^p" is no number for v < 0 unless p is whole.
+local function warn_of_power(source, force)
+  for signal, exponent in tostring(force):gmatch "%f[%w_]([yva])%^%(?([%w_.]+)" do
+    local value = tonumber(exponent)
+    if not value or value % 1 ~= 0 then
+      note(source, ("%s^%s is no number where %s < 0; write abs(%s)^%s*sign(%s)"):format(signal, exponent, signal, signal,
+        exponent, signal))
+    end
   end
 end
 
@@ -128,7 +148,7 @@ local function mass_in_si(text)
   local prefix, of_inertia = unit:match "^([mun]?)g%f[%A](.*)$"
   local factor, si = core.si_unit(prefix and "kg" .. of_inertia or unit)
   if factor and prefix then factor = factor * of_a_kilogram[prefix] end
-  if factor and (si:find "kg" or si:find " s^2" or si == "V s/A") then return ("%.17g"):format(value * factor), si end
+  if factor and (si:find "kg" or si:find " s^2" or si == "V s/A") then return ("%.15g"):format(value * factor), si end
   local meant = core.unit_meant(unit)
   local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
     or ("unknown unit '%s'%s"):format(unit, meant and (", did you mean '%s'?"):format(meant) or "")
@@ -136,16 +156,25 @@ local function mass_in_si(text)
     .. "of a circuit H), got '%s' (%s)"):format(text, problem), "usage")
 end
 
-local mass_beside = { m = "kg", rad = "kg m^2" }
+local mass_beside = { m = "kg", rad = "kg m^2", C = "H", A = "H" }
+local all_masses = { kg = "kg", ["kg m^2"] = "kg m^2", ["V s/A"] = "H" }
 
---- Raises on a mass in kg beside an angle, and on an inductance beside either.
+--- Raises on a mass of another kind than its motion: in kg beside an angle, or an inductance beside a displacement; a
+--- moment of inertia only where the file says that y is in metres. What is driven by no voltage is no circuit.
 local function check_kind_of_mass(text, record)
   local _, unit = mass_in_si(text)
-  local motion = record.channels.y and record.channels.y.unit
-  local kind = mass_beside[motion]
-  if kind and (unit == "V s/A" or unit == "kg" and unit ~= kind) then
-    fault(("--mass: expected a unit of the kind of %s, since y is in %s, got '%s'"):format(kind, motion, text), "usage")
+  local name = "y"
+  for _, each in ipairs { "y", "v" } do
+    if record.channels[each] and not record.channels[each].derived then
+      name = each
+      break
+    end
   end
+  local motion = record.channels[name] and record.channels[name].unit
+  local kind, is_circuit = mass_beside[motion], record.channels.F and record.channels.F.unit == "V"
+  if not kind or kind == "H" and not is_circuit or not all_masses[unit] or all_masses[unit] == kind then return end
+  if unit == "kg m^2" and record.channels[name].source_unit == "" then return end
+  fault(("--mass: expected a unit of the kind of %s, since %s is in %s, got '%s'"):format(kind, name, motion, text), "usage")
 end
 
 --- "4 kHz" -> 4000: rows per second; any other text, a name in a file, as it is.
@@ -192,6 +221,8 @@ local function baseline(lunid, options)
       interpolation = options.interpolation }
   end)
   if not good then fault(model, "usage") end
+  warn_of_second_mass("--restoring", model)
+  warn_of_power("--restoring", model.restoring)
   return model
 end
 
@@ -211,7 +242,17 @@ end
 local function names(option, text)
   if not text then return nil end
   local list = {}
-  for name in text:gmatch "[^,%s]+" do list[#list + 1] = name end
+  local known = {}
+  for _, name in ipairs(require("lunid.catalogue").names) do known[name] = true end
+  for item in text:gmatch "[^,]+" do
+    item = item:match "^%s*(.-)%s*$"
+    local words, all = {}, true
+    for word in item:gmatch "%S+" do
+      words[#words + 1] = word
+      all = all and known[word] ~= nil
+    end
+    table.move(all and words or { item }, 1, all and #words or 1, #list + 1, list)
+  end
   local good, message = pcall(require("lunid.catalogue").check_names, option, list)
   if not good then fault(tostring(message):gsub("^.-%-%-", "--"), "usage") end
   return list
@@ -235,7 +276,10 @@ end
 
 commands["discover"] = function(options)
   local lunid, discovery = require "lunid", require "lunid.discovery"
-  if options.check then return discovery.check(start_of_discovery(lunid, options)) end
+  if options.check then
+    if options.out then output.expect_free(options.out) end
+    return discovery.check(start_of_discovery(lunid, options))
+  end
   with_output("discover", options, function()
     local found = discovery.find(start_of_discovery(lunid, options))
     print(found)

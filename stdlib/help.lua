@@ -73,7 +73,7 @@ local function explain_effect(entry)
   print("\n  shows as: " .. entry.signature)
   print("  passive: " .. (passive_words[entry.passive] or entry.passive))
   line("easily taken for", entry.confusers)
-  line("a special case of", entry.special_case_of)
+  line("a special case of (docs/effects.md: at which values)", entry.special_case_of)
   line("modifies", entry.acts_on)
   line("needs the channels", entry.channels)
   print("  source: " .. entry.source)
@@ -143,6 +143,16 @@ local words = {
   fit = "A fit is made by one of several constructors: lunid.fit_trajectory fits a model's parameters on its free runs, "
     .. "lunid.regress finds coefficients of features, lunid.fit_curve fits a formula of a record's channels.\n"
     .. "See `lunid help fit_trajectory`, `lunid help regress`, `lunid help fit_curve`.",
+  columns = "Which column of a file is which channel: channel=header [unit], with commas between, such as "
+    .. "\"t=time,y=disp [mm],F=load [kN]\". Channels are t, F, y, v, a; y1, F1 ... of several coordinates; yb, vb, ab of a base;\n"
+    .. "shaft_angle, shaft_speed; y_reference of a set point; any other name keeps a column under it. Without a unit the header's is "
+    .. "taken, else SI.\nA header with a comma stands in quotes, a table without headers has their numbers (\"t=1,y=2\"), and a number with its "
+    .. "unit is the same in\nevery row (\"F=0\" where nothing drives). On the command line --columns, in a study columns = \"...\".\n"
+    .. "See `lunid help read`, `lunid help units`.",
+  rate = "Rows per second of a file without a time column, --rate 800 or --rate \"4 kHz\", in a study rate = 800. A time that is there is "
+    .. "left out.\nSee `lunid help read`.",
+  units = "Units of columns stand in the header, y [mm] or F (kN), or in --columns; answers are in SI. Known are "
+    .. core.known_units() .. ".",
   gap = "The gap is the error of a free run over the size of the motion: 0 is perfect, and noise alone leaves its floor.\nSee `lunid help discover`, `lunid help compare`.",
   verdict = "The verdict of a discovery: explained (the model with what was named leaves nothing above the noise), "
     .. "nothing-missing, ambiguous (several effects do as well), unknown-effect (something is missing, and no name holds).\n"

@@ -4,15 +4,20 @@ local core = require "lunid.core"
 local output = {}
 local current  -- { out = what the user asked for, partial = where files are gathered }
 
---- Begins a run that writes to `out`. A directory that holds other things than an earlier run is refused. Of the ranks
---- that run one study together (mpirun) the first one writes; the files of the others are thrown away.
-function output.begin(out, rank)
+--- Raises where a run cannot write to `out`: a file, or a directory that holds other things than an earlier run.
+function output.expect_free(out)
   local kind = core.kind_of(out)
   if kind == "file" then core.raise(("--out: '%s' is a file, not a directory"):format(out), "usage") end
   if kind == "directory" and not core.is_empty_directory(out) and not core.kind_of(out .. "/run.json") then
     core.raise(("--out: the directory '%s' holds other things than an earlier run (it has no run.json); "
       .. "choose another or empty it"):format(out), "usage")
   end
+end
+
+--- Begins a run that writes to `out`. Of the ranks that run one study together (mpirun) the first one writes; the files of
+--- the others are thrown away.
+function output.begin(out, rank)
+  output.expect_free(out)
   local partial = ("%s.partial-%d"):format((out:gsub("/+$", "")), core.process_id())
   if rank > 0 then partial = ("%s-%d"):format(partial, rank) end
   local good, message = pcall(core.make_directories, partial)

@@ -219,12 +219,22 @@ local function field_named(definition, name)
   end
 end
 
-local function unknown_field(definition, key)
+local function names_of_fields(definition)
   local names = {}
-  for _, field in ipairs(definition.fields) do names[#names + 1] = field.name end
-  local near = type(key) == "string" and core.nearest(key, names)
-  local known = #names > 0 and " (fields: " .. table.concat(names, ", ") .. ")" or " (it has no fields)"
-  return ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near) or known)
+  for i, field in ipairs(definition.fields) do names[i] = field.name end
+  return names
+end
+
+local function known_fields(definition)
+  local names = names_of_fields(definition)
+  return #names > 0 and " (fields: " .. table.concat(names, ", ") .. ")" or " (it has no fields)"
+end
+
+--- What is wrong with a field of that name, or nil.
+function schema.problem_of_name(definition, key)
+  if field_named(definition, key) then return nil end
+  local near = type(key) == "string" and core.nearest(key, names_of_fields(definition))
+  return ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near) or known_fields(definition))
 end
 
 local function check_field(definition, field, value)
@@ -241,6 +251,9 @@ local function check_field(definition, field, value)
   if got == "an empty table" and expected:find("list", 1, true) then got = "an empty list" end
   schema.fail(called(definition) .. ": " .. field.name, ("%s, got %s%s"):format(expected, got, hint or ""))
 end
+
+--- Checks a value that is written for a field as the call would.
+function schema.check_value(definition, name, value) check_field(definition, field_named(definition, name), value) end
 
 --- The field that the first value without a name is of.
 local function first_field(definition)
@@ -271,8 +284,8 @@ local function fail_unexpected(definition, given, key)
     schema.fail(called(definition), ("several go in one list: %s { { %s } }"):format(schema.spelled(definition),
       table.concat(list, ", ")))
   end
-  schema.fail(called(definition), ("unexpected entry %d: %s; fields are written name = value"):format(key,
-    schema.describe(given[key])))
+  schema.fail(called(definition), ("unexpected entry %d: %s; fields are written name = value%s"):format(key,
+    schema.describe(given[key]), known_fields(definition)))
 end
 
 --- Gives positional entries their names and refuses unknown keys.
@@ -283,8 +296,9 @@ local function named(definition, given)
     if math.type(key) == "integer" then
       name = definition.positional and definition.positional[key]
       if not name then fail_unexpected(definition, given, key) end
-    elseif not field_named(definition, key) then
-      schema.fail(called(definition), unknown_field(definition, key))
+    else
+      local problem = schema.problem_of_name(definition, key)
+      if problem then schema.fail(called(definition), problem) end
     end
     values[name] = value
   end

@@ -120,10 +120,12 @@ schema.method({
 print(n.white, n.exponent, n.exponent_std)]],
 }, function(record, given)
   local n = core.record_noise(record, given)
+  local unit = record.channels[given.channel].unit
   n.coloured = math.abs(n.exponent) > math.max(4 * n.exponent_std, 0.2)
   return columns.result("noise_report", { "frequency", "density" }, n, function()
-    return ("noise of %s: white part %.4g, by medians %.4g, %d outliers; background 1/f^%.2f(%.2f), %.4g in all"):format(
-      given.channel, n.white, n.robust, n.outliers, n.exponent, n.exponent_std, n.background)
+    return ("noise of %s: white part %.4g, by medians %.4g, %d outliers; under tones and resonances a background "
+      .. "1/f^%.2f(%.2f) of deviation %.4g%s over all frequencies"):format(given.channel, n.white, n.robust, n.outliers,
+      n.exponent, n.exponent_std, n.background, unit ~= "" and " " .. unit or "")
   end)
 end)
 

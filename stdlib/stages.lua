@@ -33,6 +33,18 @@ end
 
 -- ---- locate ----
 
+--- On which time the maps are: records that begin anew follow each other.
+local function words_of_time(records)
+  if #records < 2 then return "" end
+  local last, parts = -math.huge, {}
+  for i, each in ipairs(records) do
+    local start = each.start > last and each.start or last + each.dt
+    last = start + each.duration
+    parts[i] = ("%s from %.4g s"):format(each.name, start)
+  end
+  return "\ntime       of the records one after another: " .. table.concat(parts, ", ")
+end
+
 local locate = schema.define({
   name = "locate",
   help = "Where a model fails: the force that it leaves unexplained along the smoothed measured motion, over time, "
@@ -48,7 +60,8 @@ print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
   if given.place and given.model.degrees == 1 then
     schema.fail("locate: place", ("the model has one coordinate: leave it out, got '%s'"):format(given.place))
   end
-  local found = core.locate(given.model, record_runs(given.record, given.window), { place = given.place })
+  local records = record_runs(given.record, given.window)
+  local found = core.locate(given.model, records, { place = given.place })
   return schema.object("location", found, nil, function(self)
     local where = {}
     for _, over in ipairs { "time", "y", "v", "amplitude", "harmonic", "frequency" } do
@@ -56,7 +69,7 @@ print(where.maps.y.x, where.maps.y.value, where.maps.y.level)]],
     end
     return with_warnings(self.warnings, ("where      %s\nnoise      rms %s of it is no function of y and v\nabove      "
       .. "%s\nno data    %s"):format(self.sentence, number(self.noise),
-      #where > 0 and table.concat(where, ", ") or "nowhere", self.no_data))
+      #where > 0 and table.concat(where, ", ") or "nowhere", self.no_data) .. words_of_time(records))
   end)
 end)
 
@@ -81,7 +94,7 @@ print(list[1].name, list[1].gain)]],
       self, function(row)
         return row.remark and ("%-36s %s"):format(row.name, row.remark)
           or ("%-36s %8.3g %12.3g %10.2g"):format(row.name, row.gain, row.force_gain, row.p_value)
-      end))
+      end) .. "\n(by the larger of the two gains, to first order; lunid.rank fits them, and orders them by what they leave)")
   end)
 end)
 
@@ -101,6 +114,11 @@ local function entries_named(given)
   for _, set in ipairs(sets_of(given)) do
     for _, label in ipairs(set) do
       local name = label:match "^%S*"
+      if label:find("+", 1, true) then
+        local parts = {}
+        for part in label:gmatch "[^+]+" do parts[#parts + 1] = ("%q"):format(part:match "^%s*(.-)%s*$") end
+        schema.fail("rank: sets", ("'%s': several effects at once are a list, { %s }"):format(label, table.concat(parts, ", ")))
+      end
       if not own[name] and not seen[name] then wanted[#wanted + 1] = name end
       seen[name] = true
     end
@@ -161,9 +179,9 @@ print(rows[1].name, rows[1].model)]],
   return schema.object("ranking", rows, nil, function(self)
     local text = lines_of(("%-40s %10s %10s %12s %8s"):format("set", "left out", "gap", "log L", "z"), self, function(row)
       return ("%-40s %10s %10s %12s %8s%s"):format(row.name, number(row.left_out_gap), number(row.gap),
-        row.log_likelihood and ("%.1f"):format(row.log_likelihood) or "none", number(row.z),
+        row.log_likelihood and ("%.1f"):format(row.log_likelihood) or "none", row.z and number(row.z) or "nested",
         row.remark and "  " .. row.remark or "")
-    end)
+    end) .. "\n(z: of the likeliest set against this one, above 2.3 they are told apart; nested: the one holds all of the other)"
     for _, row in ipairs(self.rejected) do text = text .. ("\n%-40s rejected by the criterion"):format(row.name) end
     return text
   end)

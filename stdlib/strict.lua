@@ -97,15 +97,20 @@ function strict.environment(folder)
   end
   return setmetatable(environment, {
     __metatable = "locked",
-    __index = function(_, name)
-      if name == "lunid" then core.raise("undeclared name 'lunid'; begin with local lunid = require \"lunid\"", "study") end
-      local near = core.nearest(tostring(name), names_in_sight(environment))
-      core.raise(("undeclared name '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or ""), "study")
-    end,
+    __index = function(_, name) core.raise(strict.words_of_undeclared(tostring(name), names_in_sight(environment)), "study") end,
     __newindex = function(_, name)
       core.raise(("assignment to the undeclared name '%s'; write `local %s = ...`"):format(name, name), "study")
     end,
   })
+end
+
+--- What is said of a name that is not declared; `names`: those that are.
+function strict.words_of_undeclared(name, names)
+  local said = ("undeclared name '%s'"):format(name)
+  if name == "lunid" then return said .. "; begin with local lunid = require \"lunid\"" end
+  if core.functions[name] then return ("%s, did you mean lunid.%s?"):format(said, name) end
+  local near = core.nearest(name, names)
+  return said .. (near and (", did you mean '%s'?"):format(near) or "")
 end
 
 --- Compiles a file for a fresh strict environment; messages carry its path as given.
