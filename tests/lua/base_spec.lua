@@ -177,7 +177,7 @@ spec.case("--check says that a base was measured and nothing drives", function()
     spec.equal(said:find("nothing drives", 1, true), nil)
   end
   silent(usual .. '"F=base [N]"')  -- a force, no base
-  silent(usual .. '"ab=base,F=1"')  -- both: base_motion is tried
+  silent(usual .. '"ab=base,F=1 [N]"')  -- both: base_motion is tried
   silent(usual .. '"ab=base [um/s^2],F=0"')  -- a base at rest
   silent '--restoring "k*y + c*v + 3*ab" --columns "ab=base,F=0"'
 end)

@@ -59,7 +59,8 @@ spec.case("a call without its table", function()
   line_3("lunid.model(3)", "study.lua:3: model: expected a table { ... }, got 3")
   line_3("lunid.fixed(v, 10, 11)", "study.lua:3: fixed: expected 2 arguments, got 3")
   line_3("lunid.model { y, mass = 1 }",
-    "study.lua:3: model: unexpected entry 1: an expression; fields are written name = value")
+    "study.lua:3: model: unexpected entry 1: an expression; fields are written name = value (fields: mass, "
+      .. "restoring, forces, delay, measures, acts, states, interpolation, motion)")
 end)
 
 spec.case("a unit is no label: values are SI", function()
@@ -437,6 +438,43 @@ if y == 3 then print(v) end
     .. "bad.lua:6: warning: '==' with the expression 'y' compares identity at once and gives true or false; for a "
     .. "condition use lunid.greater, lunid.less and lunid.where\n")
   spec.equal(code, 1)
+end)
+
+spec.case("check finds wrong values that are written out, unknown effects and missing files", function()
+  local function checked(body)
+    spec.write("literal.lua", head .. body)
+    return spec.lunid "check literal.lua"
+  end
+  spec.write("there.csv", "t,y\n0,1\n")
+  local said, code = checked [[
+local a, b = lunid.read "there.csv", lunid.read("there.csv", { displacment = "y [mm]", window = { 0, 2 } })
+local c = lunid.read "nowhere.csv"
+lunid.discover { model = c, train = a, catalogue = { "cubic_stifness" }, alpha = 3, without = { "clearance" } }
+lunid.effect { name = "q", family = "spring", contribution = "k*y^2", parameters = { { "k" } } }
+print(max(y, 0))
+]]
+  spec.equal(code, 1)
+  local lines = {}
+  for line in said:gmatch "[^\n]+" do lines[#lines + 1] = line end
+  spec.equal(lines[1], "literal.lua:3: read: unknown field 'displacment', did you mean 'displacement'?")
+  spec.equal(lines[2], "literal.lua:3: read: window: expected a window from lunid.window, got a list of 2")
+  spec.equal(lines[3], "literal.lua:4: no such file: 'nowhere.csv'")
+  spec.equal(lines[4], "literal.lua:5: discover: catalogue: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+  spec.contains(lines[5], "literal.lua:5: discover: alpha: expected > 0 and < 0.5, got 3")
+  spec.contains(lines[6], "literal.lua:6: effect: family: expected ")
+  spec.equal(lines[7], "literal.lua:7: undeclared name 'max', did you mean lunid.max?")
+  spec.equal(#lines, 7)
+  -- A study may write what it reads, and values may be computed.
+  said, code = checked [[
+local path = "x" .. ".csv"
+lunid.record { dt = 1, channels = { { "y", { 1, 2, 3, 4, 5, 6 } } } }:save "/tmp/part.csv"
+print(lunid.read "part.csv", lunid.read("there" .. ".csv"), lunid.read(path, { rate = 2*50, columns = "y=" .. path }))
+]]
+  spec.equal(said, "literal.lua:5: warning: no such file: 'part.csv'\nliteral.lua: nothing that would stop it\n")
+  spec.equal(code, 0)
+  spec.contains(spec.study(head .. "print(max(y, 0))\n"), "study.lua:3: undeclared name 'max', did you mean lunid.max?")
+  spec.contains(spec.study(head .. "lunid.report { 'soil' }\n"),
+    "report: unexpected entry 1: the string 'soil'; fields are written name = value (fields: ")
 end)
 
 spec.case("an option of the command line that the study does not read", function()

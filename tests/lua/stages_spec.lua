@@ -43,6 +43,7 @@ spec.case("propose: the cubic spring leads, what the baseline can do by itself h
   spec.equal(list[4].name, "linear_stiffness")
   spec.contains(list[4].remark, "a combination of the baseline's own")
   spec.contains(tostring(list), "of the force")
+  spec.contains(tostring(list), "(by the larger of the two gains, to first order;")
 end)
 
 spec.case("rank: sets by their left-out gap; a criterion may reject and order them", function()
@@ -67,6 +68,7 @@ spec.case("rank: sets by their left-out gap; a criterion may reject and order th
   spec.equal(#chosen, 3)
   spec.equal(chosen.rejected[1].name, "cubic_stiffness + coulomb_friction")
   spec.contains(tostring(chosen), "rejected by the criterion")
+  spec.contains(tostring(rows), "nested: the one holds all of the other)")
 end)
 
 spec.case("discover: what a criterion of one's own refuses is not named, in no set, and said", function()
@@ -97,6 +99,12 @@ end)
 spec.case("stages say what is wrong with their fields", function()
   spec.equal(spec.message_of(function() lunid.rank { model = baseline, record = train, sets = { "cubic_stifness" } } end),
     "rank: sets: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
+  spec.equal(spec.message_of(function() lunid.rank { model = baseline, record = train, sets = { "clearance + coulomb_friction" } } end),
+    [[rank: sets: 'clearance + coulomb_friction': several effects at once are a list, { "clearance", "coulomb_friction" }]])
+  local still = lunid.record { dt = 0.01, channels = { { "force", (function() local f = {} for i = 1, 60 do f[i] = i % 7 end return f end)() } } }
+  spec.contains(spec.message_of(function() lunid.propose { model = baseline, record = still } end),
+    "propose: the record has no channels 'y', 'F' (it has force); name its column, e.g. --columns \"y=header [unit], F=header [unit]\" "
+      .. '(in a study columns = "...")')
   spec.equal(spec.message_of(function() lunid.propose { model = baseline, record = train, catalogue = { "cubic_stifness" } } end),
     "propose: catalogue: unknown effect 'cubic_stifness', did you mean 'cubic_stiffness'?")
   local magnet = lunid.effect { name = "magnet", family = "stiffness", contribution = "k*y^3", parameters = { { "k" } } }

@@ -286,7 +286,9 @@ TEST(DegreesRefuse, ACoordinateThatWasNotMeasured) {
   EXPECT_EQ(
       refusal(baseline_of(two_masses(), truth::scale_named("milli")), part({{"F1", "F1"}, {"y1", "y1"}})),
       "run.csv: discover: the record has no channel 'y2' (it has F1, y1); the motion of every coordinate of the model "
-      "has to be measured: name its column, or take a model without it");
+      "has to be measured: name its column, e.g. --columns \"y2=header [unit]\" (in a study columns = \"...\"), or "
+      "take a "
+      "model without it");
 }
 
 TEST(DegreesRefuse, AForceThatMayActOnEitherOfTwo) {
