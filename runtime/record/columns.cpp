@@ -352,7 +352,9 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     if (mapped && given && meaning.channel == "t")
       throw InputError("the time column and a rate or interval are both given: expected one of them", where,
                        Fault::data);
-    if (mapped) continue;
+    const bool constant = std::ranges::any_of(
+        options.columns, [&](const ColumnMap& map) { return map.channel == meaning.channel && constant_of(map); });
+    if (mapped || constant) continue;
     const auto i = find_meaning(header, plans, meaning, where);
     if (!i) continue;
     assign(*i, std::string(meaning.channel), "");

@@ -111,12 +111,16 @@ TEST(Csv, ANumberInPlaceOfAHeaderIsAConstantChannel) {
   EXPECT_DOUBLE_EQ(with("F=1.5 [kN m]")["F"][3], 1500);
   EXPECT_EQ(with("F=2")["F"][3], with("v=2")["v"][3]);  // a column of that name goes before
   EXPECT_NE(with("F=2")["F"][3], 2);
-  const TextFile driven(
-      "t,y [rad],F,ab\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n");  // goes before the file's
+  const TextFile driven("t,y [rad],F,ab\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n",
+                        "driven.csv");  // goes before the file's
   const Record still = read_record(driven.path(), {parse_columns("F=0 [N m], ab=0"), false});
   EXPECT_EQ(still["F"][3], 0);
   EXPECT_EQ(still["ab"][3], 0);
   EXPECT_EQ(still.warnings().front(), "left out: the column 'F', because F=0 is given");
+  const TextFile idle("t,y,load [mV],force [%]\n0,1,2,3\n1,1,2,3\n2,1,2,3\n3,1,2,3\n4,1,2,3\n5,1,2,3\n", "idle.csv");
+  const Record beside = read_record(idle.path(), {parse_columns("F=0"), false});  // which of both need not be said
+  EXPECT_EQ(beside["F"][3], 0);
+  EXPECT_EQ(beside["load"][3], 2e-3);
   EXPECT_EQ(test::message_of(file, [&] { with("F=3"); }),
             "run3.csv: no column '3' for channel 'F': a column is named by its header; a channel that is the same in "
             "every row has its unit beside the number, as F=3 [N]");
