@@ -8,6 +8,7 @@
 #include "discover/between_samples.hpp"
 #include "discover/gap.hpp"
 #include "discover/proposal_fits.hpp"
+#include "discover/refute.hpp"
 #include "expr/digits.hpp"
 
 namespace lunid {

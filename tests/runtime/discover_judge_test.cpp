@@ -9,7 +9,7 @@
 #include "discover/linearised.hpp"
 #include "discover/naming.hpp"
 #include "discover/proposal_fits.hpp"
-#include "discover/verdict.hpp"
+#include "discover/refute.hpp"
 #include "discover_catalogue.hpp"
 
 namespace lunid {

@@ -6,7 +6,7 @@
 
 #include "discover/baseline.hpp"
 #include "discover/gap.hpp"
-#include "discover/verdict.hpp"
+#include "discover/refute.hpp"
 #include "discover_catalogue.hpp"
 #include "statistics/moments.hpp"
 #include "truth/law.hpp"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "discover/refute.hpp"
 #include "discover/search.hpp"
 #include "discover/ties.hpp"
-#include "discover/verdict.hpp"
 #include "discover_catalogue.hpp"
 
 namespace lunid {
