@@ -307,15 +307,6 @@ bool are_free(const Study& study, const std::vector<Record>& records) {
 
 namespace {
 
-/// The channel of the language that a unit alone speaks for; 0 of one that may be of several.
-char quantity_of(const std::string& unit) {
-  constexpr std::pair<std::string_view, char> known[] = {{"m", 'y'},     {"rad", 'y'},     {"m/s", 'v'}, {"rad/s", 'v'},
-                                                         {"m/s^2", 'a'}, {"rad/s^2", 'a'}, {"N", 'F'},   {"N m", 'F'}};
-  for (const auto& [name, quantity] : known)
-    if (unit == name) return quantity;
-  return 0;
-}
-
 bool is_free_to_name(const Channel& channel) {
   return !channel.derived && !is_channel_name(channel.name) && !channel.name.ends_with("_reference");
 }
@@ -347,7 +338,7 @@ std::string column_for(const Record& record, const std::string& missing) {
       if (const std::string named = is_free_to_name(channel) ? alike_in_name(channel, missing) : ""; !named.empty())
         return named;
   for (const Channel& channel : record.channels()) {
-    const char quantity = quantity_of(channel.unit);
+    const char quantity = channel_of_unit(channel.unit);
     const bool alike = quantity && (missing[0] == 'F') == (quantity == 'F');
     if (missing.size() > 1 || !alike || !is_free_to_name(channel)) continue;
     if (!found.empty()) return missing + "=header [unit]";
@@ -372,7 +363,7 @@ MissingMotions missing_motions(const Record& record, std::vector<std::string> na
       quantity = channel.name[0];
   }
   for (const Channel& channel : record.channels()) {
-    const char own = quantity_of(channel.unit);
+    const char own = channel_of_unit(channel.unit);
     if (!is_free_to_name(channel) || own == 0 || own == 'F' || (quantity && own != quantity)) continue;
     if (!quantity) quantity = own;
     free.push_back(&channel);

@@ -326,6 +326,16 @@ HeaderCell split_header(std::string_view text) {
   return cell;
 }
 
+char channel_of_unit(std::string_view unit) {
+  char channel = 0;
+  for (const Meaning& meaning : meanings) {
+    if (unit.empty() || meaning.channel == "t" || !fits(meaning, unit)) continue;
+    if (channel) return 0;
+    channel = meaning.channel[0];
+  }
+  return channel;
+}
+
 std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, const ReadOptions& options,
                                      const SourceSpan& where, std::vector<std::string>& warnings, bool needs_time) {
   check_repeats(header, where);

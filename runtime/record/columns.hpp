@@ -47,6 +47,10 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
                                      const SourceSpan& where, std::vector<std::string>& warnings,
                                      bool needs_time = true);
 
+/// The channel that an SI unit alone speaks for: y of "m", F of "N m"; 0 of one that may be of several ("V"), and of
+/// the time.
+char channel_of_unit(std::string_view unit);
+
 /// SI unit of a force that no file names: "N m" beside an angle, else "N".
 std::string unit_of_force(const Record& record);
 

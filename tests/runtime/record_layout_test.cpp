@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "record/columns.hpp"
 #include "record/stream.hpp"
 #include "record_file.hpp"
 
@@ -264,6 +265,13 @@ TEST(Layout, ATimeWithoutAUnitIsKnownAsSuch) {
   EXPECT_TRUE(read("t,F,y\n" + rows(20)).window(0.05, 0.15).time_without_unit());
   EXPECT_FALSE(read("t [s],F,y\n" + rows(20)).time_without_unit());
   EXPECT_FALSE(read("t,F,y\n" + rows(20), {parse_columns("t=t [s]"), false}).time_without_unit());
+}
+
+TEST(Layout, AUnitMaySpeakForOneChannelAlone) {
+  for (const auto& [unit, channel] : std::vector<std::pair<std::string, char>>{
+           {"m", 'y'}, {"rad", 'y'}, {"C", 'y'}, {"rad/s", 'v'}, {"m/s^2", 'a'}, {"N m", 'F'}, {"Pa", 'F'}})
+    EXPECT_EQ(channel_of_unit(unit), channel) << unit;
+  for (const char* unit : {"V", "A", "s", "kg", ""}) EXPECT_EQ(channel_of_unit(unit), 0) << unit;
 }
 
 }  // namespace
