@@ -220,11 +220,13 @@ function check.findings(text)
       local definition = constructor_at(tokens, inside)
       if definition and after and after.text == "=" and definition.style ~= "arguments" then
         local problem = schema.problem_of_name(definition, token.text)
-        local value = not problem and literal_at(tokens, i + 2)
-        if value ~= nil and value ~= false then problem = problem_of_value(definition, token.text, value) end
         if problem then
-          add(token.line, problem:find("unknown field", 1, true) == 1 and definition.name .. ": " .. problem or problem, true)
+          problem = definition.name .. ": " .. problem
+        else
+          local value = literal_at(tokens, i + 2)
+          problem = value and problem_of_value(definition, token.text, value)
         end
+        if problem then add(token.line, problem, true) end
       end
     elseif token.kind == "symbol" and (token.text == "==" or token.text == "~=") then
       local name = before and expressions[before.text] and before.text or after and expressions[after.text] and after.text

@@ -221,7 +221,7 @@ bool have_rows_in_common(const Record& a, const Record& b) {
   for (const Channel& channel : a.channels()) {
     if (channel.derived) continue;  // of every second row others
     if (!b.has(channel.name)) return false;
-    const auto own = as_vector(a[channel.name])(Eigen::seqN(from_a, rows, step)).eval();
+    const auto own = as_vector(a[channel.name])(Eigen::seqN(from_a, rows, step));
     if (own != as_vector(b[channel.name]).segment(from_b, rows)) return false;
     moves = moves || (own.array() != own[0]).any();
   }
@@ -318,13 +318,9 @@ std::string header_of(const Channel& channel) {
 
 /// "y=Y" of a channel Y, and "y=y mm [mm]" of a column `y mm` or `y_mm`; "" of others.
 std::string alike_in_name(const Channel& channel, const std::string& missing) {
-  const auto lower = [](std::string text) {
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-  };
-  const std::string name = lower(channel.name);
-  if (name == lower(missing) || (missing == "y" && name == "x")) return missing + "=" + header_of(channel);
-  const std::string rest = name.starts_with(lower(missing)) ? channel.name.substr(missing.size()) : "";
+  const std::string name = lower_case(channel.name);
+  if (name == lower_case(missing) || (missing == "y" && name == "x")) return missing + "=" + header_of(channel);
+  const std::string rest = name.starts_with(lower_case(missing)) ? channel.name.substr(missing.size()) : "";
   if (rest.size() < 2 || (rest[0] != ' ' && rest[0] != '_') || !si_unit(rest.substr(1))) return "";
   return missing + "=" + header_of(channel) + " [" + rest.substr(1) + "]";
 }

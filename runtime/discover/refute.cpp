@@ -5,7 +5,6 @@
 #include <functional>
 #include <iterator>
 
-#include "discover/accept.hpp"
 #include "discover/baseline.hpp"
 #include "discover/judge.hpp"
 #include "discover/locate.hpp"

@@ -1,7 +1,6 @@
 #include "discover/remarks.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -54,8 +53,7 @@ std::string without_unit(const std::vector<Record>& records) {
 std::string unused_reference(const Study& study, const std::vector<Record>& records) {
   for (const Record& record : records)
     for (const Channel& channel : record.channels()) {
-      std::string word = channel.name;
-      std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+      const std::string word = lower_case(channel.name);
       for (const char* known : {"setpoint", "set_point", "set point", "reference", "command", "target"})
         if (word == known && !record.has(study.reference()))
           return "nothing uses the channel '" + channel.name + "'; where it is what a controller was to follow, say " +

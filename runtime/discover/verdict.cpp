@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "discover/accept.hpp"
 #include "discover/closed_loop.hpp"
 #include "discover/judge.hpp"
 #include "discover/one_motion.hpp"

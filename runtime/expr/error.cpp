@@ -1,8 +1,9 @@
 #include "expr/error.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
+
+#include "expr/words.hpp"
 
 namespace lunid {
 namespace {
@@ -13,12 +14,6 @@ std::string located(const std::string& message, const SourceSpan& where) {
   if (where.line > 0) text += std::to_string(where.line) + ":";
   if (where.line > 0 && where.column > 0) text += std::to_string(where.column) + ":";
   return text + " " + message;
-}
-
-std::string lower_case(const std::string& word) {
-  std::string text = word;
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 /// Optimal string alignment distance: insertions, deletions, replacements and swaps of two neighbours.

@@ -81,6 +81,12 @@ bool is_identifier(std::string_view name) {
   return true;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
 bool is_channel_name(std::string_view name) {
   for (const char* known : {"t", "yb", "vb", "ab", "shaft_angle", "shaft_speed", "shaft_rate", "force_rate"})
     if (name == known) return true;

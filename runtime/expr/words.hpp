@@ -11,6 +11,8 @@ bool is_identifier(std::string_view name);
 bool is_channel_name(std::string_view name);
 /// A function's name, or pi.
 bool is_reserved(std::string_view name);
+/// Its ASCII letters as small ones.
+std::string lower_case(std::string_view text);
 /// `where: takes 3 arguments, got 2`.
 std::string arity_message(const std::string& name, int arity, int got);
 

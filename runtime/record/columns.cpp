@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "expr/joined.hpp"
+#include "expr/words.hpp"
 
 namespace lunid {
 namespace {
@@ -28,21 +28,15 @@ constexpr std::array meanings{
     Meaning{"a", {"acceleration", "acc", "accel", "beschleunigung"}, {"m/s^2", "rad/s^2", "V", "A/s"}},
 };
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
-
 /// 2: the channel's own name or word for word a synonym; 1: a weaker likeness (other case, x for y); 0: none. A name
 /// may be abbreviated by a point.
 int likeness(const Meaning& meaning, std::string_view name) {
   if (name.size() > 1 && name.ends_with('.')) name.remove_suffix(1);
   if (name == meaning.channel) return 2;
-  const std::string word = lower(name);
+  const std::string word = lower_case(name);
   for (std::string_view synonym : meaning.words)
     if (!synonym.empty() && word == synonym) return 2;
-  if (word == lower(meaning.channel) || (meaning.channel == "y" && word == "x")) return 1;
+  if (word == lower_case(meaning.channel) || (meaning.channel == "y" && word == "x")) return 1;
   return 0;
 }
 
@@ -104,7 +98,7 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
 /// A column `speed` that turns beside a displacement that does not is that of a shaft, not the velocity.
 bool turns(const std::vector<HeaderCell>& header, const HeaderCell& cell) {
   const auto si = si_unit(cell.unit);
-  if (lower(cell.name) != "speed" || !si || (si->unit != "rad/s" && si->unit != "Hz")) return false;
+  if (lower_case(cell.name) != "speed" || !si || (si->unit != "rad/s" && si->unit != "Hz")) return false;
   return std::none_of(header.begin(), header.end(), [](const HeaderCell& other) {
     const auto unit = si_unit(other.unit);
     return likeness(meanings[2], other.name) > 0 && unit && unit->unit == "rad";
@@ -112,7 +106,7 @@ bool turns(const std::vector<HeaderCell>& header, const HeaderCell& cell) {
 }
 
 bool is_of_rotation(const Meaning& meaning, const HeaderCell& cell) {
-  return !meaning.turning.empty() && lower(cell.name) == meaning.turning;
+  return !meaning.turning.empty() && lower_case(cell.name) == meaning.turning;
 }
 
 /// An angle and a torque are y and F of what turns, an angle beside nothing but the time is y of what swings freely.

@@ -222,21 +222,19 @@ std::vector<HeaderCell> numbers_for_names(std::size_t count) {
 }
 
 /// Names and units of the columns. `units`: the line below, empty where it holds none.
-std::vector<HeaderCell> header_cells(const std::string& path, const Line& line, char separator,
+std::vector<HeaderCell> header_cells(const std::string& path, int line, const std::vector<std::string>& cells,
                                      const std::vector<std::string>& units) {
-  const std::vector<std::string> cells = cells_of(line.text, separator);
   if (are_numbers(cells))
-    fail(path, line.number,
+    fail(path, line,
          "no header: expected the names of the columns, got numbers; put a line such as 't [s],F [N],y [m]' first, or "
-         "say "
-         "the columns by their numbers: columns = \"t=1,F=2 [N],y=3 [mm]\" (--columns)");
+         "say the columns by their numbers: columns = \"t=1,F=2 [N],y=3 [mm]\" (--columns)");
   std::vector<HeaderCell> header;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i].empty()) fail(path, line.number, "column " + std::to_string(i + 1) + " has no name");
+    if (cells[i].empty()) fail(path, line, "column " + std::to_string(i + 1) + " has no name");
     HeaderCell cell = split_header(cells[i]);
     const std::string below = i < units.size() ? bare_unit(units[i]) : "";
     if (!below.empty() && !cell.unit.empty() && cell.unit != below)
-      fail(path, line.number + 1,
+      fail(path, line + 1,
            "column '" + cell.text + "': its unit is '" + cell.unit + "' in the header and '" + below +
                "' in the line of units: expected one of them");
     if (!below.empty()) cell.unit = below;
@@ -327,13 +325,14 @@ std::optional<std::string> in_plain_signs(std::string_view cell) {
 
 std::optional<double> to_number(std::string_view cell, char decimal) {
   cell = trim(cell);
-  if (const auto plain = in_plain_signs(cell)) return to_number(*plain, decimal);
+  const std::string_view whole = cell;
   if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
   double value = 0;
   const fast_float::parse_options options(fast_float::chars_format::general, decimal);
   const auto [end, error] = fast_float::from_chars_advanced(cell.data(), cell.data() + cell.size(), value, options);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  if (error == std::errc() && end == cell.data() + cell.size() && std::isfinite(value)) return value;
+  const auto plain = in_plain_signs(whole);
+  return plain ? to_number(*plain, decimal) : std::nullopt;
 }
 
 bool has_decimal_comma(std::string_view cell) {
@@ -394,7 +393,7 @@ CsvLayout find_layout(const std::string& path, std::string_view text, const Read
     layout.rest = header.from;
     return layout;
   }
-  layout.header = header_cells(path, header, layout.separator,
+  layout.header = header_cells(path, header.number, cells,
                                place->units ? split_cells(last.text, layout.separator) : std::vector<std::string>{});
   if (layout.header.size() == 1 && !(options.interval > 0))
     fail(path, header.number,

@@ -1,12 +1,12 @@
 // Units: names with SI prefixes, and products and quotients of them. A name that is missing here is one row.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
+#include "expr/words.hpp"
 #include "record/columns.hpp"
 #include "record/unit_product.hpp"
 
@@ -201,29 +201,19 @@ std::string known_units() {
   return text + ", many of them with p n u (or \u00b5) m k M G before, and products such as mm/s^2 or kN*m";
 }
 
-namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
-}  // namespace
-
 std::string unit_alike(std::string_view name) {
-  const std::string said = lower(name);
+  const std::string said = lower_case(name);
   for (const auto& [word, unit] : words)
     for (const char* plural : {"", "s", "es"})
       if (said == std::string(word) + plural) return std::string(unit);
   for (const Row& row : rows)
-    if (said == lower(row.name)) return std::string(row.name);
+    if (said == lower_case(row.name)) return std::string(row.name);
   for (const auto& [text, prefix] : prefixes)
     for (const Row& row : rows)
-      if (row.prefixes.find(prefix.first) != std::string_view::npos && said == lower(text) + lower(row.name))
+      if (row.prefixes.find(prefix.first) != std::string_view::npos && said == lower_case(text) + lower_case(row.name))
         return std::string(text) + std::string(row.name);
   for (const Row& row : rows)
-    if (row.name.size() > 1 && said == lower(row.name) + "s") return std::string(row.name);
+    if (row.name.size() > 1 && said == lower_case(row.name) + "s") return std::string(row.name);
   return "";
 }
 
