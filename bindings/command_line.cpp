@@ -205,8 +205,7 @@ std::optional<std::string> unknown_command(const CLI::App& app, int argc, char**
   std::vector<std::string> commands;
   for (const CLI::App* known : app.get_subcommands({})) commands.push_back(known->get_name());
   if (word[0] == '-' || std::find(commands.begin(), commands.end(), word) != commands.end()) return std::nullopt;
-  const std::string near = nearest_word(word, commands);
-  return "lunid: no command '" + word + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?");
+  return "lunid: no command '" + word + "'" + did_you_mean(nearest_word(word, commands));
 }
 
 /// What is wrong with an option that a command does not have.
@@ -216,9 +215,8 @@ std::string unknown_option(const CLI::App& command) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   for (const std::string& word : command.remaining()) {
     if (word.empty() || word[0] != '-') continue;
-    const std::string option = word.substr(0, word.find('=')), near = nearest_word(option, names);
-    return command.get_name() + " has no option '" + option + "'" +
-           (near.empty() ? "" : ", did you mean '" + near + "'?");
+    const std::string option = word.substr(0, word.find('='));
+    return command.get_name() + " has no option '" + option + "'" + did_you_mean(nearest_word(option, names));
   }
   return command.get_name() + ": one word too many: '" +
          (command.remaining().empty() ? "" : command.remaining().front()) + "'";

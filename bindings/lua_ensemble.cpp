@@ -224,7 +224,7 @@ class Assembly {
       const std::string words = joined(known);
       const std::string near = nearest_word(varied[i].name, known);
       throw InputError("ensemble: nothing is called '" + varied[i].name + "'" +
-                       (near.empty() ? " (to vary: " + words + ")" : ", did you mean '" + near + "'?"));
+                       (near.empty() ? " (to vary: " + words + ")" : did_you_mean(near)));
     }
   }
 

@@ -186,14 +186,23 @@ int take_interrupt(lua_State* L) {
   return 1;
 }
 
-/// The word of a list that is nearest to a word, or nil: for "did you mean".
+/// nearest(value, words): the one of the words that is nearest to a word, or nil; nil for what is no word.
 int nearest(lua_State* L) {
   check_table(L, 2);
+  if (lua_type(L, 1) != LUA_TSTRING) return 0;
   std::vector<std::string> words;
   for_each(L, 2, [&](lua_Integer) { words.push_back(check_string(L, -1)); });
   const std::string word = nearest_word(check_string(L, 1), words);
   if (word.empty()) return 0;
   push_text(L, word);
+  return 1;
+}
+
+/// did_you_mean(near): what a message adds for a word that is near, or nil for nil and "".
+int did_you_mean_text(lua_State* L) {
+  const std::string text = did_you_mean(lua_isnoneornil(L, 1) ? "" : check_string(L, 1));
+  if (text.empty()) return 0;
+  push_text(L, text);
   return 1;
 }
 
@@ -244,6 +253,7 @@ void open_files(lua_State* L) {
       {"place", guarded<place>},
       {"take_interrupt", guarded<take_interrupt>},
       {"nearest", guarded<nearest>},
+      {"did_you_mean", guarded<did_you_mean_text>},
       {"describe", guarded<describe_value>},
       {"add_method", guarded<add_method>},
       {"set_run", guarded<set_run>},

@@ -59,9 +59,7 @@ int parameter_index(const Model& model, const std::string& name, const std::stri
     if (model.parameters[i].name == name) return static_cast<int>(i);
     names.push_back(model.parameters[i].name);
   }
-  const std::string near = nearest_word(name, names);
-  throw InputError(where + ": the model has no parameter '" + name + "'" +
-                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+  throw InputError(where + ": the model has no parameter '" + name + "'" + did_you_mean(nearest_word(name, names)));
 }
 
 FitOptions options_of(lua_State* L, int index, const Model& model, double dt) {

@@ -52,9 +52,8 @@ function catalogue.check_names(where, names, own)
   for _, name in ipairs(there) do known[name] = true end
   for _, name in ipairs(names) do
     if not known[name] then
-      local near = core.nearest(name, there) or table.concat(names_with(name, there), "' or '")
       schema.fail(where, ("unknown effect '%s'%s"):format(name,
-        near ~= "" and (", did you mean '%s'?"):format(near)
+        core.did_you_mean(core.nearest(name, there) or table.concat(names_with(name, there), "' or '"))
           or " (see `lunid list effects`; entries of your own stand in effects = { ... })"))
     end
   end

@@ -28,10 +28,9 @@ function methods.column(result, name)
   for _, column in ipairs(result.names) do
     if column == name then return result[name] end
   end
-  local near = type(name) == "string" and core.nearest(name, result.names)
   schema.fail("column", ("%s has no column %s%s"):format(core.describe(result),
     type(name) == "string" and "'" .. name .. "'" or core.describe(name),
-    near and (", did you mean '%s'?"):format(near) or " (it has " .. table.concat(result.names, ", ") .. ")"))
+    core.did_you_mean(core.nearest(name, result.names)) or " (it has " .. table.concat(result.names, ", ") .. ")"))
 end
 
 --- Writes all columns as CSV.

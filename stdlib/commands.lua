@@ -151,7 +151,7 @@ local function mass_in_si(text)
   if factor and (si:find "kg" or si:find " s^2" or si == "V s/A") then return ("%.15g"):format(value * factor), si end
   local meant = core.unit_meant(unit)
   local problem = factor and ("'%s' is a unit of %s"):format(unit, si ~= "" and si or "no dimension")
-    or ("unknown unit '%s'%s"):format(unit, meant and (", did you mean '%s'?"):format(meant) or "")
+    or ("unknown unit '%s'%s"):format(unit, core.did_you_mean(meant) or "")
   fault(("--mass: expected a number with or without a unit of mass (kg g mg ug t lb slug, or a product such as kg m^2, "
     .. "of a circuit H), got '%s' (%s)"):format(text, problem), "usage")
 end

@@ -32,8 +32,7 @@ local function measured_column(record, channel)
   if not record.channels[channel] then
     local names = {}
     for i, each in ipairs(record.channels) do names[i] = each.name end
-    local near = core.nearest(channel, names)
-    fail(("channel: the record has no '%s'%s"):format(channel, near and (", did you mean '%s'?"):format(near)
+    fail(("channel: the record has no '%s'%s"):format(channel, core.did_you_mean(core.nearest(channel, names))
       or " (it has " .. table.concat(names, ", ") .. ")"))
   end
   return record:column(channel)

@@ -34,8 +34,7 @@ local function check_row(where, row, known, first)
   for i, field in ipairs(known) do names[i], types_of[field[1]] = field[1], field[2] end
   for key in pairs(row) do
     if not types_of[key] and not (first and key == 1) then
-      local near = type(key) == "string" and core.nearest(key, names)
-      schema.fail(where, ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near)
+      schema.fail(where, ("unknown field '%s'%s"):format(key, core.did_you_mean(core.nearest(key, names))
         or (" (fields: %s)"):format(table.concat(names, ", "))))
     end
   end

@@ -290,9 +290,8 @@ local methods = {}
 function methods.column(self, name)
   local column = self.columns[name]
   if not column then
-    local near = core.nearest(tostring(name), self.names)
-    core.raise(("the table has no column '%s'%s"):format(tostring(name), near and (", did you mean '%s'?"):format(near)
-      or "; it has " .. table.concat(self.names, ", ")), "study")
+    core.raise(("the table has no column '%s'%s"):format(tostring(name),
+      core.did_you_mean(core.nearest(tostring(name), self.names)) or "; it has " .. table.concat(self.names, ", ")), "study")
   end
   return column
 end

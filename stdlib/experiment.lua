@@ -33,9 +33,8 @@ local function limits_of(given, same)
     local known = false
     for _, name in ipairs(limit_names) do known = known or name == key end
     if not known then
-      local near = type(key) == "string" and core.nearest(key, limit_names)
       schema.fail("design_experiment: limits", ("unknown field '%s'%s"):format(key,
-        near and (", did you mean '%s'?"):format(near) or " (fields: force, displacement, frequency)"))
+        core.did_you_mean(core.nearest(key, limit_names)) or " (fields: force, displacement, frequency)"))
     end
     if key ~= "frequency" and type(value) ~= "number" then
       schema.fail("design_experiment: limits." .. key, "expected a number, got " .. core.describe(value))

@@ -210,8 +210,7 @@ function help.explain(topic)
   if words[topic] then return print(words[topic]) end
   local place = elsewhere(topic)
   if place then core.raise(("no help on '%s' alone: see %s"):format(topic, place), "usage") end
-  local near = core.nearest(topic, names)
-  core.raise(("no help on '%s'%s"):format(topic, near and (", did you mean '%s'?"):format(near) or "; see `lunid help`"),
+  core.raise(("no help on '%s'%s"):format(topic, core.did_you_mean(core.nearest(topic, names)) or "; see `lunid help`"),
     "usage")
 end
 
@@ -266,9 +265,8 @@ function help.list(topic)
   end
   if topic:find(".", 1, true) then core.raise(("list: expected one topic, got '%s'"):format(topic:gsub("%.", " ")), "usage") end
   if not lists[topic] then
-    local near = core.nearest(topic, topics)
     core.raise(("list: expected effects, features, solvers, excitations, systems or cases, got '%s'%s"):format(topic,
-      near and (", did you mean '%s'?"):format(near) or ""), "usage")
+      core.did_you_mean(core.nearest(topic, topics)) or ""), "usage")
   end
   lists[topic]()
 end

@@ -302,8 +302,7 @@ local function check_row(where, name, row)
   end
   for field, value in pairs(row) do
     if not known[field] and not (field == "name" and value == name) then
-      local near = type(field) == "string" and core.nearest(field, row_names)
-      schema.fail(where, ("unknown field '%s'%s"):format(field, near and (", did you mean '%s'?"):format(near)
+      schema.fail(where, ("unknown field '%s'%s"):format(field, core.did_you_mean(core.nearest(field, row_names))
         or " (fields: " .. table.concat(row_names, ", ") .. ")"))
     end
     if field == "fixed" and type(value) ~= "boolean" then
@@ -327,8 +326,7 @@ core.add_method("lunid.model", "with", function(model, rows)
   for i, row in ipairs(model.parameters) do names[i] = row.name end
   for name, row in pairs(rows) do
     if type(name) ~= "string" or not model.parameters[name] then
-      local near = type(name) == "string" and core.nearest(name, names)
-      schema.fail("with", ("the model has no parameter '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near)
+      schema.fail("with", ("the model has no parameter '%s'%s"):format(name, core.did_you_mean(core.nearest(name, names))
         or #names > 0 and " (parameters: " .. table.concat(names, ", ") .. ")" or ""))
     end
     if type(row) == "number" and row ~= row or type(row) ~= "number" and type(row) ~= "table" then

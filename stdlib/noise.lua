@@ -161,9 +161,8 @@ core.add_method("lunid.record", "with_noise", function(record, given)
       if type(name) ~= "string" or not record.channels[name] then
         local known = {}
         for i, channel in ipairs(record.channels) do known[i] = channel.name end
-        local near = type(name) == "string" and core.nearest(name, known)
         schema.fail("with_noise", ("the record has no channel '%s'%s"):format(name,
-          near and (", did you mean '%s'?"):format(near) or " (it has " .. table.concat(known, ", ") .. ")"))
+          core.did_you_mean(core.nearest(name, known)) or " (it has " .. table.concat(known, ", ") .. ")"))
       end
       names[#names + 1] = name
     end

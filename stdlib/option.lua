@@ -38,8 +38,7 @@ function option.check_all_read()
   table.sort(unread)
   table.sort(known)
   if #unread == 0 then return end
-  local near = core.nearest(unread[1], known)
-  core.raise(("the study has no option '%s'%s"):format(unread[1], near and (", did you mean '%s'?"):format(near) or ""),
+  core.raise(("the study has no option '%s'%s"):format(unread[1], core.did_you_mean(core.nearest(unread[1], known)) or ""),
     "usage")
 end
 

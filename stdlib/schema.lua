@@ -62,8 +62,7 @@ function types.choice(words)
     for _, word in ipairs(words) do
       if value == word then return true, value end
     end
-    local near = type(value) == "string" and core.nearest(value, words)
-    return false, last, near and (", did you mean '%s'?"):format(near) or nil
+    return false, last, core.did_you_mean(core.nearest(value, words))
   end)
 end
 
@@ -233,8 +232,8 @@ end
 --- What is wrong with a field of that name, or nil.
 function schema.problem_of_name(definition, key)
   if field_named(definition, key) then return nil end
-  local near = type(key) == "string" and core.nearest(key, names_of_fields(definition))
-  return ("unknown field '%s'%s"):format(key, near and (", did you mean '%s'?"):format(near) or known_fields(definition))
+  local meant = core.did_you_mean(core.nearest(key, names_of_fields(definition)))
+  return ("unknown field '%s'%s"):format(key, meant or known_fields(definition))
 end
 
 local function check_field(definition, field, value)
@@ -412,9 +411,8 @@ function schema.strict_list(words, names, value_of, meant)
     __metatable = "locked",
     __index = function(_, name)
       if known[name] then return value_of(name) end
-      local near = core.nearest(tostring(name), names)
       local hint = meant and meant[name] and (", did you mean %s?"):format(meant[name])
-        or near and (", did you mean '%s'?"):format(near) or ""
+        or core.did_you_mean(core.nearest(tostring(name), names)) or ""
       core.raise(("%s has no '%s'%s"):format(words, name, hint), "study")
     end,
     __newindex = function(_, name) core.raise(("%s.%s cannot be assigned"):format(words, name), "study") end,

@@ -109,8 +109,7 @@ function strict.words_of_undeclared(name, names)
   local said = ("undeclared name '%s'"):format(name)
   if name == "lunid" then return said .. "; begin with local lunid = require \"lunid\"" end
   if core.functions[name] then return ("%s, did you mean lunid.%s?"):format(said, name) end
-  local near = core.nearest(name, names)
-  return said .. (near and (", did you mean '%s'?"):format(near) or "")
+  return said .. (core.did_you_mean(core.nearest(name, names)) or "")
 end
 
 --- Compiles a file for a fresh strict environment; messages carry its path as given.

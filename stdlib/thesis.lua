@@ -47,8 +47,7 @@ local function asked(words)
     for _, name in ipairs(names) do found = found or name == word end
     if not found then
       table.insert(names, "all")
-      local near = core.nearest(word, names)
-      core.raise(("thesis: no case '%s'%s"):format(word, near and (", did you mean '%s'?"):format(near)
+      core.raise(("thesis: no case '%s'%s"):format(word, core.did_you_mean(core.nearest(word, names))
         or "; see `lunid thesis list`"), "usage")
     end
     chosen[#chosen + 1] = word

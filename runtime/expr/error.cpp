@@ -67,4 +67,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   return best;
 }
 
+std::string did_you_mean(const std::string& near, char separator) {
+  return near.empty() ? "" : separator + (" did you mean '" + near + "'?");
+}
+
 }  // namespace lunid

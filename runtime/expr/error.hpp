@@ -31,7 +31,10 @@ class InputError : public std::runtime_error {
   Fault fault_;
 };
 
-/// The candidate nearest to `word` by edit distance, or "" when none is near: for "did you mean".
+/// The candidate nearest to `word` by edit distance, or "" when none is near.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
+
+/// What a message adds for a word that is near: ", did you mean 'y'?", behind a list with a semicolon; "" for "".
+std::string did_you_mean(const std::string& near, char separator = ',');
 
 }  // namespace lunid

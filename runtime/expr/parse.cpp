@@ -135,7 +135,7 @@ class Parser {
     if (is_channel_name(word) || pool_.find(word).valid() || near.empty())
       message += ", write '" + word + "*(...)' for a product";
     else
-      message += ", did you mean '" + near + "'?";
+      message += did_you_mean(near);
     fail_at(name, message);
   }
 

@@ -17,7 +17,7 @@ void need(const std::vector<Channel>& channels, std::string_view channel, std::s
   if (std::find(names.begin(), names.end(), channel) != names.end()) return;
   const std::string near = nearest_word(std::string(channel), names);
   refuse(std::string(where), "the record has no channel '" + std::string(channel) + "'" +
-                                 (near.empty() ? " (it has " + joined(names) + ")" : ", did you mean '" + near + "'?"));
+                                 (near.empty() ? " (it has " + joined(names) + ")" : did_you_mean(near)));
 }
 
 }  // namespace

@@ -111,9 +111,8 @@ ContainerChoice choose_variable(const Container& file, const std::string& path, 
   if (!found) {
     std::vector<std::string> names;
     for (const Variable& variable : file.variables()) names.push_back(variable.name);
-    const std::string near = nearest_word(name, names);
     fail(path, "no variable '" + name + "' " + asked_for + "; the file has " + list(file) +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
+                   did_you_mean(nearest_word(name, names), ';'));
   }
   const std::string what = "variable '" + found->name + "' " + asked_for + ": expected a vector of real numbers, got ";
   if (!found->is_number()) fail(path, what + found->kind);

@@ -32,9 +32,8 @@ SearchMethod search_method(std::string_view name) {
   const std::vector<std::string>& names = search_methods();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<SearchMethod>(found - names.begin());
-  const std::string near = nearest_word(std::string(name), names);
   throw InputError("search: no method '" + std::string(name) + "'" +
-                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+                   did_you_mean(nearest_word(std::string(name), names)));
 }
 
 std::string to_text(SearchMethod method) { return search_methods()[static_cast<std::size_t>(method)]; }

@@ -91,10 +91,10 @@ int index_of(Expr feature, const RegressOptions& options, const char* what, cons
   if (found != options.features.end()) return static_cast<int>(found - options.features.begin());
   std::vector<std::string> names;
   for (const Expr& f : options.features) names.push_back(to_text(f));
-  const std::string text = to_text(feature), near = nearest_word(text, names);
-  throw InputError(std::string(what) + ": '" + text + "' is not among the features" +
-                       (near.empty() ? "" : ", did you mean '" + near + "'?"),
-                   where);
+  const std::string text = to_text(feature);
+  throw InputError(
+      std::string(what) + ": '" + text + "' is not among the features" + did_you_mean(nearest_word(text, names)),
+      where);
 }
 
 std::vector<Constraint> by_feature(const RegressOptions& options) {

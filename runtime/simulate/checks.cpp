@@ -60,9 +60,8 @@ Solver solver_from(std::string_view name) {
     choices.push_back(to_string(s));
     words += (words.empty() ? "" : s == Solver::esdirk ? " or " : ", ") + choices.back();
   }
-  const std::string near = nearest_word(std::string(name), choices);
   throw InputError("solver: expected " + words + ", got '" + std::string(name) + "'" +
-                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+                   did_you_mean(nearest_word(std::string(name), choices)));
 }
 
 void check_run(const char* caller, const System& system, std::span<const double> theta, const Excitations& excitation,

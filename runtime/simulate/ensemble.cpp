@@ -174,9 +174,8 @@ EnsembleOutput output_from(std::string_view name, const System& system) {
   std::string signals;
   for (const std::string& choice : choices)
     if (choice.starts_with("max_")) append_item(signals, choice.substr(4));
-  const std::string near = nearest_word(std::string(name), choices);
   throw InputError("outputs: expected max, min, mean, std, rms, amplitude or last, '_' and a signal (" + signals +
-                   "), got '" + std::string(name) + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+                   "), got '" + std::string(name) + "'" + did_you_mean(nearest_word(std::string(name), choices)));
 }
 
 Index EnsembleResult::finished() const { return std::count(done.begin(), done.end(), 1); }

@@ -51,11 +51,10 @@ ResponseMethod response_method_from(std::string_view name) {
     if (to_string(method) == name) return method;
     choices.push_back(to_string(method));
   }
-  const std::string near = nearest_word(std::string(name), choices);
   throw InputError(
       "method: expected auto, harmonic_balance, shooting, stepped_up, stepped_down, swept_up or "
       "swept_down, got '" +
-      std::string(name) + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+      std::string(name) + "'" + did_you_mean(nearest_word(std::string(name), choices)));
 }
 
 void validate(const ResponseOptions& o) {

@@ -114,9 +114,8 @@ Sampling sampling_from(std::string_view name) {
     if (to_string(sampling) == name) return sampling;
     choices.push_back(to_string(sampling));
   }
-  const std::string near = nearest_word(std::string(name), choices);
   throw InputError("method: expected random, latin_hypercube or sobol, got '" + std::string(name) + "'" +
-                   (near.empty() ? "" : ", did you mean '" + near + "'?"));
+                   did_you_mean(nearest_word(std::string(name), choices)));
 }
 
 Eigen::MatrixXd unit_samples(Sampling sampling, Index count, int dimensions, std::uint64_t seed) {
