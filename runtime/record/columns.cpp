@@ -85,14 +85,11 @@ std::size_t find_header(const std::vector<HeaderCell>& header, const ColumnMap& 
     if (is_header(header[i], map)) return i;
     names.push_back(header[i].name);
   }
-  const std::string near = nearest_word(map.header, names);
   const bool several = map.header.find('=') != std::string::npos;
-  throw InputError("no column '" + map.header + "' for channel '" + map.channel + "'; the file has " +
-                       list_headers(header) +
-                       (several        ? "; commas separate one column from the next"
-                        : near.empty() ? ""
-                                       : "; did you mean '" + near + "'?"),
-                   where, Fault::data);
+  throw InputError(
+      "no column '" + map.header + "' for channel '" + map.channel + "'; the file has " + list_headers(header) +
+          (several ? "; commas separate one column from the next" : did_you_mean(nearest_word(map.header, names), ';')),
+      where, Fault::data);
 }
 
 /// A column `speed` that turns beside a displacement that does not is that of a shaft, not the velocity.
@@ -109,16 +106,21 @@ bool is_of_rotation(const Meaning& meaning, const HeaderCell& cell) {
   return !meaning.turning.empty() && lower_case(cell.name) == meaning.turning;
 }
 
-/// An angle and a torque are y and F of what turns, an angle beside nothing but the time is y of what swings freely.
+/// An angle, a torque, a motion in rad: what stands in the header of something that turns.
+bool tells_of_rotation(const HeaderCell& cell) {
+  const auto is_sign = [&](const Meaning& meaning) {
+    const auto si = si_unit(cell.unit);
+    return is_of_rotation(meaning, cell) || (likeness(meaning, cell.name) > 0 && si && si->unit.starts_with("rad"));
+  };
+  return std::ranges::any_of(meanings, is_sign);
+}
+
+/// An angle and a torque are y and F of what turns, where two columns tell of that; an angle beside nothing but the
+/// time is y of what swings freely.
 bool has_rotation(const std::vector<HeaderCell>& header) {
   const auto is_time = [](const HeaderCell& cell) { return likeness(meanings[0], cell.name) > 0; };
-  if (std::ranges::all_of(header,
-                          [&](const HeaderCell& cell) { return is_time(cell) || is_of_rotation(meanings[2], cell); }))
-    return true;
-  return std::ranges::all_of(meanings, [&](const Meaning& meaning) {
-    const auto names = [&](const HeaderCell& cell) { return is_of_rotation(meaning, cell); };
-    return meaning.turning.empty() || std::ranges::any_of(header, names);
-  });
+  const auto swings = [&](const HeaderCell& cell) { return is_time(cell) || is_of_rotation(meanings[2], cell); };
+  return std::ranges::all_of(header, swings) || std::ranges::count_if(header, tells_of_rotation) >= 2;
 }
 
 /// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
@@ -176,8 +178,6 @@ void warn_of_unit_in_name(const ColumnPlan& plan, std::vector<std::string>& warn
                          "columns, \"" + plan.channel + "=" + text + " [" + unit + "]\" (--columns)");
   }
 }
-
-std::string did_you_mean(const std::string& word) { return word.empty() ? "" : ", did you mean '" + word + "'?"; }
 
 /// A unit that is said, in the header or by the study, of a column that is a channel is one of its kind.
 void set_unit(ColumnPlan& plan, const std::string& unit, const SourceSpan& where, std::vector<std::string>& warnings) {

@@ -167,6 +167,9 @@ TEST(Csv, AnAngleBesideATorqueIsTheMotion) {
   EXPECT_EQ(turning.channel("F").unit, "N m");
   EXPECT_EQ(turning["F"][0], 3);
   EXPECT_EQ(with("t,angle,torque\n").channel("y").unit, "rad");
+  EXPECT_EQ(with("t,v [rad/s],torque\n").channel("F").unit, "N m") << "a speed in rad/s tells of it too";
+  EXPECT_EQ(with("t,angle,acc [rad/s^2]\n").channel("y").unit, "rad");
+  EXPECT_FALSE(with("t,y [mm],torque\n").has("F")) << "a torque beside what moves in a line may be of anything";
   const Record shaft = with("t,angle,y\n");  // of a shaft, beside what moves
   EXPECT_EQ(shaft["angle"][0], 180);
   EXPECT_EQ(shaft["y"][0], 3);
