@@ -76,7 +76,7 @@ void check_moves(const Record& record, const std::string& measured, const Source
   const auto motion = record[measured];
   const auto [low, high] = std::minmax_element(motion.begin(), motion.end());
   if (!(*high > *low))
-    throw InputError("discover: the " + words_of(measured) + " is constant (" + number(*low + 0.0) + " " +
+    throw InputError("discover: the " + words_of(measured) + " is constant (" + number(*low) + " " +
                          units_of(record, "y" + measured.substr(1)).of(measured) +
                          " in every row); nothing can be learned from a record without motion",
                      where, Fault::data);

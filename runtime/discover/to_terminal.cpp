@@ -15,17 +15,14 @@ namespace {
 /// "20.9(3)", "8.806(37)e5": the value to the last digit that its standard deviation leaves standing, and that
 /// deviation in units of it: one digit, two where it begins with 1, or where no digit of the value would be seen.
 std::string value_with_std(const Parameter& p) {
-  char text[96];
-  if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) {
-    std::snprintf(text, sizeof text, "%.4g", p.value);
-    return text;
-  }
+  if (!(p.std > 0) || !std::isfinite(p.std) || p.value == 0) return number(p.value, 4);
   const int exponent = static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), p.std))));
   int last = static_cast<int>(std::floor(std::log10(p.std)));
   if (p.std < 2 * std::pow(10.0, last) || std::abs(p.value) < 0.5 * std::pow(10.0, last)) --last;
   const double unit = std::pow(10.0, last);
   const auto digits = std::lround(p.std / unit);
   const double value = std::round(p.value / unit) * unit + 0.0;  // + 0.0: no "-0"
+  char text[96];
   if (exponent < -3 || exponent > 5 || last > 0)
     std::snprintf(text, sizeof text, "%.*f(%ld)e%d", std::max(0, exponent - last), value / std::pow(10.0, exponent),
                   digits, exponent);

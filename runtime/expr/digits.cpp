@@ -6,7 +6,8 @@ namespace lunid {
 
 std::string number(double value, int digits) {
   char text[48];
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits).ptr};
+  const double unsigned_zero = value + 0.0;  // no "-0"
+  return {text, std::to_chars(text, text + sizeof text, unsigned_zero, std::chars_format::general, digits).ptr};
 }
 
 std::string exact_number(double value) {

@@ -13,26 +13,18 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index least_rows = 6;
-
 [[noreturn]] void fail(const std::string& path, const std::string& message) {
   throw InputError(message, {path}, Fault::data);
-}
-
-TimeBase even_base(double interval, std::size_t rows, const std::string& path) {
-  if (static_cast<Index>(rows) < least_rows) fail(path, "expected at least 6 rows, got " + std::to_string(rows));
-  return {0, interval, static_cast<Index>(rows), false};
 }
 
 /// The time base of stamps `t`, which become seconds.
 TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, const std::string& path, bool resample,
                  std::vector<std::string>& warnings) {
-  if (variable.start && variable.step && plan.factor == 1)
-    return [&] {
-      TimeBase base = even_base(*variable.step, static_cast<std::size_t>(t.size()), path);
-      base.t0 = *variable.start;
-      return base;
-    }();
+  if (variable.start && variable.step && plan.factor == 1) {
+    TimeBase base = even_base(t.size(), *variable.step, path);
+    base.t0 = *variable.start;
+    return base;
+  }
   t *= plan.factor;
   const Index last = t.size() - 1;
   const StampRange range{static_cast<double>(t.size()), last < 0 ? 0 : t[0], last < 0 ? 0 : t[last]};
@@ -46,33 +38,13 @@ TimeBase base_of(const Variable& variable, const ColumnPlan& plan, VectorXd& t, 
   return fit_time_base({t.data(), rows.size()}, {resolution.data(), rows.size()}, rows, path, resample, warnings);
 }
 
-Channel channel_of(const ColumnPlan& plan, const VectorXd& values, const VectorXd& t, const TimeBase& base) {
-  Channel channel = channel_of(plan);
-  const auto span = [](const VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
-  channel.values = base.resampled ? resample(span(t), span(values), base) : values;
-  if (plan.factor != 1) channel.values *= plan.factor;
-  channel.noise = noise_level(span(channel.values));
-  return channel;
-}
-
 /// The time base of the rows that a plan found; `t`: the stamps where there are any.
 TimeBase time_base_of(Container& file, const ContainerPlan& plan, const std::string& path, bool resample, VectorXd& t,
                       std::vector<std::string>& warnings) {
-  if (!plan.has_time()) return even_base(plan.interval, plan.rows, path);
+  if (!plan.has_time()) return even_base(static_cast<Index>(plan.rows), plan.interval, path);
   t = read_choice(file, path, plan.choices[plan.time]);
   const Variable& variable = file.variables()[plan.choices[plan.time].variable];
   return base_of(variable, plan.plans[plan.time], t, path, resample, warnings);
-}
-
-/// A time beside which an interval is given may tell of another.
-void compare_clock(Container& file, const ContainerPlan& plan, const std::string& path,
-                   std::vector<std::string>& warnings) {
-  const auto clock = std::ranges::find_if(plan.plans, &ColumnPlan::clock);
-  if (clock == plan.plans.end()) return;
-  const VectorXd t =
-      clock->factor * read_choice(file, path, plan.choices[static_cast<std::size_t>(clock - plan.plans.begin())]);
-  std::string text = other_clock(clock->header.text, {t.data(), static_cast<std::size_t>(t.size())}, plan.interval);
-  if (!text.empty()) warnings.push_back(std::move(text));
 }
 
 }  // namespace
@@ -81,15 +53,17 @@ Record read_container(const std::string& path, const ReadOptions& options) {
   const auto file = open_container(path);
   ContainerPlan plan = plan_container(*file, path, options);
   std::vector<std::string>& warnings = plan.warnings;
-  compare_clock(*file, plan, path, warnings);
+  const auto column = [&](std::size_t i) { return read_choice(*file, path, plan.choices[i]); };
+  const auto span = [](const VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
+  compare_clock(plan.plans, plan.interval, column, warnings);
   VectorXd t;
   const TimeBase base = time_base_of(*file, plan, path, options.resample, t, warnings);
   std::vector<Channel> channels;
   for (const std::size_t i : plan.channels) {
-    const VectorXd values = read_choice(*file, path, plan.choices[i]);
+    const VectorXd values = column(i);
     const std::string fault = not_finite(plan, i, 0, values);
     if (fault.empty())
-      channels.push_back(channel_of(plan.plans[i], values, t, base));
+      channels.push_back(channel_of(plan.plans[i], span(values), span(t), base));
     else if (plan.plans[i].required)
       fail(path, fault);
     else

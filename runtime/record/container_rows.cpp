@@ -22,7 +22,7 @@ class ContainerRows : public RowSource {
     layout.name = path;
     layout.rows = static_cast<Index>(plan_.rows);
     layout.warnings = plan_.warnings;
-    if (layout.rows < 6) fail("expected at least 6 rows, got " + std::to_string(layout.rows));
+    check_rows(layout.rows, path_);
     leave_out_whole(layout.warnings);
     set_time(layout);
     look_through(progress, layout);

@@ -129,7 +129,7 @@ class CsvRows : public RowSource {
       if (progress) progress(static_cast<double>(offset) / static_cast<double>(file_.size()));
     }
     parser_.agree_with(all);
-    if (layout.rows < 6) file_.fail("expected at least 6 rows, got " + std::to_string(layout.rows));
+    check_rows(layout.rows, path);
     layout.dt = options.interval;
     if (options.interval == 0) {
       const TimeBase base = stamps.fit(path, layout.warnings);

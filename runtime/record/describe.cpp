@@ -113,8 +113,7 @@ std::string channel_line(const Record& record, const Channel& channel) {
   const ChannelSummary s = summary(rows);
   const double noise = wraps ? noise_level(rows) : channel.noise;
   std::string line = "  " + channel.name + std::string(channel.name.size() < 3 ? 3 - channel.name.size() : 1, ' ');
-  line += short_number(s.least + 0.0) + " to " + short_number(s.most + 0.0) +
-          (channel.unit.empty() ? "" : " " + channel.unit);
+  line += short_number(s.least) + " to " + short_number(s.most) + (channel.unit.empty() ? "" : " " + channel.unit);
   if (wraps) line += ", wraps, " + short_number((s.most - s.least) / (2 * std::numbers::pi)) + " turns";
   line += ", deviation " + short_number(s.std);
   if (noise > 0 && s.std > 0) {

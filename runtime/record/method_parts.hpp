@@ -1,10 +1,10 @@
 #pragma once
 // Inside record: the methods of derive.hpp, and what they share.
-#include <cstdio>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "expr/digits.hpp"
 #include "record/derivative_error.hpp"
 #include "record/derive.hpp"
 
@@ -66,12 +66,8 @@ Variation fit_variation(std::span<const double> x, int order, double weight);
 /// Minimum of f over log h between `low` and `high`: the best of a geometric grid, then golden sections beside it.
 double minimise_over_scale(double low, double high, double ratio, const std::function<double(double)>& f);
 
-/// "%g" of a number, for texts.
-inline std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+/// A number for texts, in four digits.
+inline std::string short_number(double value) { return number(value, 4); }
 /// Throws InputError `where: message`.
 [[noreturn]] inline void refuse(const std::string& where, const std::string& message) {
   throw InputError(where + ": " + message, {}, Fault::study);

@@ -105,8 +105,7 @@ Record derive_motion(const Record& record) {
   if (all.empty())
     throw InputError("expected a displacement y, a velocity v or an acceleration a to derive the motion from",
                      {record.name()}, Fault::data);
-  if (record.rows() < 6)
-    throw InputError("expected at least 6 rows, got " + std::to_string(record.rows()), {record.name()}, Fault::data);
+  check_rows(record.rows(), record.name());
   Record result = record;
   for (const std::string& suffix : all) result = derive_coordinate(std::move(result), suffix);
   return result;

@@ -10,14 +10,18 @@
 namespace lunid {
 namespace {
 
-constexpr Eigen::Index least_rows = 6;
-
 std::string names_of(const std::vector<Channel>& channels) {
   const std::string text = joined(channels, &Channel::name);
   return text.empty() ? "none" : text;
 }
 
 }  // namespace
+
+void check_rows(Eigen::Index rows, const std::string& name) {
+  if (rows < least_rows)
+    throw InputError("expected at least " + std::to_string(least_rows) + " rows, got " + std::to_string(rows), {name},
+                     Fault::data);
+}
 
 std::string to_string(Interpolation interpolation) {
   switch (interpolation) {

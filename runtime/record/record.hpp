@@ -40,6 +40,11 @@ struct Channel {
   std::string derivation{};  ///< how it was computed from other channels; "" of one that was not
 };
 
+/// A record has no fewer rows.
+inline constexpr Eigen::Index least_rows = 6;
+/// Throws InputError (Fault::data) for fewer in a file or a record of that name.
+void check_rows(Eigen::Index rows, const std::string& name);
+
 /// Value type; copies and windows share the columns.
 class Record {
  public:

@@ -152,7 +152,7 @@ std::optional<TimeBase> even_base_with_gaps(std::span<const double> t, std::span
 
 TimeBase fit_time_base(std::span<const double> t, std::span<const double> resolution, std::span<const int> lines,
                        const std::string& path, bool resample, std::vector<std::string>& warnings) {
-  if (t.size() < 6) throw InputError("expected at least 6 rows, got " + std::to_string(t.size()), {path}, Fault::data);
+  check_rows(std::ssize(t), path);
   std::vector<double> steps(t.size() - 1);
   for (std::size_t i = 1; i < t.size(); ++i) steps[i - 1] = t[i] - t[i - 1];
   const double step = middle_value(steps);
@@ -280,7 +280,7 @@ void Stamps::add(std::span<const double> t, std::span<const double> resolution, 
 }
 
 TimeBase Stamps::fit(const std::string& path, std::vector<std::string>& warnings) const {
-  if (rows_ < 6) throw InputError("expected at least 6 rows, got " + std::to_string(rows_), {path}, Fault::data);
+  check_rows(rows_, path);
   const long double n = rows_, centre = (n - 1) / 2, spread = n * (n * n - 1) / 12;
   const long double slope = (moment_ - centre * sum_) / spread, mean = sum_ / n;
   const TimeBase line{first_ + static_cast<double>(mean - slope * centre), step_ + static_cast<double>(slope), rows_,
@@ -311,15 +311,24 @@ TimeBase Stamps::fit(const std::string& path, std::vector<std::string>& warnings
       {path, most_line_}, Fault::data);
 }
 
-std::string other_clock(std::string name, std::span<const double> t, double interval) {
+TimeBase even_base(Eigen::Index rows, double interval, const std::string& path) {
+  check_rows(rows, path);
+  return {0, interval, rows, false};
+}
+
+void compare_clock(const std::vector<ColumnPlan>& plans, double interval,
+                   const std::function<Eigen::VectorXd(std::size_t)>& column, std::vector<std::string>& warnings) {
   constexpr double alike = 0.01;
+  const auto clock = std::ranges::find_if(plans, &ColumnPlan::clock);
+  if (clock == plans.end()) return;
+  const Eigen::VectorXd t = clock->factor * column(static_cast<std::size_t>(clock - plans.begin()));
   std::vector<double> steps;
-  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
-  if (steps.empty()) return {};
+  for (Eigen::Index i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+  if (steps.empty()) return;
   const double step = middle_value(std::move(steps));
-  if (!(step > 0) || std::abs(step / interval - 1) < alike) return {};
-  return "the time '" + std::move(name) + "' has " + number(1 / step) + " rows per second, the rate that is given " +
-         number(1 / interval);
+  if (!(step > 0) || std::abs(step / interval - 1) < alike) return;
+  warnings.push_back("the time '" + clock->header.text + "' has " + number(1 / step) +
+                     " rows per second, the rate that is given " + number(1 / interval));
 }
 
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base) {
@@ -340,6 +349,16 @@ Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, c
     result[i] = sum;
   }
   return result;
+}
+
+Channel channel_of(const ColumnPlan& plan, std::span<const double> values, std::span<const double> t,
+                   const TimeBase& base) {
+  Channel channel = channel_of(plan);
+  channel.values =
+      base.resampled ? resample(t, values, base) : Eigen::Map<const Eigen::VectorXd>(values.data(), base.rows).eval();
+  if (plan.factor != 1) channel.values *= plan.factor;
+  channel.noise = noise_level({channel.values.data(), static_cast<std::size_t>(channel.values.size())});
+  return channel;
 }
 
 }  // namespace lunid

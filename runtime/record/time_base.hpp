@@ -1,5 +1,6 @@
 #pragma once
 // Inside record: from time stamps to t = t0 + i*dt.
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -48,10 +49,20 @@ class Stamps {
   std::string backward_;
 };
 
-/// What there is to say of stamps [s] that are left out, since an interval [s] is given, and tell of another; else "".
-std::string other_clock(std::string name, std::span<const double> t, double interval);
+/// Rows that stand an interval [s] apart, from 0 s on. Throws InputError (Fault::data) for fewer than 6.
+TimeBase even_base(Eigen::Index rows, double interval, const std::string& path);
+
+/// Warns of a time that is left out, since an interval [s] is given, and tells of another. `column`: the values of a
+/// plan's column.
+void compare_clock(const std::vector<ColumnPlan>& plans, double interval,
+                   const std::function<Eigen::VectorXd(std::size_t)>& column, std::vector<std::string>& warnings);
 
 /// Values at t0 + i*dt from values at uneven, increasing times t, by cubics through the four nearest samples.
 Eigen::VectorXd resample(std::span<const double> t, std::span<const double> x, const TimeBase& base);
+
+/// The channel that a column's values [the file's unit] at the stamps t [s] become; t is not read unless the base is
+/// resampled.
+Channel channel_of(const ColumnPlan& plan, std::span<const double> values, std::span<const double> t,
+                   const TimeBase& base);
 
 }  // namespace lunid

@@ -1,6 +1,7 @@
 // Why a run stopped, in words.
 #include <cmath>
 
+#include "expr/digits.hpp"
 #include "simulate/run.hpp"
 
 namespace lunid {
@@ -85,11 +86,7 @@ std::string largest(const Terms& terms, double sign) {
   return to_text(terms.expressions[best]);
 }
 
-std::string short_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
+std::string short_number(double x) { return number(x, 3); }
 
 /// "y2 = 0.1 m, v2 = 3 m/s"
 std::string place_words(const Model& model, const Eigen::VectorXd& x, int i) {

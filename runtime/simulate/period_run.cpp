@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 /// A step times the fastest oscillation [rad], for errors of 1e-7 per period of it; and times the fastest decay, within
 /// the stability of the method.
 constexpr double oscillation_step = 0.15, decay_step = 2.5;
-constexpr Index least_rows = 128, most_rows = 1 << 16;
+constexpr Index fewest_rows = 128, most_rows = 1 << 16;
 constexpr long most_events = 100000;  ///< per run
 constexpr std::size_t most_grids = 8;
 /// Samples of a period at which its rates are looked at.
@@ -85,7 +85,7 @@ std::string PeriodRun::choose_rows(const Period& period) {
   for (Index i = 0; i < period.x.rows(); i += step)
     wanted = std::max(wanted, fastest(period.x.row(i).transpose(), period.omega * period.dt() * static_cast<double>(i),
                                       period.omega));
-  rows_ = least_rows;
+  rows_ = fewest_rows;
   const double all = wanted * 2 * std::numbers::pi / period.omega;
   while (rows_ < most_rows && static_cast<double>(rows_) < all) rows_ *= 2;
   if (static_cast<double>(rows_) >= all) return "";
