@@ -39,6 +39,7 @@ class EventRun {
   void step(Segment& segment, double from, double to) noexcept;
   template <int N>
   void step_state(Segment& segment, double from, double to) noexcept;
+  void linearise(Segment& segment, double from, double to) noexcept;
   void step_sensitivities(Segment& segment, double from, double to) noexcept;
   double probe(Segment& segment, double from, double to, int event) noexcept;
   int first_event(Segment& segment, double from, double& to) noexcept;
@@ -61,8 +62,10 @@ class EventRun {
   Saltation saltation_;
   std::vector<double> x_, trial_, stage_, k_;
   Observation now_, then_;
-  Observation above_;       ///< at the last place where the event that was located was above zero
-  bool closed_in_ = false;  ///< that place is within the tolerance before the one found
+  Observation above_;           ///< at the last place where the event that was located was above zero
+  bool closed_in_ = false;      ///< that place is within the tolerance before the one found
+  bool linearised_ = false;     ///< slopes_ are those of the trial
+  std::vector<double> slopes_;  ///< dx'/dx and dx'/dtheta at each stage
   std::vector<double> ks_, s_stage_;
   FixedOutcome outcome_;
 };

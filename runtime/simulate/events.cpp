@@ -39,6 +39,7 @@ EventRun::EventRun(const FixedProblem& problem, const Eigen::VectorXd& x0)
   if (sensitivities_) {
     s_stage_ = sensitivities_->s;
     ks_.resize(dp::stages * s_stage_.size());
+    slopes_.resize(dp::stages * static_cast<std::size_t>(n_ * (n_ + p_)));
   }
   const Drive drive = drive_at_start(0);
   saltation_.start(drive, x_.data());
@@ -135,27 +136,39 @@ void EventRun::step_state(Segment& segment, double from, double to) noexcept {
 }
 
 void EventRun::step(Segment& segment, double from, double to) noexcept {
+  linearised_ = false;
   if (n_ == 2) return step_state<2>(segment, from, to);
   if (n_ == 3) return step_state<3>(segment, from, to);
   step_state<0>(segment, from, to);
 }
 
+/// The stages of that step with their derivatives, which the sensitivities take.
+void EventRun::linearise(Segment& segment, double from, double to) noexcept {
+  const double h = (to - from) * segment.h;
+  const std::ptrdiff_t size = n_ * (n_ + p_);
+  for (int stage = 0; stage < dp::stages; ++stage) {
+    if (stage == 0)
+      stage_ = x_;
+    else
+      dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
+    const Derivatives at = modes_.derivatives(stage_drive(segment, from, to, stage), stage_.data());
+    std::copy_n(at.f, n_, k_.data() + stage * n_);
+    double* const slopes = slopes_.data() + stage * size;
+    std::copy_n(at.jtheta, n_ * p_, std::copy_n(at.jx, n_ * n_, slopes));
+  }
+}
+
 /// The sensitivities carried along with x_, which stays.
 void EventRun::step_sensitivities(Segment& segment, double from, double to) noexcept {
+  if (!linearised_) linearise(segment, from, to);
   const double h = (to - from) * segment.h;
   std::vector<double>& s = sensitivities_->s;
   const int size = static_cast<int>(s.size());
   for (int stage = 0; stage < dp::stages; ++stage) {
-    if (stage == 0) {
-      stage_ = x_;
-      s_stage_ = s;
-    } else {
-      dp::stage_state(stage, n_, h, x_.data(), k_.data(), stage_.data());
-      dp::stage_state(stage, size, h, s.data(), ks_.data(), s_stage_.data());
-    }
-    const Derivatives at = modes_.derivatives(stage_drive(segment, from, to, stage), stage_.data());
-    sensitivity_rate(n_, p_, at.jx, at.jtheta, steepest / h, s_stage_.data(), ks_.data() + stage * size);
-    std::copy_n(at.f, n_, k_.data() + stage * n_);
+    if (stage > 0) dp::stage_state(stage, size, h, s.data(), ks_.data(), s_stage_.data());
+    const double* const slopes = slopes_.data() + stage * static_cast<std::ptrdiff_t>(n_ * (n_ + p_));
+    sensitivity_rate(n_, p_, slopes, slopes + n_ * n_, steepest / h, stage > 0 ? s_stage_.data() : s.data(),
+                     ks_.data() + stage * size);
   }
   dp::stage_state<6>(size, h, s.data(), ks_.data(), s.data());
 }
@@ -194,7 +207,13 @@ int EventRun::estimate_first(double width) const noexcept {
 
 /// Takes a trial step to `to`; returns the first event within it, having moved `to` and the trial there, or -1.
 int EventRun::first_event(Segment& segment, double from, double& to) noexcept {
-  step(segment, from, to);
+  if (sensitivities_ && from == 0) {  // most substeps hold no event: the trial will be accepted
+    linearise(segment, from, to);
+    dp::stage_state<6>(n_, (to - from) * segment.h, x_.data(), k_.data(), trial_.data());
+    linearised_ = true;
+  } else {
+    step(segment, from, to);
+  }
   if (!all_finite(trial_.data(), n_)) return -1;
   modes_.observe(drive(segment, to), trial_.data(), then_);
   int event = estimate_first(to - from);

@@ -28,13 +28,15 @@ Inverse invert_places() {
 
 }  // namespace
 
-Drive Segment::drive(double s) noexcept {
-  if (s == 0) return at_node(0);
-  if (s == 1) return at_node(dp::nodes);
+Drive Segment::drive(double s) noexcept { return s == 0 ? at_node(0) : s == 1 ? at_node(dp::nodes) : within(s); }
+
+Drive Segment::within(double s) noexcept {
   Drive d(t + s * h, exogenous);
-  for (int i = 0; i < exogenous; ++i) {
+  const double s2 = s * s, s4 = s2 * s2;
+  for (int i = 0; i < exogenous; ++i) {  // in pairs (Estrin), so that no product waits for the one before
     const double* c = polynomial(i);
-    for (int k = places - 1; k >= 0; --k) d.u[i] = d.u[i] * s + c[k];
+    static_assert(places == 6);
+    d.u[i] = (c[0] + s * c[1]) + s2 * (c[2] + s * c[3]) + s4 * (c[4] + s * c[5]);
   }
   return d;
 }
@@ -79,8 +81,8 @@ Segment segment_of(const FixedProblem& problem, Eigen::Index row, int substep) n
 }
 
 Drive stage_drive(Segment& segment, double from, double to, int stage) noexcept {
-  if (from == 0 && to == 1) return segment.at_node(std::min(stage, dp::nodes));
-  return segment.drive(stage >= dp::nodes ? to : from + dp::place[stage] * (to - from));
+  return from == 0 && to == 1 ? segment.at_node(std::min(stage, dp::nodes))
+                              : segment.drive(stage >= dp::nodes ? to : from + dp::place[stage] * (to - from));
 }
 
 }  // namespace lunid

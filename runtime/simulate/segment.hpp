@@ -29,6 +29,7 @@ class Segment {
   Drive drive_with_rates(double s) noexcept;
 
  private:
+  Drive within(double s) noexcept;
   const double* polynomial(int i) noexcept;
 
   bool known_ = false;
