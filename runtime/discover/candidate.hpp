@@ -34,6 +34,7 @@ struct Candidate {
   Eigen::VectorXd innovations;  ///< whitened residual of all records
   double likelihood_cost = 0;   ///< squared norm of it after the whitened fit
   double log_likelihood = 0;
+  double price_of_first_values = INFINITY;  ///< at most, off the log likelihood (judge.hpp)
   Eigen::VectorXd left_out;  ///< residual of free runs on rows that the fit did not see; all records in a row
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 

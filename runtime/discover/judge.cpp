@@ -1,6 +1,8 @@
 #include "discover/judge.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -28,6 +30,37 @@ double whitened_cost(const FitResult& fit, const Whitening& whitening) {
     cost += part.squaredNorm();
   }
   return cost;
+}
+
+/// Of internal states, beside the motion's first values, which every candidate has. Each may follow noise at least.
+/// Infinite where nothing is known, and of short runs: where the model loses the motion, their first values find it.
+double price_of_first_values(const Study& study, const System& system, const FitResult& fit) {
+  const Eigen::Index motion = 2 * system.degrees(), inner = system.states() - motion;
+  if (inner == 0) return 0;
+  if (fit.state_information.size() != fit.segments.size() || study.run_length > 0) return INFINITY;
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = std::max(1, fit.substeps);
+  options.cancelled = study.options->cancelled;
+  const double variance = fit.cost / fit.freedom;
+  double price = 0;
+  for (std::size_t s = 0; s < fit.segments.size(); ++s) {
+    const FitSegment& segment = fit.segments[s];
+    const FitData part = study.train[static_cast<std::size_t>(segment.record)].part(segment.first, segment.count);
+    const Run run = simulate(system, view(fit.theta), part.excitation, segment.x0, options);
+    if (!run.summary.completed) return INFINITY;
+    const Eigen::MatrixXd& all = fit.state_information[s];
+    const Eigen::MatrixXd across = all.bottomLeftCorner(inner, motion);
+    const Eigen::MatrixXd own =
+        all.bottomRightCorner(inner, inner) -
+        across * all.topLeftCorner(motion, motion).completeOrthogonalDecomposition().solve(across.transpose());
+    const Eigen::VectorXd spread = run.x.rightCols(inner).colwise().norm() / std::sqrt(run.x.rows() * variance);
+    const Eigen::MatrixXd told = spread.asDiagonal() * own * spread.asDiagonal();
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(told, Eigen::EigenvaluesOnly).eigenvalues();
+    price += 0.5 * (1 + values.cwiseMax(0).array().log1p()).sum();
+  }
+  return std::isfinite(price) ? price : INFINITY;
 }
 
 }  // namespace
@@ -104,6 +137,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
   const auto n = static_cast<double>(candidate.innovations.size());
   candidate.log_likelihood = -0.5 * n * (std::log(2 * M_PI * candidate.likelihood_cost / n) + 1);
   candidate.whitened = std::move(whitened);
+  candidate.price_of_first_values = price_of_first_values(study, *candidate.system, candidate.whitened);
   if (rms_error(candidate.whitened) <= tolerable_loss * rms_error(candidate.fit)) {
     candidate.fit = candidate.whitened;
     return;
@@ -116,7 +150,8 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
 
 double price_of_unknowns(const Candidate& c, double rows) {
   const double runs = static_cast<double>(std::max<std::size_t>(1, c.fit.segments.size()));
-  return 0.5 * (c.parameters() * std::log(rows) + c.first_values() * std::log(std::max(1.0, rows / runs)));
+  const double first_values = 0.5 * c.first_values() * std::log(std::max(1.0, rows / runs));
+  return 0.5 * c.parameters() * std::log(rows) + std::min(first_values, c.price_of_first_values);
 }
 
 double bic(const Candidate& c) {

@@ -36,7 +36,10 @@ void run_left_out(const Study& study, Candidate& candidate);
 
 /// What a candidate's unknowns take off its log likelihood on so many rows, as in Schwarz' criterion (1978, Ann.
 /// Statist. 6, 461): half a parameter's logarithm of all rows, and half of those of a run for each first value of an
-/// internal state there. Of hundreds of short runs these are more than the parameters.
+/// internal state there. Of hundreds of short runs these are more than the parameters. First values that the motion
+/// soon forgets, or that many elements share, cost no more than what a record can tell of them: half the logarithm of
+/// the determinant of their information, when each was beforehand as uncertain as its state is spread over the run, and
+/// half a unit each for the noise that they follow.
 double price_of_unknowns(const Candidate& c, double rows);
 double bic(const Candidate& c);
 

@@ -243,7 +243,8 @@ class Search {
 
   /// A general form whose one further number may be zero, by chance among all start points that were tried, is its
   /// special case, a stop that moves by nothing: colour that no whitening takes away is followed by any further number.
-  /// Of several that hang on each other the general form has to outgrow the special one.
+  /// Of several that hang on each other the general form has to outgrow the special one, or to take most of what that
+  /// leaves above the sensor's noise.
   std::size_t in_special_form(const std::vector<Candidate>& field, std::size_t pick) const {
     const Candidate& general = field[pick];
     for (std::size_t i = 0; i < field.size(); ++i) {
@@ -252,7 +253,10 @@ class Search {
       const std::size_t further = general.added() - special.added();
       const double level = study_.options->alpha / std::max(1, result_.grown.tried);
       const bool may_be_zero = added_near_zero(general, level) >= further;
-      if (may_be_zero && (further == 1 || !outgrows(study_, general, special, result_.grown.tried))) return i;
+      if (!may_be_zero) continue;
+      const int tried = result_.grown.tried;
+      const bool is_worth_it = outgrows(study_, general, special, tried) || takes_most(study_, general, special, tried);
+      if (further == 1 || !is_worth_it) return i;
     }
     return pick;
   }

@@ -56,10 +56,24 @@ bool same_in_other_words(const Candidate& a, const Candidate& b) {
   return do_the_same(a, b) && have_the_same_faults(a, b);
 }
 
-bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
+namespace {
+
+bool is_told_from(const Study& study, const Candidate& general, const Candidate& special, int tried) {
   return !same(general.choices, special.choices) && is_general_form(general.choices, special.choices) &&
-         rms_error(general.fit) < (1 - study.options->minimum_gain) * rms_error(special.fit) &&
          corrected(improvement_p_value(special, general), tried) <= study.options->alpha;
+}
+
+}  // namespace
+
+bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried) {
+  return rms_error(general.fit) < (1 - study.options->minimum_gain) * rms_error(special.fit) &&
+         is_told_from(study, general, special, tried);
+}
+
+bool takes_most(const Study& study, const Candidate& general, const Candidate& special, int tried) {
+  const double y = study.measured_std();
+  return is_told_from(study, general, special, tried) &&
+         closed_share(rms_error(special.fit) / y, rms_error(general.fit) / y, study.noise_gap()) > 0.5;
 }
 
 std::size_t in_the_usual_words(const Candidate& baseline, const std::vector<Candidate>& field,

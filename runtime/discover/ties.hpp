@@ -16,6 +16,9 @@ bool same_runs(const Candidate& a, const Candidate& b);
 /// A more general form of a set, which the likelihood ratio tells from it (one of `tried`) and which takes the least
 /// gain off its error.
 bool outgrows(const Study& study, const Candidate& general, const Candidate& special, int tried);
+/// So told, and takes more than half of what the special one leaves above the sensor's noise, however little that is
+/// beside the noise itself.
+bool takes_most(const Study& study, const Candidate& general, const Candidate& special, int tried);
 
 /// Sets of as many parameters with the same faults and the same runs, or whose entries are one law.
 bool same_in_other_words(const Candidate& a, const Candidate& b);

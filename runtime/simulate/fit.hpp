@@ -118,6 +118,7 @@ struct FitResult {
   Eigen::Index outliers = 0;    ///< rows that count linearly (Loss::huber)
   double clip = 0;              ///< beyond which they do
   Eigen::MatrixXd information;  ///< J'J of theta with the first states projected out, in the units of 1/theta^2 * cost
+  std::vector<Eigen::MatrixXd> state_information;  ///< J'J of each segment's first state; none of an imposed motion
   /// Pseudo-inverse of information times cost / degrees of freedom, widened where sums of the scores over blocks vary
   /// more (the residual is not white); 0 rows at bounds
   Eigen::MatrixXd covariance;

@@ -475,6 +475,7 @@ FitResult minimise(const System& system, const Eigen::VectorXd& given, const std
   result.cost = normal.cost;
   result.segments = std::move(segments);
   finish(system, data, bounds, normal, result);
+  result.state_information = std::move(normal.axx);
   result.runs = problem.runs;
   return result;
 }

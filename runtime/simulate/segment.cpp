@@ -32,11 +32,9 @@ Drive Segment::drive(double s) noexcept { return s == 0 ? at_node(0) : s == 1 ? 
 
 Drive Segment::within(double s) noexcept {
   Drive d(t + s * h, exogenous);
-  const double s2 = s * s, s4 = s2 * s2;
-  for (int i = 0; i < exogenous; ++i) {  // in pairs (Estrin), so that no product waits for the one before
+  for (int i = 0; i < exogenous; ++i) {
     const double* c = polynomial(i);
-    static_assert(places == 6);
-    d.u[i] = (c[0] + s * c[1]) + s2 * (c[2] + s * c[3]) + s4 * (c[4] + s * c[5]);
+    for (int k = places - 1; k >= 0; --k) d.u[i] = d.u[i] * s + c[k];
   }
   return d;
 }

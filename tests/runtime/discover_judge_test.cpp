@@ -521,6 +521,30 @@ TEST(Judge, StaysWithTheStepsThatAFitWasRunIn) {
   EXPECT_EQ(judged_after("CVODE BDF"), "CVODE BDF");
 }
 
+/// Twenty elements that slip within the first swing share what little the record knows of where they began.
+TEST(Judge, FirstValuesThatTheMotionForgetsCostWhatTheRecordTellsOfThem) {
+  Model model = testing::baseline("k*y + c*v", 1);
+  const truth::Motion motion =
+      truth::integrate({}, truth::multisine(0.2, 2.2, 20, 5), 0.2, {}, 1500, testing::spacing, 16);
+  DiscoverOptions options;
+  const Study study = prepare(complete(model), {testing::noisy_record(motion, "y", motion.x, 0.02, 5)}, {}, options);
+  Effect loop = testing::entry(*model.pool, "loop", "0", {testing::row("loop_k")});
+  Expr sum = model.pool->constant(0);
+  for (int i = 1; i <= 20; ++i) {
+    const Expr z = model.pool->state("z" + std::to_string(i)), reach = model.pool->constant(1e-3 * i);
+    sum = sum + z;
+    loop.states.push_back({z, model.pool->channel("v"), 0, -reach, reach});
+  }
+  loop.variants[0].force = model.pool->parameter("loop_k") * sum;
+  Candidate c = compile(study, complete(model), {{&loop, 0}});
+  c.fit = fit_trajectory(*c.system, Eigen::Vector3d(1, 0.06, 1e-3), study.train, full_fit(study, 1));
+  judge(study, c, {}, 1);
+  const double one = 0.5 * std::log(static_cast<double>(c.innovations.size()));
+  const double all = price_of_unknowns(c, static_cast<double>(c.innovations.size())) - c.parameters() * one;
+  EXPECT_GE(all, 0.5 * 20) << "each may follow noise";
+  EXPECT_LT(all, 0.5 * 20 + one);
+}
+
 /// Two outputs of three records: the rows of a record's second output stand behind those of all first ones.
 TEST(Linearised, WithoutFirstStatesLeavesTheSameParametersAndMisfit) {
   constexpr Eigen::Index rows = 12, outputs = 2, records = 3, parameters = 2, states = 3;

@@ -161,6 +161,29 @@ TEST(GeneralForms, AreTakenWhereTheyLeaveLess) {
   EXPECT_FALSE(general_form_taken(1));
 }
 
+/// At 20 dB the noise hides how much better a general form is: its part of what is above the noise tells.
+TEST(GeneralForms, AreWorthItWhereTheyTakeMostOfWhatIsAboveTheNoise) {
+  const auto is_taken = [](double special_leaves, double noise) {
+    Field f;
+    Eigen::VectorXd motion = Eigen::VectorXd::LinSpaced(rows, 0, 100).array().sin() * 10;
+    Channel y = testing::channel("y", "m", {motion.begin(), motion.end()});
+    y.noise = noise;
+    f.study.full = {Record("r", 0, 1, {y})};
+    f.study.train.front().record = f.study.full.front();
+    const Candidate special = f.with("special", "stiffness", special_leaves * residual(0));
+    f.effects.push_back(testing::entry(*f.model.pool, "general", "general_p*y^2 + general_q*y^3",
+                                       {testing::row("general_p"), testing::row("general_q")}));
+    Candidate general = compile(f.study, complete(f.model), {{&f.effects.back(), 0}});
+    Field::left_by(general, residual(0));
+    f.effects.front().special_case_of = {"general"};
+    EXPECT_FALSE(outgrows(f.study, general, special, 1));
+    return takes_most(f.study, general, special, 1);
+  };
+  EXPECT_TRUE(is_taken(1.03, 1));
+  EXPECT_FALSE(is_taken(1.03, 0.5)) << "both leave something else";
+  EXPECT_FALSE(is_taken(1.0005, 1)) << "by chance";
+}
+
 /// A motion with a cubic spring: models of several steps are run over it.
 struct Tested {
   DiscoverOptions options;
