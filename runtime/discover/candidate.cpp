@@ -212,6 +212,14 @@ double priced(const Candidate& c) {
   return n * std::log(c.fit.cost) + c.parameters() * std::log(n);
 }
 
+SimulateOptions steps_of(const Study& study, const FitResult& fit) {
+  SimulateOptions options;
+  options.solver = Solver::fixed;
+  options.substeps = std::max(1, fit.substeps);
+  options.cancelled = study.options->cancelled;
+  return options;
+}
+
 bool Candidate::degenerate() const {
   const auto& table = system->model().parameters;
   const std::size_t own = table.size() - added();

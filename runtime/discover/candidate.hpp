@@ -63,6 +63,9 @@ auto find_in(auto& candidates, const Choices& set) -> decltype(candidates.data()
 /// The error on the trajectory with Schwarz' price of a parameter: whom to hear.
 double priced(const Candidate& c);
 
+/// A run in the steps in which a fit was made.
+SimulateOptions steps_of(const Study& study, const FitResult& fit);
+
 /// Where a record of these scales can show a choice's shape parameters, and its parameters within that.
 Ranges ranges_of(const Choice& choice, const RecordScales& scales);
 std::vector<Parameter> limited(std::vector<Parameter> parameters, const Ranges& ranges);

@@ -376,9 +376,7 @@ double noise_alone(const Study& study, const Candidate& candidate) {
   const double sensors = study.sensor_noise();
   if (study.imposed || !candidate.ran()) return sensors;
   const std::span<const double> theta = view(candidate.fit.theta);
-  SimulateOptions options;
-  options.solver = Solver::fixed;
-  options.substeps = std::max(1, candidate.fit.substeps);
+  const SimulateOptions options = steps_of(study, candidate.fit);
   double squares = 0, rows = 0;
   for (const FitSegment& segment : candidate.fit.segments) {
     const FitData data = study.train[static_cast<std::size_t>(segment.record)].part(segment.first, segment.count);

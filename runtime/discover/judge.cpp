@@ -38,10 +38,7 @@ double price_of_first_values(const Study& study, const System& system, const Fit
   const Eigen::Index motion = 2 * system.degrees(), inner = system.states() - motion;
   if (inner == 0) return 0;
   if (fit.state_information.size() != fit.segments.size() || study.run_length > 0) return INFINITY;
-  SimulateOptions options;
-  options.solver = Solver::fixed;
-  options.substeps = std::max(1, fit.substeps);
-  options.cancelled = study.options->cancelled;
+  const SimulateOptions options = steps_of(study, fit);
   const double variance = fit.cost / fit.freedom;
   double price = 0;
   for (std::size_t s = 0; s < fit.segments.size(); ++s) {
@@ -366,6 +363,11 @@ double closed_share(double before, double after, double floor) {
   before = at_most_all(before);
   const double excess = before * before - floor * floor;
   return excess > 0 ? (before * before - after * after) / excess : 0;
+}
+
+double closed_share(const Study& study, const Candidate& before, const Candidate& after) {
+  const double y = study.measured_std();
+  return closed_share(rms_error(before.fit) / y, rms_error(after.fit) / y, study.noise_gap());
 }
 
 Eigen::Index bootstrap_block(const Study& study) {

@@ -106,6 +106,8 @@ double at_most_all(double gap);
 
 /// Share of the excess of a gap, at_most_all(), over its floor (squared) that a better model closes.
 double closed_share(double before, double after, double floor);
+/// The same of two fits' errors over the training records, over the sensor's noise.
+double closed_share(const Study& study, const Candidate& before, const Candidate& after);
 
 /// Block length [rows] for bootstraps: two periods of the motion.
 Eigen::Index bootstrap_block(const Study& study);

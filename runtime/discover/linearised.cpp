@@ -26,11 +26,7 @@ std::vector<MatrixXd> slopes(const Study& study, const System& system, const Vec
   VectorXd x0 = VectorXd::Zero(system.states());
   const VectorXd& fitted = at.segments[record].x0;
   x0.head(fitted.size()) = fitted;
-  SimulateOptions options;
-  options.solver = Solver::fixed;
-  options.substeps = at.substeps;
-  options.cancelled = study.options->cancelled;
-  const auto run = simulate_sensitivities(system, values, data.excitation, x0, options);
+  const auto run = simulate_sensitivities(system, values, data.excitation, x0, steps_of(study, at));
   if (!run.run.summary.completed) return {};
   std::vector<MatrixXd> out;
   const std::vector<double> weights = study.weights(data.record);

@@ -466,10 +466,7 @@ class Search {
     constexpr double nearly_all = 0.95, at_noise = 1.1;
     const Candidate& baseline = result_.baseline;
     if (!baseline.ran() || !(rms_error(baseline.fit) > at_noise * study_.sensor_noise())) return;
-    const double y = study_.measured_std();
-    const auto takes_all = [&](const Candidate& c) {
-      return closed_share(rms_error(baseline.fit) / y, rms_error(c.fit) / y, study_.noise_gap()) > nearly_all;
-    };
+    const auto takes_all = [&](const Candidate& c) { return closed_share(study_, baseline, c) > nearly_all; };
     if (const auto reading = find_reading(baseline, baseline.fit.substeps, takes_all))
       result_.reading = words_of_reading(study_, *reading);
   }

@@ -71,9 +71,7 @@ bool outgrows(const Study& study, const Candidate& general, const Candidate& spe
 }
 
 bool takes_most(const Study& study, const Candidate& general, const Candidate& special, int tried) {
-  const double y = study.measured_std();
-  return is_told_from(study, general, special, tried) &&
-         closed_share(rms_error(special.fit) / y, rms_error(general.fit) / y, study.noise_gap()) > 0.5;
+  return is_told_from(study, general, special, tried) && closed_share(study, special, general) > 0.5;
 }
 
 std::size_t in_the_usual_words(const Candidate& baseline, const std::vector<Candidate>& field,
@@ -147,9 +145,7 @@ struct OtherChannel {
 /// Of all training records; empty where there are none, or a run stops.
 std::vector<OtherChannel> other_channels(const Study& study, const Candidate& c) {
   std::vector<OtherChannel> out;
-  SimulateOptions options;
-  options.solver = Solver::fixed;
-  options.substeps = std::max(1, c.fit.substeps);
+  const SimulateOptions options = steps_of(study, c.fit);
   for (const FitSegment& segment : c.fit.segments) {
     const FitData& data = study.train[static_cast<std::size_t>(segment.record)];
     if (segment.first != 0 || segment.count != data.record.rows()) return {};

@@ -123,10 +123,10 @@ bool has_rotation(const std::vector<HeaderCell>& header) {
   return std::ranges::all_of(header, swings) || std::ranges::count_if(header, tells_of_rotation) >= 2;
 }
 
-/// The column of a meaning by name; the strongest likeness wins, two of the same strength are an error.
+/// The column of a meaning by name, in the header of what turns (`rotation`) or of any; the strongest likeness wins,
+/// two of the same strength are an error.
 std::optional<std::size_t> find_meaning(const std::vector<HeaderCell>& header, const std::vector<ColumnPlan>& plans,
-                                        const Meaning& meaning, const SourceSpan& where) {
-  const bool rotation = has_rotation(header);
+                                        const Meaning& meaning, bool rotation, const SourceSpan& where) {
   for (int strength : {2, 1}) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
@@ -349,7 +349,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
           where, Fault::data);
     assign(i, map.channel, map.unit);
   }
-  const bool given = options.interval > 0;
+  const bool given = options.interval > 0, rotation = has_rotation(header);
   for (const Meaning& meaning : meanings) {
     const bool mapped = std::any_of(plans.begin(), plans.end(),
                                     [&](const ColumnPlan& p) { return p.required && p.channel == meaning.channel; });
@@ -359,7 +359,7 @@ std::vector<ColumnPlan> plan_columns(const std::vector<HeaderCell>& header, cons
     const bool constant = std::ranges::any_of(
         options.columns, [&](const ColumnMap& map) { return map.channel == meaning.channel && constant_of(map); });
     if (mapped || constant) continue;
-    const auto i = find_meaning(header, plans, meaning, where);
+    const auto i = find_meaning(header, plans, meaning, rotation, where);
     if (!i) continue;
     assign(*i, std::string(meaning.channel), "");
     if (!given || meaning.channel != "t") continue;
