@@ -90,8 +90,10 @@ Check expects(const std::string& range, bool (*holds)(double)) {
 void add_discover(CLI::App& app, Values& values) {
   CLI::App* discover = app.add_subcommand("discover", "name the effect that a model of a record lacks");
   discover->add_option("train", values.files, "TRAIN.csv [MORE.csv ...]")->required();
-  discover->add_option("--mass", values.mass,
-                       "mass [kg] or with its unit (\"1.9 t\"), or an expression; an unknown name is a parameter");
+  discover->add_option(
+      "--mass", values.mass,
+      "mass [kg] or with its unit (\"1.9 t\", \"0.8 kg m^2\", \"20 mH\"), or an expression; an unknown name is a "
+      "parameter");
   discover->add_option("--restoring", values.restoring, "restoring force, such as \"k*y + c*v\"");
   discover->add_option("--baseline", values.baseline, "model.lua, in place of --mass and --restoring");
   discover->add_option("--test", values.tests,

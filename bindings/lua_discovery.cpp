@@ -169,7 +169,12 @@ Effect read_effect(lua_State* L) {
   effect.channels = strings_field(L, -1, "channels");
   effect.absolute = strings_field(L, -1, "absolute");
   effect.any_motion = boolean_field(L, -1, "any_motion", false);
-  effect.separate = boolean_field(L, -1, "separate", false);
+  with_field(L, -1, "own_of_record", [&] {
+    for_each(L, -1, [&](lua_Integer) {
+      effect.separate.push_back(
+          {string_field(L, -1, "parameter").value_or(""), string_field(L, -1, "unless").value_or("")});
+    });
+  });
   effect.repeats = boolean_field(L, -1, "repeats", false);
   effect.parameters = read_rows(L);
   effect.variants = read_variants(L);
@@ -275,13 +280,15 @@ int run_discovery(lua_State* L) {
   return 1;
 }
 
-/// notes_before_discovery(model, {train records}, {test records}, options) -> { text }
-int run_notes(lua_State* L) {
+/// before_discovery(model, {train records}, {test records}, options) -> the baseline in words, { note }
+int run_before(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   const std::vector<Record> train = read_records(L, 2), test = read_records(L, 3);
   check_table(L, 4);
-  push_texts(L, notes_before_discovery(model, train, test, read_discover_options(L, 4)));
-  return 1;
+  const Outset outset = before_discovery(model, train, test, read_discover_options(L, 4));
+  push_text(L, outset.baseline);
+  push_texts(L, outset.notes);
+  return 2;
 }
 
 void push_comparisons(lua_State* L, const std::vector<Comparison>& comparisons) {
@@ -477,7 +484,7 @@ void open_discoveries(lua_State* L) {
   static constexpr Entry meta[] = {{"__index", guarded<get>}, {"__tostring", guarded<to_string>}};
   make_type<Discovery>(L, {}, meta);
   static constexpr Entry functions[] = {{"discover", guarded<run_discovery>},
-                                        {"notes_before_discovery", guarded<run_notes>}};
+                                        {"before_discovery", guarded<run_before>}};
   set_functions(L, functions);
 }
 

@@ -312,20 +312,7 @@ int get(lua_State* L) {
 int to_string(lua_State* L) {
   const Model& model = check<Model>(L, 1);
   std::string text = model.equation();
-  for (const Parameter& parameter : model.parameters) {
-    if (std::isnan(parameter.value)) {
-      text += "\n  " + parameter.name + (parameter.unit.empty() ? "" : " [" + parameter.unit + "]") +
-              ": to fit, discover reads the first guess off the data";
-      continue;
-    }
-    char line[128];
-    if (std::isfinite(parameter.std)) {
-      std::snprintf(line, sizeof line, "\n  %s = %.6g +- %.2g", parameter.name.c_str(), parameter.value, parameter.std);
-    } else {
-      std::snprintf(line, sizeof line, "\n  %s = %.6g", parameter.name.c_str(), parameter.value);
-    }
-    text += line + (parameter.unit.empty() ? "" : " " + parameter.unit) + (parameter.fixed ? " (fixed)" : "");
-  }
+  for (const Parameter& parameter : model.parameters) text += "\n  " + parameter.words();
   push_text(L, text);
   return 1;
 }

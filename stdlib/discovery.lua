@@ -106,22 +106,6 @@ end)
 --- The same without writing: for the command line, which shows the result first.
 function discovery.find(given) return search(schema.validate(definition, given)) end
 
---- A model in words; on a base that moves no force acts whose channel no record has.
-local function words_of_model(model, lists)
-  local measured, text = {}, tostring(model) .. "\n"
-  for _, list in ipairs(lists) do
-    for _, each in ipairs(list) do
-      for _, channel in ipairs(each.channels) do measured[channel.name] = true end
-    end
-  end
-  local shaken = false
-  for _, input in ipairs(model.inputs) do shaken = shaken or input:match "^[yva]b$" end
-  for _, input in ipairs(model.inputs) do
-    if shaken and not measured.F and not measured[input] then text = text:gsub("= " .. input .. "\n", "= 0\n") end
-  end
-  return text:sub(1, -2)
-end
-
 --- What a search would start from: prints the records as they are used, the model, and what there is to say of them
 --- before anything is fitted.
 function discovery.check(given)
@@ -134,8 +118,9 @@ function discovery.check(given)
       for _, text in ipairs(each.warnings) do said[text] = true end
     end
   end
-  print(words_of_model(given.model, { train, test }))
-  for _, note in ipairs(core.notes_before_discovery(given.model, train, test, given)) do
+  local baseline, notes = core.before_discovery(given.model, train, test, given)
+  print(baseline)
+  for _, note in ipairs(notes) do
     if not said[note] then print(("%-11s%s"):format("note", note)) end
   end
 end

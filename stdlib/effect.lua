@@ -183,6 +183,24 @@ local function take_states(entry, own)
   return states, make, absolute
 end
 
+--- Of `separate`: the parameters that a test record has for itself, { { parameter = , unless = channel } }.
+local function own_of_record(where, separate, parameters, known)
+  local list, names, unless = {}, {}, type(separate) == "table" and separate or {}
+  for i, row in ipairs(parameters) do
+    names[i] = row[1]
+    if separate == true or unless[row[1]] then list[#list + 1] = { parameter = row[1], unless = unless[row[1]] or "" } end
+  end
+  for name, channel in pairs(unless) do
+    if not known[name] then
+      schema.fail(where, ("separate: no parameter '%s'%s"):format(name, core.did_you_mean(core.nearest(name, names)) or ""))
+    end
+    if type(channel) ~= "string" then
+      schema.fail(where, ("separate: %s: expected a channel, got %s"):format(name, core.describe(channel)))
+    end
+  end
+  return list
+end
+
 return schema.define({
   name = "effect",
   help = "An entry of the catalogue, for lunid.discover { effects = { ... } }. Its names are private to it. Called with "
@@ -195,8 +213,9 @@ return schema.define({
     { "measures", types.table, help = "of a sensor's fault: { y = \"y + b\" }, what the channel shows of the true motion; "
       .. "a list: the forms that it may have" },
     { "any_motion", types.boolean, default = false, help = "what it measures of y holds of v or a too, where one of these was recorded" },
-    { "separate", types.boolean, default = false, help = "its parameters are those of one record, such as a drift: a test "
-      .. "record has its own, found on it while all others are held" },
+    { "separate", types.either(types.boolean, types.table), default = false, help = "its parameters are those of one record, "
+      .. "such as a drift: a test record has its own, found on it while all others are held; { phi = \"shaft_angle\" }: phi "
+      .. "alone, where the records do not hold that channel" },
     { "repeats", types.boolean, default = false, help = "may stand several times at one place, as stops on either side; the "
       .. "names of the second end in _b" },
     { "acts", types.table, help = "of a fault of the force: { F = \"g*F\" }, the force that acts, of what its channel shows, "
@@ -237,6 +256,7 @@ return schema.define({
     rows[i] = private_parameter(given, row, own)
     own[row[1]] = core.parse(rows[i].name, where)
   end
+  given.own_of_record = own_of_record(where, given.separate, given.parameters, own)
   local states, make, absolute = take_states(given, own)
   local forms, variants, maps = forms_of(given), {}, {}
   for i, each in ipairs(forms) do

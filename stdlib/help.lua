@@ -56,7 +56,12 @@ local function explain_effect(entry)
   print(("%s (%s)\n  %s\n  %s"):format(entry.name, entry.family, entry.formula, entry.sentence))
   if entry.note ~= "" then print("  note: " .. entry.note) end
   if entry.any_motion then print("  the same of v or a, where that was measured") end
-  if entry.separate then print("  a test record has parameters of its own") end
+  if entry.separate == true then print("  a test record has parameters of its own") end
+  for _, row in ipairs(entry.own_of_record) do
+    if row.unless ~= "" then
+      print(("  a test record has its own %s where no %s was measured"):format(row.parameter, row.unless))
+    end
+  end
   if entry.repeats then print("  may stand up to three times at one place; the parameters of the second end in _b") end
   print("\n" .. help.signature(element.definition(entry)))
   for _, row in ipairs(entry.parameters) do

@@ -127,7 +127,8 @@ models.chain = schema.define({
   fields = {
     { "masses", types.list(types.expression, 1), required = true, unit = "kg", help = "one for each coordinate" },
     { "element", types.callable, required = true, unit = "N",
-      help = "function(elongation, rate, index) that returns the force, positive in tension" },
+      help = "function(elongation, rate, index) that returns the force, positive in tension; index 1 stands before the "
+        .. "first mass and n + 1 behind the last, whatever is tied" },
     { "ends", types.choice { "fixed", "left", "right", "free", "base" }, default = "fixed",
       help = "which ends an element ties to the ground: both, the first mass, the last, none; base: the first, to a base that moves (yb, vb)" },
     { "forces", types.list(types.integer { min = 1 }, 1), help = "the coordinates that a force acts on; else all" },

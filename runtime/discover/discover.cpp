@@ -161,16 +161,16 @@ class Spine {
 
   // ---- motions that forget where they came from ----
   /// Noise alone keeps the run from the measured motion. Of names, the fit too, which knows all rows and may follow
-  /// such a motion. Where nothing was named, also that no set which was fitted comes near, or that the best one is
-  /// lost.
+  /// such a motion. Also that no set which was fitted comes near; where nothing was named, that the best one is lost.
   bool nothing_follows(const Round& round) const {
     const Gap& gap = round.left.gap;
     if (study_.imposed || std::max(gap.value, round.names() ? gap.floor : 0) < lost_gap) return false;
-    if (round.names()) return noise_leads_astray(study_, gap) && stays_above_noise(round);
     const double near = std::max(0.1 * study_.measured_std(), 2 * study_.sensor_noise());
     const auto follows = [&](const Candidate& c) { return rms_error(c.fit) < near; };
     const std::vector<Candidate>& sets = round.found.grown.sets;
-    return lost_to_noise(study_, gap) || std::ranges::none_of(sets, follows) || is_lost(study_, sets.front());
+    const bool none_follows = std::ranges::none_of(sets, follows);
+    if (round.names()) return none_follows || (noise_leads_astray(study_, gap) && stays_above_noise(round));
+    return none_follows || lost_to_noise(study_, gap) || is_lost(study_, sets.front());
   }
 
   bool stays_above_noise(const Round& round) const {
@@ -472,17 +472,17 @@ void check_baseline(const Model& given) {
                        (baseline.imposed_motion ? " with imposed motion" : "") + ": take what it does into F");
 }
 
-std::vector<std::string> notes_before_discovery(const Model& baseline, const std::vector<Record>& train,
-                                                const std::vector<Record>& test, const DiscoverOptions& options) {
+Outset before_discovery(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+                        const DiscoverOptions& options) {
   validate(options);
   const Frame frame(baseline);
   check_baseline(frame.model());
   const std::vector<Record> seen_train = frame.seen(train), seen_test = frame.seen(test);  // what both lack is of train
   const Spine spine(frame.model(), {}, seen_train, seen_test, options);
-  std::vector<std::string> notes = spine.notes();
-  if (frame.moves()) notes.insert(notes.begin(), frame.note());
-  std::ranges::move(remarks(spine.whole(), train, test), std::back_inserter(notes));
-  return notes;
+  Outset out{words_of_baseline(baseline, frame.moves(), train, test), spine.notes()};
+  if (frame.moves()) out.notes.insert(out.notes.begin(), frame.note());
+  std::ranges::move(remarks(spine.whole(), train, test), std::back_inserter(out.notes));
+  return out;
 }
 
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,

@@ -216,9 +216,14 @@ struct Discovery {
 Discovery discover(const Model& baseline, const std::vector<Effect>& catalogue, const std::vector<Record>& train,
                    const std::vector<Record>& test, const DiscoverOptions& options = {});
 
-/// What discover() says of the records before it fits anything; throws what it throws of records and baseline.
-std::vector<std::string> notes_before_discovery(const Model& baseline, const std::vector<Record>& train,
-                                                const std::vector<Record>& test, const DiscoverOptions& options = {});
+/// What there is to say before anything is fitted.
+struct Outset {
+  std::string baseline;  ///< its equation, and of each parameter whether it is fitted and from where
+  std::vector<std::string> notes;
+};
+/// Throws what discover() throws of records and baseline.
+Outset before_discovery(const Model& baseline, const std::vector<Record>& train, const std::vector<Record>& test,
+                        const DiscoverOptions& options = {});
 
 /// discovery.json (contract: schema 1). Every null has a reason beside it.
 nlohmann::json to_json(const Discovery& discovery);

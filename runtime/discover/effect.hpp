@@ -74,7 +74,12 @@ struct Effect {
   /// Numbers of the entry that are left out, since a parameter of the baseline holds them too (twins.hpp).
   std::vector<Twin> twins;
   bool any_motion = false;  ///< what it says of the channel y holds of v or a where one of these was measured
-  bool separate = false;    ///< its parameters are those of one record: a test record has its own
+  /// Parameters that are those of one record: a test record has its own.
+  struct Separate {
+    std::string parameter;  ///< the entry's own name of it
+    std::string unless;     ///< not where the records hold this channel themselves; empty: always
+  };
+  std::vector<Separate> separate;
   bool repeats = false;  ///< may stand several times at one place: stops on either side, masses that are not measured
   int number = 1;        ///< of those; the second stands beside the first alone
   /// Of the states: velocities of masses of its own, against which a base that moves acts (frame.hpp).

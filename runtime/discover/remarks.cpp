@@ -25,6 +25,11 @@ void append_new(std::vector<std::string>& list, const std::string& text) {
   if (std::ranges::find(list, text) == list.end()) list.push_back(text);
 }
 
+constexpr auto of_noise =
+    "noise is what a channel does from row to row, the least that it can be: drift, hum and slow noise are not in it; "
+    "a "
+    "discovery holds its models against what they leave";
+
 /// A time in seconds that may be one in milliseconds.
 std::string question_of_clock(const std::vector<Record>& records) {
   constexpr double slow = 1;  // [s] between rows
@@ -108,6 +113,25 @@ std::string unused_base(const Study& study) {
   return "";
 }
 
+/// A shaft whose angle was measured, and nothing else that drives.
+std::string unused_shaft(const Study& study) {
+  if (study.imposed) return "";
+  for (const Record& record : study.full)
+    if (record.has("shaft_angle") && is_free(study, record) && study.model.sides().empty())
+      return "nothing drives the baseline: F is 0 in " + record.name() +
+             ", and the shaft stands nowhere in it; rotating_unbalance is among what is tried";
+  return "";
+}
+
+/// One force F of several coordinates, of which one is driven.
+std::string whose_force(const Study& study, const std::vector<Record>& records) {
+  if (study.degrees() == 1 || study.forces.size() != 1) return "";
+  for (const Record& record : records)
+    if (record.has("F") && !record.has(study.forces.front()))
+      return "F of " + record.name() + " is taken for " + study.forces.front() + ", the force that drives the baseline";
+  return "";
+}
+
 std::string far_clock(const std::vector<Record>& records) {
   constexpr double far = 100;  // times as long as the record
   for (const Record& record : records)
@@ -154,13 +178,28 @@ std::string reading_of_force(const Study& study) {
 
 }  // namespace
 
+std::string words_of_baseline(Model baseline, bool moves, const std::vector<Record>& train,
+                              const std::vector<Record>& test) {
+  const auto is_measured = [&](const std::string& force) {
+    const auto holds = [&](const Record& record) { return record.has("F") || record.has(force); };
+    return std::ranges::any_of(train, holds) || std::ranges::any_of(test, holds);
+  };
+  for (const std::string& input : baseline.inputs())
+    if (moves && input[0] == 'F' && !is_measured(input)) baseline.acts.push_back({input, baseline.pool->constant(0)});
+  std::string text = baseline.equation();
+  for (const Parameter& p : baseline.parameters)
+    text += "\n  " + p.words() + (p.fixed || std::isnan(p.value) ? "" : ": to fit, from there");
+  return text;
+}
+
 std::vector<std::string> remarks(const Study& study, const std::vector<Record>& train,
                                  const std::vector<Record>& test) {
   check_excitation_of_linear(study, study.model);
   std::vector<Record> all = train;
   all.insert(all.end(), test.begin(), test.end());
-  std::vector<std::string> out{without_unit(all), unused_reference(study, all), unused_angle(all), unused_base(study),
-                               far_clock(all),    reading_of_force(study)};
+  std::vector<std::string> out{without_unit(all),       unused_reference(study, all), unused_angle(all),
+                               whose_force(study, all), unused_base(study),           unused_shaft(study),
+                               far_clock(all),          reading_of_force(study),      of_noise};
   std::erase(out, "");
   return out;
 }

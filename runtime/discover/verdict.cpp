@@ -24,12 +24,20 @@ std::vector<FreeRun> runs(const Study& study, const System& system, const FitRes
 
 namespace {
 
-/// The parameters, from 0, that are the same in all records.
-std::vector<int> shared_parameters(const Candidate& c) {
+/// A record holds a channel itself, under whatever name: an angle as one, not as a speed that was added up.
+bool is_recorded(const Record& record, const std::string& name) {
+  if (name.empty() || !record.has(name)) return false;
+  const Channel& channel = record.channel(name);
+  return !channel.derived || (record.has(channel.source) && record.channel(channel.source).unit == channel.unit);
+}
+
+/// The parameters, from 0, that are the same in this record as in those of the fit.
+std::vector<int> shared_parameters(const Candidate& c, const Record& record) {
   std::set<std::string> separate;
   for (const Choice& choice : c.choices)
-    if (choice.effect->separate)
-      for (const Parameter& p : choice.parameters()) separate.insert(p.name);
+    for (const auto& [own, unless] : choice.effect->separate)
+      for (const Parameter& p : choice.parameters())
+        if (own_name(*choice.effect, p.name) == own && !is_recorded(record, unless)) separate.insert(p.name);
   std::vector<int> out;
   for (int i = 0; i < c.parameters(); ++i)
     if (!separate.contains(c.system->model().parameters[static_cast<std::size_t>(i)].name)) out.push_back(i);
@@ -48,7 +56,7 @@ std::vector<FreeRun> runs(const Study& study, const Candidate& c, const std::vec
 }
 
 Eigen::VectorXd theta_on(const Study& study, const Candidate& c, const Record& record) {
-  const std::vector<int> shared = shared_parameters(c);
+  const std::vector<int> shared = shared_parameters(c, record);
   if (shared.size() == static_cast<std::size_t>(c.parameters()) || !c.ran() || study.imposed || study.run_length > 0)
     return c.fit.theta;
   FitOptions options = fixed_fit(study, 20, 1e-6, std::max(1, c.fit.substeps));

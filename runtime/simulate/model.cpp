@@ -279,6 +279,13 @@ std::string acting_text(const Model& model, int i, Format format) {
 
 }  // namespace
 
+std::string Parameter::words() const {
+  if (std::isnan(value))
+    return name + (unit.empty() ? "" : " [" + unit + "]") + ": to fit, discover reads the first guess off the data";
+  return name + " = " + number(value, 6) + (std::isfinite(std) ? " +- " + number(std, 2) : "") +
+         (unit.empty() ? "" : " " + unit) + (fixed ? " (fixed)" : "");
+}
+
 std::vector<std::string> Model::inputs() const {
   std::vector<std::string> channels;
   for (const int i : driven)

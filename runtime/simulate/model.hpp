@@ -24,6 +24,9 @@ struct Parameter {
   std::string unit;
   bool fixed = false;
   double std = std::numeric_limits<double>::quiet_NaN();  ///< after a fit
+
+  /// "k = 5e+04 +- 3 N/m", "k = 5e+04 N/m (fixed)", "k [N/m]: to fit, ..." where there is no value yet.
+  std::string words() const;
 };
 
 /// dz/dt = rate(y, v, z, t); starts from `initial`. A bound is a mode: the state is held while the rate pushes outward.

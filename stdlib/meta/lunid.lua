@@ -126,7 +126,7 @@ function lunid.state(fields) end
 ---@field contribution? any # what it adds to the restoring force, as text or expression; a list: its forms, such as mirror images
 ---@field measures? lunid.table # of a sensor's fault: { y = "y + b" }, what the channel shows of the true motion; a list: the forms that it may have
 ---@field any_motion? boolean # what it measures of y holds of v or a too, where one of these was recorded
----@field separate? boolean # its parameters are those of one record, such as a drift: a test record has its own, found on it while all others are held
+---@field separate? any # its parameters are those of one record, such as a drift: a test record has its own, found on it while all others are held; { phi = "shaft_angle" }: phi alone, where the records do not hold that channel
 ---@field repeats? boolean # may stand several times at one place, as stops on either side; the names of the second end in _b
 ---@field acts? lunid.table # of a fault of the force: { F = "g*F" }, the force that acts, of what its channel shows, of force_rate, the rate of that, and of y and v (a coil that leaves its field: "F*(1 - b*y^2)"); affine in F
 ---@field delay? any # by which the force acts later than its channel says
@@ -519,7 +519,7 @@ function lunid.model(fields) end
 ---Masses in a row with an element between neighbours: y1 ... yn, each element a function of its elongation and the rate of it.
 ---@class lunid.chain.fields
 ---@field masses table # one for each coordinate
----@field element function # function(elongation, rate, index) that returns the force, positive in tension
+---@field element function # function(elongation, rate, index) that returns the force, positive in tension; index 1 stands before the first mass and n + 1 behind the last, whatever is tied
 ---@field ends? "fixed"|"left"|"right"|"free"|"base" # which ends an element ties to the ground: both, the first mass, the last, none; base: the first, to a base that moves (yb, vb)
 ---@field forces? table # the coordinates that a force acts on; else all
 ---@param fields lunid.chain.fields

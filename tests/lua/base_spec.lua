@@ -180,6 +180,10 @@ spec.case("--check says that a base was measured and nothing drives", function()
   silent(usual .. '"ab=base,F=1 [N]"')  -- both: base_motion is tried
   silent(usual .. '"ab=base [um/s^2],F=0"')  -- a base at rest
   silent '--restoring "k*y + c*v + 3*ab" --columns "ab=base,F=0"'
+  local turns = checked("phase [rad]", usual .. '"shaft_angle=phase,F=0"')
+  spec.contains(turns, "nothing drives the baseline: F is 0 in shaken.csv, and the shaft stands nowhere in it; rotating_unbalance is among")
+  local driven = checked("phase [rad]", usual .. '"shaft_angle=phase,F=1 [N]"')
+  spec.equal(driven:find("nothing drives", 1, true), nil)
 end)
 
 spec.case("a base that no record holds is missed in the training record first", function()

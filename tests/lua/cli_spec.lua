@@ -398,6 +398,19 @@ spec.case("--check says how records and baseline are read, and writes nothing", 
   says([[discover micron.csv --mass 1 --restoring "k*y" --check]], "micron.csv", 3)
 end)
 
+spec.case("--check says from where a parameter is fitted, and whose force F is", function()
+  spec.write("pair.lua", 'local lunid = require "lunid"\nlocal k = lunid.parameter { "k", 300, min = 0, unit = "N/m" }\n'
+    .. 'local c = lunid.parameter { "c", 2, fixed = true }\n'
+    .. 'return lunid.chain { masses = { 2, 1 }, ends = "left", forces = { 2 }, element = function(d, w) return k*d + c*w end }')
+  record("pair.csv", 100, nil, "t,F [N],y1 [m]")
+  spec.shell "awk -F, 'NR==1{print $0\",y2 [m]\"} NR>1{print $0\",\"2*$3}' pair.csv > pair2.csv"
+  local said, code = spec.lunid "discover pair2.csv --baseline pair.lua --check"
+  spec.equal(code, 0)
+  spec.contains(said, "= F2\n  k = 300 N/m: to fit, from there\n  c = 2 (fixed)\n")
+  spec.contains(said, "note       F of pair2.csv is taken for F2, the force that drives the baseline\n")
+  spec.contains(said, "note       noise is what a channel does from row to row")
+end)
+
 spec.case("--check says what a discovery would say of the records before it fits anything", function()
   local checked = [[discover good.csv --mass 1 --restoring "k*y + c*v" --check]]
   says(checked, "note       no test record given: the last 30 % of each record is held out", 0)

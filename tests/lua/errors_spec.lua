@@ -380,6 +380,8 @@ spec.case("an effect whose definition cannot be meant", function()
     "k: unit: expected an SI unit such as N/m, got 'kN/m' (1000 N/m): write the value in N/m")
   parameters("{ { 'k' }, { 'k' } }", "'k' is there twice")
   parameters("{ { 'k' }, { 'q' } }", "nothing uses 'q'; name it in the contribution or in a state's rate, or leave it out")
+  effect("contribution = 'k*y', parameters = { { 'k' } }, separate = { kk = 'F' }", "separate: no parameter 'kk', did you mean 'k'?")
+  effect("contribution = 'k*y', parameters = { { 'k' } }, separate = { k = 1 }", "separate: k: expected a channel, got 1")
   local function maps(fields, expected) effect(fields .. ", parameters = { { 'k' } }", expected) end
   maps("measures = { 'y + k' }", "measures: expected { y = ... }, or a list of them, got the string 'y + k'")
   maps("measures = {}", "measures: expected { y = ... }, or a list of them, got an empty table")

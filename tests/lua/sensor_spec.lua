@@ -186,6 +186,39 @@ spec.case("a channel that drifts otherwise in the test record", function()
   spec.near(d, -0.7 * scale.length * scale.omega / (rows * spacing), 0.02 * scale.length * scale.omega / (rows * spacing))
 end)
 
+--- A shaft that is out of balance and stood at another angle as each record began; its speed alone is recorded.
+local function unbalanced(seed, scale, first, up)
+  local h, state, ys, fs, speeds = spacing / finer, { 0, 0 }, {}, {}, {}
+  local function speed(tau) return up and 0.4 + 1.2 * tau / (rows * spacing) or 1.5 - 1.1 * tau / (rows * spacing) end
+  local function angle(tau)
+    local part = tau ^ 2 / (2 * rows * spacing)
+    return first + (up and 0.4 * tau + 1.2 * part or 1.5 * tau - 1.1 * part)
+  end
+  local rate = (up and 1.2 or -1.1) / (rows * spacing)
+  local function slopes(tau, at)
+    local shaken = 0.3 * (speed(tau) ^ 2 * math.cos(angle(tau)) + rate * math.sin(angle(tau)))
+    return { at[2], force_at(tau, seed) + shaken - 0.08 * at[2] - at[1] }
+  end
+  for i = 0, rows - 1 do
+    ys[i + 1] = state[1] * scale.length
+    fs[i + 1] = force_at(i * spacing, seed) * scale.mass * scale.omega ^ 2 * scale.length
+    speeds[i + 1] = speed(i * spacing) * scale.omega
+    for part = 0, finer - 1 do state = spec.runge_kutta(slopes, (i * finer + part) * h, state, h) end
+  end
+  return lunid.record({ channels = { { "F", fs }, { "y", ys }, { "shaft_speed", speeds, unit = "rad/s" } }, dt = spacing / scale.omega })
+    :with_noise { y = lunid.noise.gaussian { relative = 0.02 }, seed = seed }
+end
+
+spec.case("a shaft whose speed alone is recorded begins at another angle in the test", function()
+  local scale = scales.large
+  local k, c = lunid.parameter { "k", min = 0 }, lunid.parameter { "c", min = 0 }
+  local found = lunid.discover { model = lunid.model { mass = scale.mass, restoring = k*y + c*v }, catalogue = tried,
+    max_effects = 2, train = unbalanced(3, scale, 0.7, true), test = unbalanced(8, scale, 3.6, false), out = "found_unbalance" }
+  spec.equal(found.verdict, "explained")
+  expect(found, "rotating_unbalance", "me", 0.3 * scale.mass * scale.length)
+  spec.contains(table.concat(found.warnings, "\n"), "its own rotating_unbalance_phi = ")
+end)
+
 spec.case("what no record tells apart is said: a gain, and an offset under a linear spring", function()
   local found = discover("small", { gain = 0.8 }, 30)
   spec.equal(found.verdict, "ambiguous")
