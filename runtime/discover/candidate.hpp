@@ -28,6 +28,7 @@ struct Candidate {
   bool seen_by_force = true;            ///< false: a sensor's fault shows in the motion alone (sensor.hpp)
   bool guesses_tried = false;           ///< its other guesses were, from the parent on
   bool minimum_left = false;            ///< and from where its fit had ended, and short runs from there
+  bool looked_beside = false;           ///< and from beside it, by factors of its shape
   FitResult fit;
   // Filled by the judge:
   FitResult whitened;           ///< the likeliest parameters under the noise's colour

@@ -1,11 +1,14 @@
 #include "discover/search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "discover/between_samples.hpp"
+#include "discover/level_fits.hpp"
 #include "discover/proposal_fits.hpp"
 #include "discover/sensor.hpp"
 #include "expr/digits.hpp"
@@ -71,6 +74,7 @@ class Search {
   void decide() {
     auto& sets = result_.grown.sets;
     std::erase_if(sets, [&](const Candidate& c) { return !may_be_named(c); });
+    look_beside();
     const Candidate& baseline = result_.baseline;
     const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
     result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
@@ -125,6 +129,45 @@ class Search {
     if (!again.ran() || (ran && !(squared_error(again.fit) < 0.98 * squared_error(result_.baseline.fit)))) return;
     judge(study_, again, result_.whitening);
     result_.baseline = std::move(again);
+  }
+
+  /// What slips or opens some tens of times in a record has minima side by side: the best sets with memory are fitted
+  /// from beside where they ended, too.
+  void look_beside() {
+    constexpr int as_many = 4;
+    auto& sets = result_.grown.sets;
+    if (sets.empty()) return;
+    const double far = near * sets.front().fit.cost;
+    int looked = 0;
+    for (Candidate& c : sets) {
+      if (looked == as_many || !(c.fit.cost < far)) break;
+      if (c.system->states() == 2 * c.system->degrees() || many_states(c.choices)) continue;
+      ++looked;
+      if (!std::exchange(c.looked_beside, true)) fit_from_beside(c);
+    }
+    sort_by_cost(sets);
+  }
+
+  void fit_from_beside(Candidate& c) const {
+    constexpr std::array factors{0.6, 1.7};
+    constexpr int first_iterations = 8, iterations = 24;
+    std::vector<FitResult> fits;
+    for (const auto& [j, range] : c.shown)
+      for (const double factor : factors) {
+        const auto at = static_cast<Eigen::Index>(j);
+        FitResult other = c.fit;
+        other.theta[at] = std::clamp(factor * other.theta[at], range.first, range.second);
+        if (other.theta[at] != c.fit.theta[at]) fits.push_back(std::move(other));
+      }
+    parallel_for(static_cast<int>(fits.size()), study_.options->threads, [&](int i) {
+      FitResult& other = fits[static_cast<std::size_t>(i)];
+      other = fit_near(study_, c, other.theta, first_iterations, c.fit.substeps, c.fit.segments);
+    });
+    const auto best = std::ranges::min_element(fits, {}, &FitResult::cost);
+    if (best == fits.end() || !(best->cost < c.fit.cost)) return;
+    Candidate other = c;
+    other.fit = fit_near(study_, c, best->theta, iterations, best->substeps, best->segments);
+    if (other.ran() && other.fit.cost < c.fit.cost && !other.degenerate()) c = std::move(other);
   }
 
   /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
