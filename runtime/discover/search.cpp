@@ -148,9 +148,17 @@ class Search {
     sort_by_cost(sets);
   }
 
+  /// As long as that leads anywhere.
   void fit_from_beside(Candidate& c) const {
-    constexpr std::array factors{0.6, 1.7};
+    constexpr int rounds = 5;
+    for (int i = 0; i < rounds && fit_once_from_beside(c); ++i) {
+    }
+  }
+
+  bool fit_once_from_beside(Candidate& c) const {
+    constexpr std::array factors{0.6, 0.85, 1.2, 1.7};
     constexpr int first_iterations = 8, iterations = 24;
+    constexpr double visibly = 0.999;  // in squared error
     std::vector<FitResult> fits;
     for (const auto& [j, range] : c.shown)
       for (const double factor : factors) {
@@ -164,10 +172,12 @@ class Search {
       other = fit_near(study_, c, other.theta, first_iterations, c.fit.substeps, c.fit.segments);
     });
     const auto best = std::ranges::min_element(fits, {}, &FitResult::cost);
-    if (best == fits.end() || !(best->cost < c.fit.cost)) return;
+    if (best == fits.end() || !(best->cost < c.fit.cost)) return false;
     Candidate other = c;
     other.fit = fit_near(study_, c, best->theta, iterations, best->substeps, best->segments);
-    if (other.ran() && other.fit.cost < c.fit.cost && !other.degenerate()) c = std::move(other);
+    if (!other.ran() || !(other.fit.cost < visibly * c.fit.cost) || other.degenerate()) return false;
+    c = std::move(other);
+    return true;
   }
 
   /// The best sets of each size, and those that come near to them: few enough to be judged. Faults of sensors and of
