@@ -26,6 +26,16 @@ local function noise(std, seed, count)
   return lunid.excitation.white_noise { rms = std, dt = dt, duration = (count or rows)*dt, seed = seed }:column "F"
 end
 
+--- Displacement and velocity a row later under a held force: Heun's method in steps of h, `slope` the acceleration.
+local function over_a_row(slope, at, speed, h)
+  for _ = 1, finer do
+    local first = slope(at, speed)
+    local second = slope(at + h*speed, speed + h*first)
+    at, speed = at + h*(speed + h/2*first), speed + h/2*(first + second)
+  end
+  return at, speed
+end
+
 --- What a proportional-differential controller does, `gain` 0: an open loop. `law`: force beside k*y + c*v, in units of
 --- k times the size. The reference is a channel where `follows`; `level`: of the sensor's noise; `hidden`: of a force
 --- that no channel holds, both in those units. `shape_of`: of the reference over time and seed, in sizes.
@@ -33,7 +43,6 @@ local function record(gain, law, seed, follows, level, hidden, shape_of)
   local of_y, of_F, n = noise(level * size, seed), noise(1, seed + 10), { y = {}, F = {}, y_reference = {} }
   local other = 0
   local at, speed, before, filtered = 0, 0, 0, 0
-  local h = dt / finer
   for i = 1, rows do
     local measured, shape = at + of_y[i], (shape_of or tones)((i - 1)*dt, seed) * size
     filtered = 0.6*filtered + 0.4*(i > 1 and (measured - before)/dt or 0)
@@ -43,11 +52,7 @@ local function record(gain, law, seed, follows, level, hidden, shape_of)
     n.y[i], n.F[i], n.y_reference[i] = measured, force, shape
     other = 0.9*other + 0.44 * (hidden or 0) * stiffness * size * of_F[i]
     local function slope(a, b) return (force + other - stiffness * (a + size * law(a/size, b/(omega*size))) - damping * b) / mass end
-    for _ = 1, finer do
-      local first = slope(at, speed)
-      local second = slope(at + h*speed, speed + h*first)
-      at, speed = at + h*(speed + h/2*first), speed + h/2*(first + second)
-    end
+    at, speed = over_a_row(slope, at, speed, dt / finer)
   end
   local channels = { { "y", n.y, unit = "m" }, { "F", n.F, unit = "N" } }
   if follows then channels[3] = { "y_reference", n.y_reference, unit = "m" } end
@@ -123,7 +128,7 @@ local function axis(seed, speed)
   local count = 5000
   local of_y, n = noise(2.18e-4, seed, count), { y = {}, F = {}, y_reference = {} }
   local function wanted(t) return 0.327*math.sin(2*speed*t + seed) + 0.164*math.sin(4.7*speed*t + 2*seed) + 0.087*math.sin(11*speed*t + 3*seed) end
-  local at, rate, before, h = wanted(0), 0, nil, step / finer
+  local at, rate, before = wanted(0), 0, nil
   for i = 1, count do
     local t, measured = (i - 1)*step, at + of_y[i]
     local speed_seen = before and (measured - before)/step or 0
@@ -131,11 +136,7 @@ local function axis(seed, speed)
     local force = 120*(wanted(t) - measured) + 7*((wanted(t) - wanted(t - step))/step - speed_seen)
     n.y[i], n.F[i], n.y_reference[i] = measured, force, wanted(t)
     local function slope(a, b) return (force - drag*b - cogging*math.sin(teeth*a) - load) / inertia end
-    for _ = 1, finer do
-      local first = slope(at, rate)
-      local second = slope(at + h*rate, rate + h*first)
-      at, rate = at + h*(rate + h/2*first), rate + h/2*(first + second)
-    end
+    at, rate = over_a_row(slope, at, rate, step / finer)
   end
   return lunid.record { channels = { { "y", n.y, unit = "rad" }, { "F", n.F, unit = "N m" }, { "y_reference", n.y_reference, unit = "rad" } },
     dt = step }
