@@ -114,9 +114,10 @@ class Contest {
     });
   }
 
-  /// A set that is there already is replaced where it now fits better.
-  void fit_in_place(const std::vector<Offer>& offers, const std::vector<std::size_t>& list,
-                    std::vector<Candidate>& more) {
+  /// A set that is there already is replaced where it now fits better. From one start it is fitted once, whatever came
+  /// of it: what ended at a limit, or worse, is not among the sets.
+  void fit_in_place(const std::vector<Offer>& offers, std::vector<std::size_t> list, std::vector<Candidate>& more) {
+    std::erase_if(list, [&](std::size_t i) { return has_begun(offers[i]); });
     if (list.empty()) return;
     for (Candidate& c : fits_.fit(offers, list, static_cast<int>(offers.front().set().size()))) {
       if (c.degenerate()) continue;
@@ -126,6 +127,13 @@ class Contest {
       else if (c.fit.cost < known->fit.cost)
         *known = std::move(c);
     }
+  }
+
+  bool has_begun(const Offer& offer) {
+    Start start{offer.set(), offer.standing.parent, offer.standing.own};
+    if (std::ranges::find(begun_, start) != begun_.end()) return true;
+    begun_.push_back(std::move(start));
+    return false;
   }
 
   /// Beside the other effects as they are in the whole set; no more than `most`, those that explain most of the force.
@@ -225,6 +233,12 @@ class Contest {
   Offers& offers_;
   LevelFits& fits_;
   Grown& out_;
+  struct Start {
+    Choices set;
+    Eigen::VectorXd parent, own;  // parameters
+    bool operator==(const Start&) const = default;
+  };
+  std::vector<Start> begun_;
   std::vector<Choices> heard_again_;  ///< special cases that were fitted badly beside a more general form
 };
 
