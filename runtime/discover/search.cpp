@@ -132,11 +132,12 @@ class Search {
   }
 
   /// What slips or opens some tens of times in a record has minima side by side: the best sets with memory are fitted
-  /// from beside where they ended, too.
+  /// from beside where they ended, too. Not those that leave most of what the baseline leaves.
   void look_beside() {
     constexpr int as_many = 4;
+    constexpr double most = 0.5;  // of the squared excess over the noise
     auto& sets = result_.grown.sets;
-    if (sets.empty()) return;
+    if (sets.empty() || (result_.baseline.ran() && closed_share(study_, result_.baseline, sets.front()) < most)) return;
     const double far = near * sets.front().fit.cost;
     int looked = 0;
     for (Candidate& c : sets) {
