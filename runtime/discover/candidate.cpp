@@ -165,10 +165,20 @@ Tape margins_of(const Choices& choices, const Model& model) {
 
 }  // namespace
 
+int Candidate::free_parameters() const {
+  return static_cast<int>(std::ranges::count(system->model().parameters, false, &Parameter::fixed));
+}
+
 std::size_t Candidate::added() const {
-  std::size_t count = 0;
-  for (const auto& c : choices) count += c.parameters().size();
-  return count;
+  const auto& table = system->model().parameters;
+  return static_cast<std::size_t>(std::ranges::count(table.begin() + static_cast<std::ptrdiff_t>(first_added()),
+                                                     table.end(), false, &Parameter::fixed));
+}
+
+std::size_t Candidate::first_added() const {
+  std::size_t own = 0;
+  for (const auto& c : choices) own += c.parameters().size();
+  return system->model().parameters.size() - own;
 }
 
 std::vector<double> magnitudes(const Parameter& parameter) {
@@ -222,7 +232,7 @@ SimulateOptions steps_of(const Study& study, const FitResult& fit) {
 
 bool Candidate::degenerate() const {
   const auto& table = system->model().parameters;
-  const std::size_t own = table.size() - added();
+  const std::size_t own = first_added();
   for (std::size_t i = own; i < table.size(); ++i)
     if (linear[i] && i < fit.at_bound.size() && fit.at_bound[i] && fit.theta[static_cast<Eigen::Index>(i)] == 0)
       return true;

@@ -40,18 +40,20 @@ struct Candidate {
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
+  int free_parameters() const;  ///< those that are not held
   /// First values of internal states, in every run that was fitted.
   int first_values() const {
     return (system->states() - 2 * system->degrees()) * static_cast<int>(std::max<std::size_t>(1, fit.segments.size()));
   }
   /// All that a fit may use to explain noise.
-  int unknowns() const { return parameters() + first_values(); }
+  int unknowns() const { return free_parameters() + first_values(); }
   bool ran() const { return std::isfinite(fit.cost); }
   const Eigen::VectorXd& best_theta() const { return ran() ? fit.theta : starts.front(); }
   /// An effect has shrunk to nothing or to another one: its coefficient, or a shape parameter, sits at its limit, or
   /// its conditions do not hold.
   bool degenerate() const;
-  std::size_t added() const;  ///< parameters of the effects, the last of the model's
+  std::size_t added() const;        ///< free parameters of the effects
+  std::size_t first_added() const;  ///< place of the effects' own parameters, the last of the model's
   std::string name() const { return name_of(choices); }
 };
 

@@ -402,8 +402,9 @@ class Spine {
     constexpr double as_well = 1.02;
     const bool fits_as_well =
         rms_error(rare.fit) <= as_well * rms_error(common.fit) || rare.left_out_gap <= as_well * common.left_out_gap;
-    if (round.names() && rare.parameters() <= common.parameters() && fits_as_well) return true;
-    const bool simpler = rare.parameters() < common.parameters(), fewer = rare.choices.size() < common.choices.size();
+    if (round.names() && rare.free_parameters() <= common.free_parameters() && fits_as_well) return true;
+    const bool simpler = rare.free_parameters() < common.free_parameters(),
+               fewer = rare.choices.size() < common.choices.size();
     if (round.names() && (simpler || fewer)) {
       Candidate as_heard = common;  // under the force between samples and the colour of the noise of the other search
       judge(study_, as_heard, further.found.whitening);

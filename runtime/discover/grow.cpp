@@ -141,8 +141,18 @@ class Grower {
     const bool open = is_open(level);
     if (size == 1 || open)
       fit_too(round.all, offers_.best_on_motion(round.all, round.worth_runs, parents.front(), open), size, level);
-    if (is_open(level)) fit_too(round.all, round.slow, size, level);
+    fit_too(round.all, is_open(level) ? round.slow : rivals_in_memory(round, level), size, level);
     return level;
+  }
+
+  /// Where a single effect with memory is down to the noise, those of many states that need no more parameters: a Prony
+  /// sum follows where one relaxation does.
+  static std::vector<std::size_t> rivals_in_memory(const Offers::Round& round, const std::vector<Candidate>& sorted) {
+    const auto best = std::ranges::find_if_not(sorted, &Candidate::degenerate);
+    if (best == sorted.end() || best->choices.front().effect->states.empty()) return {};
+    std::vector<std::size_t> out = round.slow;
+    std::erase_if(out, [&](std::size_t i) { return free_parameters(*round.all[i].standing.shape) > best->added(); });
+    return out;
   }
 
   void fit_too(const std::vector<Offer>& offers, const std::vector<std::size_t>& more, int size,

@@ -148,7 +148,7 @@ void judge(const Study& study, Candidate& candidate, const Whitening& whitening,
 double price_of_unknowns(const Candidate& c, double rows) {
   const double runs = static_cast<double>(std::max<std::size_t>(1, c.fit.segments.size()));
   const double first_values = 0.5 * c.first_values() * std::log(std::max(1.0, rows / runs));
-  return 0.5 * c.parameters() * std::log(rows) + std::min(first_values, c.price_of_first_values);
+  return 0.5 * c.free_parameters() * std::log(rows) + std::min(first_values, c.price_of_first_values);
 }
 
 double bic(const Candidate& c) {
@@ -170,7 +170,7 @@ double improvement_p_value(const Candidate& smaller, const Candidate& larger) {
 double corrected(double p_value, int tried) { return std::min(1.0, p_value * std::max(1, tried)); }
 
 std::tuple<int, std::size_t, int> simplicity(const Candidate& c) {
-  return {c.parameters(), c.choices.size(), physics_in(c.choices)};
+  return {c.free_parameters(), c.choices.size(), physics_in(c.choices)};
 }
 
 namespace {
@@ -303,7 +303,7 @@ bool sizes_are_told(const Study& study, const Candidate& named) {
 
 std::size_t added_near_zero(const Candidate& c, double level) {
   std::size_t count = 0;
-  for (Eigen::Index k = c.parameters() - static_cast<Eigen::Index>(c.added()); k < c.parameters(); ++k) {
+  for (auto k = static_cast<Eigen::Index>(c.first_added()); k < c.parameters(); ++k) {
     const double deviation = c.fit.deviation(k);
     count += is_unseen(c.fit, k) || (deviation > 0 && 2 * normal_tail(std::abs(c.fit.theta[k]) / deviation) > level);
   }

@@ -207,7 +207,7 @@ class Search {
       constexpr double no_other = 0.01;  // in squared error: what does the same as the fault is heard beside it
       const double cost = fault->fit.cost;
       for (const Candidate& c : sets) {
-        if (c.choices.size() != fault->choices.size() || c.parameters() != fault->parameters()) continue;
+        if (c.choices.size() != fault->choices.size() || c.free_parameters() != fault->free_parameters()) continue;
         if (!(std::abs(c.fit.cost - cost) <= no_other * cost)) continue;
         const auto heard = [&](const Candidate& known) { return same(known.choices, c.choices); };
         if (std::none_of(field.begin(), field.end(), heard)) field.push_back(c);
@@ -634,7 +634,7 @@ class Search {
     if (chosen.choices.empty()) return "does not lower the left-out gap by the least gain";
     if (!not_rejected(study_, chosen, c, result_.grown.tried))
       return "fits better, but not all of its effects earn their place";
-    if (c.parameters() > chosen.parameters() && c.likelihood_cost <= chosen.likelihood_cost)
+    if (c.free_parameters() > chosen.free_parameters() && c.likelihood_cost <= chosen.likelihood_cost)
       return "likelier than " + chosen.name() + " by less than its extra parameters cost";
     const double times = rms_error(c.fit) / rms_error(chosen.fit);
     return (fits_worse(study_, c, chosen) ? "fits worse: leaves " : "fits no better beyond chance: leaves ") +

@@ -65,7 +65,7 @@ struct Stage {
 std::vector<Parameter> own_parameters(const Candidate& candidate, const VectorXd& theta) {
   std::vector<Parameter> out;
   const auto& table = candidate.system->model().parameters;
-  for (std::size_t i = table.size() - candidate.added(); i < table.size(); ++i) {
+  for (std::size_t i = candidate.first_added(); i < table.size(); ++i) {
     Parameter row = table[i];
     row.value = theta[static_cast<Index>(i)];
     row.name = own_name(*candidate.choices.front().effect, row.name);
