@@ -23,6 +23,39 @@ bool force_varies(const Study& study) {
   return false;
 }
 
+FitOptions options_beside(const Study& study, const Candidate& model, int iterations) {
+  FitOptions options = full_fit(study, iterations);
+  options.tolerance = 1e-4;
+  options.substeps = model.fit.substeps;
+  return options;
+}
+
+/// From where the model ended, and, as far as no minimum is reached from there, from where it began: the exponent of a
+/// fractional damper that ended beside one force is far along a bent valley from where it ends beside another. From
+/// there also under the first way, the present one: another minimum is no merit of a reading.
+std::vector<FitResult> fits_beside(const Study& study, const Candidate& model,
+                                   const std::vector<std::vector<FitData>>& ways) {
+  constexpr double near = 2;  // in squared error
+  std::vector<FitResult> out(ways.size());
+  parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    FitOptions options = options_beside(study, model, 6);
+    options.first_states = model.fit.segments;
+    out[k] = fit_trajectory(*model.system, model.fit.theta, ways[k], options);
+  });
+  std::vector<std::size_t> open;
+  for (std::size_t k = 1; k < ways.size(); ++k)
+    if (!out[k].converged && out[k].cost < near * squared_error(model.fit)) open.push_back(k);
+  if (open.empty() || model.starts.empty()) return out;
+  open.push_back(0);
+  parallel_for(static_cast<int>(open.size()), study.options->threads, [&](int i) {
+    const std::size_t k = open[static_cast<std::size_t>(i)];
+    FitResult anew = fit_trajectory(*model.system, model.starts.front(), ways[k], options_beside(study, model, 40));
+    if (anew.cost < out[k].cost) out[k] = std::move(anew);
+  });
+  return out;
+}
+
 }  // namespace
 
 bool one_look(const Study& study) {
@@ -35,10 +68,10 @@ std::string words_of_interpolation(const Study& study) {
 
 bool is_said(const Study& study) { return study.model.interpolation.has_value(); }
 
-double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read) {
+double rechoose_interpolation(const Study& study, Candidate& model, const ReadForce& read) {
   if (is_said(study) || study.imposed || !model.ran() || !force_varies(study)) return 0;
   const BetweenSamples before = study.between;
-  BetweenSamples best = before;
+  std::size_t best = 0;
   const double needed = std::exp(-12.0 / static_cast<double>(model.fit.rows));
   const bool as_one = one_look(study);
   std::vector<BetweenSamples> ways{before};
@@ -48,24 +81,17 @@ double rechoose_interpolation(const Study& study, const Candidate& model, const 
         ways.push_back(way);
   std::vector<std::vector<FitData>> train;
   for (const BetweenSamples way : ways) train.push_back(read(way).train);
-  std::vector<FitResult> fits(ways.size());
-  parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
-    const auto k = static_cast<std::size_t>(i);
-    FitOptions options = full_fit(study, 6);
-    options.tolerance = 1e-4;
-    options.substeps = model.fit.substeps;
-    options.first_states = model.fit.segments;
-    fits[k] = fit_trajectory(*model.system, model.fit.theta, train[k], options);
-  });
+  std::vector<FitResult> fits = fits_beside(study, model, train);
   // A model that was judged may be beside its least error: what other steps from there gain is no merit of a reading.
   const double first = std::min(squared_error(model.fit), fits.front().cost);
   double cost = first;
   for (std::size_t k = 1; k < ways.size(); ++k) {
     if (!(fits[k].cost < needed * cost)) continue;
     cost = fits[k].cost;
-    best = ways[k];
+    best = k;
   }
-  read(best);
+  read(ways[best]);
+  if (best > 0) model.fit = std::move(fits[best]);
   return 1 - cost / first;
 }
 

@@ -23,9 +23,9 @@ std::string words_of_interpolation(const Study& study);
 using ReadForce = std::function<const Study&(BetweenSamples)>;
 
 /// Asked of a model whose misfit no longer hides what the force does between its samples; the first choice (study.cpp)
-/// is made on the force alone. Where another kind is clearly likelier the study is left with it. Returns the relative
-/// drop of the squared error.
-double rechoose_interpolation(const Study& study, const Candidate& model, const ReadForce& read);
+/// is made on the force alone. Where another kind is clearly likelier the study is left with it, and the model as
+/// fitted beside it. Returns the relative drop of the squared error.
+double rechoose_interpolation(const Study& study, Candidate& model, const ReadForce& read);
 
 /// Part of a model's squared error that is not the sensor's noise.
 double part_above_noise(const Study& study, const Candidate& model);

@@ -12,17 +12,18 @@ namespace lunid {
 
 namespace {
 
-/// The force is left as this model would have it read. The rms error that it leaves then; none where that is not worth
-/// a new search: by what the error drops, and where it is not below this squared error.
-std::optional<double> reading_shows_beside(Ground& ground, const Candidate& model, double error) {
+/// The force is left as this model would have it read, and the model as fitted then. The rms error that it leaves; none
+/// where that is not worth a new search: by what the error drops, and where it is not below this squared error.
+std::optional<double> reading_shows_beside(Ground& ground, Candidate& model, double error) {
   constexpr double least_gain = 0.02, part_of_what_is_open = 0.1;  // of the squared error
+  const double squared = squared_error(model.fit), rms = rms_error(model.fit);
+  const double least = std::max(least_gain, part_of_what_is_open * part_above_noise(ground.study, model));
   const double gain = rechoose_interpolation(ground.study, model, [&ground](BetweenSamples between) -> const Study& {
     ground.read_force(between);
     return ground.study;
   });
-  if (!(gain > std::max(least_gain, part_of_what_is_open * part_above_noise(ground.study, model)))) return {};
-  if (!((1 - gain) * squared_error(model.fit) < error)) return {};
-  return std::sqrt(1 - gain) * rms_error(model.fit);
+  if (!(gain > least) || !((1 - gain) * squared < error)) return {};
+  return std::sqrt(1 - gain) * rms;
 }
 
 /// All that were judged, baseline and chosen set first; the last step is the chosen set.
@@ -73,9 +74,10 @@ std::optional<double> fewer_show_reading(Ground& ground, const SearchResult& fou
   const BetweenSamples chosen = ground.study.between;
   const double error = squared_error(found.chosen.fit);
   std::size_t asked = 0;
-  for (const Candidate& set : found.grown.sets) {
-    if (set.choices.size() >= found.chosen.choices.size()) continue;
+  for (const Candidate& smaller : found.grown.sets) {
+    if (smaller.choices.size() >= found.chosen.choices.size()) continue;
     if (asked++ == asked_sets) break;
+    Candidate set = smaller;
     if (reading_shows_beside(ground, set, INFINITY)) {
       const FitResult fit = fit_near(ground.study, set, set.fit.theta, iterations, set.fit.substeps);
       if (std::isfinite(fit.cost) && squared_error(fit) < error) return rms_error(fit);
@@ -142,7 +144,7 @@ std::optional<Interpolation> joined_rows_mislead(const Ground& ground, const Can
   return ways[static_cast<std::size_t>(least - errors.begin())];
 }
 
-std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found) {
+std::optional<double> reads_otherwise(Ground& ground, SearchResult& found) {
   constexpr double left_open = 0.1;  // part of the squared error, at which more models are asked
   constexpr std::size_t asked_sets = 3;
   constexpr double follows_better = 0.5;  // of the squared error of what was chosen, that they have to leave then
@@ -153,7 +155,8 @@ std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found)
   const BetweenSamples chosen = ground.study.between;
   const std::vector<Candidate>& sets = found.grown.sets;
   for (std::size_t i = 0; i < std::min(sets.size(), asked_sets); ++i) {
-    if (const auto left = reading_shows_beside(ground, sets[i], follows_better * error)) return left;
+    Candidate set = sets[i];
+    if (const auto left = reading_shows_beside(ground, set, follows_better * error)) return left;
     ground.read_force(chosen);
   }
   return {};

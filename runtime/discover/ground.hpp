@@ -29,7 +29,7 @@ std::optional<Interpolation> joined_rows_mislead(const Ground& ground, const Can
 /// left so. The rms error that is left. Asked of what was chosen, of sets of fewer effects, which may do alone then (a
 /// lag and a gain stand for half a sample beside one law), and, where that leaves anything, of the sets that follow
 /// best: a model that lacks something may hide half a sample in its damper, where what it lacks would show it.
-std::optional<double> reads_otherwise(Ground& ground, const SearchResult& found);
+std::optional<double> reads_otherwise(Ground& ground, SearchResult& found);
 
 /// What was found, judged on the study as it is now. The names stay; rivals are judged where they are, nearly.
 void judge_again(const Study& study, SearchResult& found);
