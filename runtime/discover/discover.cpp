@@ -105,13 +105,20 @@ class Spine {
   }
 
   /// The common entries, and the others where those leave something open.
-  Round look_at_all() {
-    Round round = look_at_common();
+  Round look_at_all(bool quiet = false) {
+    Round round = look_at_common(quiet);
     look_at_others(round);
     return round;
   }
 
-  Round look_at_common() { return look(first_, {}, first_ < catalogue_.size() ? 0.4 : 0.9); }
+  Round look_at_common(bool quiet = false) {
+    Grown known;
+    known.quiet = quiet;
+    return look(first_, known, first_ < catalogue_.size() ? 0.4 : 0.9);
+  }
+
+  /// What is left above the sensors' noise may be noise of another colour.
+  static bool is_quiet(const Round& round) { return round.verdict == Verdict::nothing_missing && !round.left.seen; }
 
   /// Whether it did.
   bool look_at_others(Round& round) {
@@ -155,7 +162,7 @@ class Spine {
     ground_.read_force({study_.guesses.front()});
     std::vector<std::string> unsaid;
     baseline_ = fit_baseline(study_, model_, unsaid, given_);
-    round = look_at_all();
+    round = look_at_all(is_quiet(round));
     fit_all(round);
   }
 
@@ -324,6 +331,7 @@ class Spine {
     const Candidate& chosen = round.found.chosen;
     if (chosen.choices.size() > 1 && !round.left.seen && rms_error(chosen.fit) < near * study_.sensor_noise())
       round.found.grown.settled = chosen.choices;
+    round.found.grown.quiet = is_quiet(round);
     Round further = look(entries, round.found.grown, 0.9);
     if (std::optional<Round> other = what_takes_the_place(further, round)) {
       if (round.names()) other->displaced = std::make_shared<Round>(std::move(round));

@@ -43,7 +43,7 @@ class Grower {
       for (const auto& c : level) (c.degenerate() ? out_.at_limits : out_.sets).push_back(c);
       if (is_read_otherwise(level)) return std::move(out_);
       const bool better = worth_growing(best, level.front(), size);
-      const bool masked = size == 1 && may_mask_a_pair(level);
+      const bool masked = size == 1 && !known_.quiet && may_mask_a_pair(level);
       if (!better && !masked) break;
       best = level.front();
       parents = parents_of(std::move(level));

@@ -15,8 +15,9 @@ struct Grown {
   std::vector<Candidate> at_limits;       ///< the degenerate ones: of some entry of theirs a simpler one is meant
   std::vector<std::string> left_aside;    ///< entries that this record cannot show beside the baseline, with the reason
   std::optional<BetweenSamples> reading;  ///< growing ended early: the force is to be read so (far_better_reading)
-  Choices settled;  ///< several, in the little that they leave generic forces see nothing: they grow no further
-  int tried = 0;    ///< start points over which a p-value is to be corrected, those of known sets too
+  Choices settled;     ///< several, in the little that they leave generic forces see nothing: they grow no further
+  bool quiet = false;  ///< generic forces see nothing in what the baseline leaves: only what helps alone grows
+  int tried = 0;       ///< start points over which a p-value is to be corrected, those of known sets too
 
   /// A set that was fitted, degenerate or not; null: none.
   const Candidate* find(const Choices& set) const {

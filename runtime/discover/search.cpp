@@ -74,11 +74,12 @@ class Search {
   void decide() {
     auto& sets = result_.grown.sets;
     std::erase_if(sets, [&](const Candidate& c) { return !may_be_named(c); });
-    look_beside();
+    const bool worth_comparing = may_come_down();
+    if (worth_comparing) look_beside();
     const Candidate& baseline = result_.baseline;
     const bool better = !sets.empty() && !(baseline.ran() && baseline.fit.cost < sets.front().fit.cost);
     result_.whitening = residual_colour(study_, better ? sets.front() : baseline);
-    std::vector<Candidate> field = contenders();
+    std::vector<Candidate> field = worth_comparing ? contenders() : std::vector<Candidate>();
     if (const auto best = std::ranges::min_element(
             field, {}, [](const Candidate& c) { return c.choices.size() > 1 ? priced(c) : INFINITY; });
         best != field.end())
@@ -98,6 +99,14 @@ class Search {
                      [](const Candidate& a, const Candidate& b) { return bic(a) < bic(b); });
     refit_baseline(field.front());
     choose(field);
+  }
+
+  /// Short runs are asked for what comes down to the sensor's noise in them: where no set comes near to it nothing is
+  /// compared.
+  bool may_come_down() const {
+    constexpr double near_noise = 4;
+    const auto& sets = result_.grown.sets;
+    return study_.run_length == 0 || sets.empty() || rms_error(sets.front().fit) < near_noise * study_.sensor_noise();
   }
 
   /// What the colour of the noise has led to a limit is no contender, nor what others were held against. False where
@@ -132,12 +141,13 @@ class Search {
   }
 
   /// What slips or opens some tens of times in a record has minima side by side: the best sets with memory are fitted
-  /// from beside where they ended, too. Not those that leave most of what the baseline leaves.
+  /// from beside where they ended, too. Not those that leave a good part of what the baseline leaves.
   void look_beside() {
     constexpr int as_many = 4;
-    constexpr double most = 0.5;  // of the squared excess over the noise
+    constexpr double least = 0.9;  // closed, of the squared excess over the noise
     auto& sets = result_.grown.sets;
-    if (sets.empty() || (result_.baseline.ran() && closed_share(study_, result_.baseline, sets.front()) < most)) return;
+    if (sets.empty() || (result_.baseline.ran() && closed_share(study_, result_.baseline, sets.front()) < least))
+      return;
     const double far = near * sets.front().fit.cost;
     int looked = 0;
     for (Candidate& c : sets) {
