@@ -356,7 +356,7 @@ ResidualRows residual_rows(const Study& study, const Candidate& candidate, const
     out.row_of_record.push_back(static_cast<Index>(force.size()));
     for (Index i = 0; i < residual.size(); ++i) {
       const auto row = static_cast<std::size_t>(i);
-      if (!study.force[k].use[row]) continue;
+      if (!study.force[k].use[row] || is_at_an_end(study, record, i)) continue;
       t.push_back(record.time(i));
       y.push_back(motion[i]);
       v.push_back(rate[i]);

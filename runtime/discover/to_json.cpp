@@ -20,7 +20,8 @@ json parameters(const std::vector<Parameter>& table) {
     if (std::isfinite(p.std)) {
       row["interval"] = {p.value - 1.96 * p.std, p.value + 1.96 * p.std};
     } else {
-      row["std_reason"] = "no standard deviation: not fitted, not seen by the data, or not identifiable";
+      row["std_reason"] =
+          p.fixed ? "held, not fitted" : "no standard deviation: not fitted, not seen by the data, or not identifiable";
     }
     out[p.name] = std::move(row);
   }
