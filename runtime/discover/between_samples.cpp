@@ -32,10 +32,11 @@ FitOptions options_beside(const Study& study, const Candidate& model, int iterat
 
 /// From where the model ended, and, as far as no minimum is reached from there, from where it began: the exponent of a
 /// fractional damper that ended beside one force is far along a bent valley from where it ends beside another. From
-/// there also under the first way, the present one: another minimum is no merit of a reading.
+/// there also under the first way, the present one: another minimum is no merit of a reading. Only of a model that
+/// comes down to the noise: of others chance says where they end.
 std::vector<FitResult> fits_beside(const Study& study, const Candidate& model,
                                    const std::vector<std::vector<FitData>>& ways) {
-  constexpr double near = 2;  // in squared error
+  constexpr double near = 2, near_noise = 1.5;  // in squared error; times the sensor's noise
   std::vector<FitResult> out(ways.size());
   parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
@@ -43,10 +44,11 @@ std::vector<FitResult> fits_beside(const Study& study, const Candidate& model,
     options.first_states = model.fit.segments;
     out[k] = fit_trajectory(*model.system, model.fit.theta, ways[k], options);
   });
+  if (model.starts.empty() || !(rms_error(model.fit) < near_noise * study.sensor_noise())) return out;
   std::vector<std::size_t> open;
   for (std::size_t k = 1; k < ways.size(); ++k)
     if (!out[k].converged && out[k].cost < near * squared_error(model.fit)) open.push_back(k);
-  if (open.empty() || model.starts.empty()) return out;
+  if (open.empty()) return out;
   open.push_back(0);
   parallel_for(static_cast<int>(open.size()), study.options->threads, [&](int i) {
     const std::size_t k = open[static_cast<std::size_t>(i)];
