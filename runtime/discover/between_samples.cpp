@@ -23,7 +23,7 @@ bool force_varies(const Study& study) {
   return false;
 }
 
-FitOptions options_beside(const Study& study, const Candidate& model, int iterations) {
+FitOptions options_of(const Study& study, const Candidate& model, int iterations) {
   FitOptions options = full_fit(study, iterations);
   options.tolerance = 1e-4;
   options.substeps = model.fit.substeps;
@@ -34,13 +34,13 @@ FitOptions options_beside(const Study& study, const Candidate& model, int iterat
 /// fractional damper that ended beside one force is far along a bent valley from where it ends beside another. From
 /// there also under the first way, the present one: another minimum is no merit of a reading. Only of a model that
 /// comes down to the noise: of others chance says where they end.
-std::vector<FitResult> fits_beside(const Study& study, const Candidate& model,
-                                   const std::vector<std::vector<FitData>>& ways) {
+std::vector<FitResult> fits_under(const Study& study, const Candidate& model,
+                                  const std::vector<std::vector<FitData>>& ways) {
   constexpr double near = 2, near_noise = 1.5;  // in squared error; times the sensor's noise
   std::vector<FitResult> out(ways.size());
   parallel_for(static_cast<int>(ways.size()), study.options->threads, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
-    FitOptions options = options_beside(study, model, 6);
+    FitOptions options = options_of(study, model, 6);
     options.first_states = model.fit.segments;
     out[k] = fit_trajectory(*model.system, model.fit.theta, ways[k], options);
   });
@@ -52,7 +52,7 @@ std::vector<FitResult> fits_beside(const Study& study, const Candidate& model,
   open.push_back(0);
   parallel_for(static_cast<int>(open.size()), study.options->threads, [&](int i) {
     const std::size_t k = open[static_cast<std::size_t>(i)];
-    FitResult anew = fit_trajectory(*model.system, model.starts.front(), ways[k], options_beside(study, model, 40));
+    FitResult anew = fit_trajectory(*model.system, model.starts.front(), ways[k], options_of(study, model, 40));
     if (anew.cost < out[k].cost) out[k] = std::move(anew);
   });
   return out;
@@ -83,7 +83,7 @@ double rechoose_interpolation(const Study& study, Candidate& model, const ReadFo
         ways.push_back(way);
   std::vector<std::vector<FitData>> train;
   for (const BetweenSamples way : ways) train.push_back(read(way).train);
-  std::vector<FitResult> fits = fits_beside(study, model, train);
+  std::vector<FitResult> fits = fits_under(study, model, train);
   // A model that was judged may be beside its least error: what other steps from there gain is no merit of a reading.
   const double first = std::min(squared_error(model.fit), fits.front().cost);
   double cost = first;

@@ -165,14 +165,13 @@ Tape margins_of(const Choices& choices, const Model& model) {
 
 }  // namespace
 
-int Candidate::free_parameters() const {
-  return static_cast<int>(std::ranges::count(system->model().parameters, false, &Parameter::fixed));
+int free_parameters(std::span<const Parameter> table) {
+  return static_cast<int>(std::ranges::count(table, false, &Parameter::fixed));
 }
 
 std::size_t Candidate::added() const {
-  const auto& table = system->model().parameters;
-  return static_cast<std::size_t>(std::ranges::count(table.begin() + static_cast<std::ptrdiff_t>(first_added()),
-                                                     table.end(), false, &Parameter::fixed));
+  const std::span<const Parameter> table = system->model().parameters;
+  return static_cast<std::size_t>(lunid::free_parameters(table.subspan(first_added())));
 }
 
 std::size_t Candidate::first_added() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace lunid {
 
 /// Substeps per sample of internal states where the force alone is looked at.
 inline constexpr int start_substeps = 2;
+/// Those that are not held.
+int free_parameters(std::span<const Parameter> table);
 
 struct Candidate {
   Choices choices;
@@ -40,7 +43,7 @@ struct Candidate {
   double left_out_gap = 0;   ///< its RMSE over std of the measured output
 
   int parameters() const { return system->parameters(); }
-  int free_parameters() const;  ///< those that are not held
+  int free_parameters() const { return lunid::free_parameters(system->model().parameters); }
   /// First values of internal states, in every run that was fitted.
   int first_values() const {
     return (system->states() - 2 * system->degrees()) * static_cast<int>(std::max<std::size_t>(1, fit.segments.size()));

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "discover/candidate.hpp"
 #include "discover/views.hpp"
 #include "expr/digits.hpp"
 #include "record/parallel.hpp"
@@ -209,15 +210,10 @@ class Designer {
     return std::sqrt(fit.cost / static_cast<double>(std::max<Index>(1, fit.rows))) / options_.noise;
   }
 
-  static int free_parameters(const Rival& rival) {
-    const auto& table = rival.system->model().parameters;
-    return static_cast<int>(std::count_if(table.begin(), table.end(), [](const Parameter& p) { return !p.fixed; }));
-  }
-
   /// The smaller of the two ways. A rival that holds the other within it follows it anywhere: there simplicity decides,
   /// and the experiment must show the larger one where that is the truth.
   static double separation(const Rival& a, const Rival& b, double b_of_a, double a_of_b) {
-    const int more = free_parameters(b) - free_parameters(a);
+    const int more = free_parameters(b.system->model().parameters) - free_parameters(a.system->model().parameters);
     if (more > 0 && b_of_a < contained * a_of_b) return a_of_b;
     if (more < 0 && a_of_b < contained * b_of_a) return b_of_a;
     return std::min(b_of_a, a_of_b);

@@ -151,7 +151,10 @@ class Grower {
     const auto best = std::ranges::find_if_not(sorted, &Candidate::degenerate);
     if (best == sorted.end() || best->choices.front().effect->states.empty()) return {};
     std::vector<std::size_t> out = round.slow;
-    std::erase_if(out, [&](std::size_t i) { return free_parameters(*round.all[i].standing.shape) > best->added(); });
+    std::erase_if(out, [&](std::size_t i) {
+      const Model& own = round.all[i].standing.shape->system->model();
+      return free_parameters(own.parameters) > static_cast<int>(best->added());
+    });
     return out;
   }
 

@@ -96,7 +96,7 @@ ResidualMap residual_map(const Study& study, const Candidate& before, const Cand
     const Eigen::VectorXd last = force_at(residual_force(study, after, after, k), rows, place);
     const Eigen::VectorXd y = motion_at(study.smooth[k], place, 'y'), v = motion_at(study.smooth[k], place, 'v');
     for (Eigen::Index i = 0; i < first.size(); ++i) {
-      if (!study.force[k].use[static_cast<std::size_t>(i)] || is_at_an_end(study, study.smooth[k], i)) continue;
+      if (!is_mapped(study, k, i)) continue;
       const int a = bin_of(y[i], y_limit), b = bin_of(v[i], v_limit);
       map.before(a, b) += first[i];
       map.after(a, b) += last[i];

@@ -68,9 +68,6 @@ inline bool many_states(std::size_t states) { return states > 4; }
 inline bool many_states(const Choices& set) {
   return std::ranges::any_of(set, [](const Choice& c) { return many_states(c.effect->states.size()); });
 }
-inline std::size_t free_parameters(const Shape& shape) {
-  return static_cast<std::size_t>(std::ranges::count(shape.system->model().parameters, false, &Parameter::fixed));
-}
 inline bool many_states(const Shape& shape) { return many_states(shape.system->model().states.size()); }
 
 /// Compares forces as the trajectory feels them: behind the receptance of the linear system.

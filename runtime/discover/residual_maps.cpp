@@ -345,6 +345,16 @@ ResidualMaps map_residual(const ResidualRows& rows) {
   return out;
 }
 
+bool is_mapped(const Study& study, std::size_t record, Index row) {
+  constexpr double cycles = 0.5;  // of the limit of the high pass
+  if (!study.force[record].use[static_cast<std::size_t>(row)]) return false;
+  if (study.slow == 0) return true;
+  const Record& smooth = study.smooth[record];
+  const auto longest = static_cast<double>(smooth.rows()) / 10;
+  const auto end = static_cast<Index>(std::min(longest, cycles / study.slow / smooth.dt()));
+  return row >= end && row < smooth.rows() - end;
+}
+
 ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference,
                            const std::optional<Place>& place) {
   ResidualRows out;
@@ -355,8 +365,7 @@ ResidualRows residual_rows(const Study& study, const Candidate& candidate, const
     const VectorXd motion = motion_at(record, place, 'y'), rate = motion_at(record, place, 'v');
     out.row_of_record.push_back(static_cast<Index>(force.size()));
     for (Index i = 0; i < residual.size(); ++i) {
-      const auto row = static_cast<std::size_t>(i);
-      if (!study.force[k].use[row] || is_at_an_end(study, record, i)) continue;
+      if (!is_mapped(study, k, i)) continue;
       t.push_back(record.time(i));
       y.push_back(motion[i]);
       v.push_back(rate[i]);

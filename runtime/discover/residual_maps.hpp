@@ -25,6 +25,10 @@ std::string sentence_of(const ResidualMaps& maps, const ResidualRows& rows);
 void say_each(ResidualMaps& maps, const Units& units);
 std::string unseen(const ResidualMaps& maps, const ResidualRows& rows);
 
+/// Whether a row of a smoothed training record counts in maps: not where it is smoothed over an end, nor, of a motion
+/// that was integrated, near the ends, where the high pass leaves many times the drift that it leaves elsewhere.
+bool is_mapped(const Study& study, std::size_t record, Eigen::Index row);
+
 /// The residual rows of a model at a place along the smoothed training records (locate.hpp).
 ResidualRows residual_rows(const Study& study, const Candidate& candidate, const Candidate& reference,
                            const std::optional<Place>& place = {});

@@ -270,14 +270,6 @@ Eigen::Index edge_of(const SavitzkyGolay& kernel, Slopes slopes) {
   return kernel.half_width + (slopes == Slopes::of_column ? difference_accuracy / 2 : 0);
 }
 
-bool is_at_an_end(const Study& study, const Record& record, Eigen::Index row) {
-  constexpr double cycles = 0.5;  // of the limit of the high pass
-  if (study.slow == 0) return false;
-  const auto longest = static_cast<double>(record.rows()) / 10;
-  const auto end = static_cast<Eigen::Index>(std::min(longest, cycles / study.slow / record.dt()));
-  return row < end || row >= record.rows() - end;
-}
-
 /// What lies above the measured channel are its derivatives, what lies below its integrals, smoothed.
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel, Slopes slopes) {
   auto channel = [](const std::string& name, const std::string& unit, Eigen::VectorXd values) {

@@ -113,9 +113,6 @@ enum class Slopes { of_window, of_column };
 Record smooth_motion(const Study& study, const Record& record, const SavitzkyGolay& kernel, Slopes slopes);
 /// Rows at either end that are smoothed with others.
 Eigen::Index edge_of(const SavitzkyGolay& kernel, Slopes slopes);
-/// Of a motion that was integrated: near the ends of a record the high pass leaves drift, many times what it leaves
-/// elsewhere.
-bool is_at_an_end(const Study& study, const Record& record, Eigen::Index row);
 
 /// The band that the motion fills: highest angular frequency [rad/s] with power in it, std(a) / std(v).
 double upper_frequency(const Study& study);

@@ -16,33 +16,21 @@ local function respond(o, rows, dt, finer, force)
   end
   local below, above = rates[1]/math.sqrt(factor), rates[#rates]*math.sqrt(factor)
   local spring, damper = scale*below^o.p/o.p, scale*above^(o.p - 1)/(1 - o.p)
-  local function slopes(F, s)
+  local function slopes(t, s)
     local sum, out = spring*s[1] + damper*s[2], {}
     for i = 1, #rates do
       sum = sum + weights[i]*s[i + 2]
       out[i + 2] = s[2] - rates[i]*s[i + 2]
     end
-    out[1], out[2] = s[2], (F - o.c*s[2] - o.k*s[1] - o.cf*sum)/o.mass
-    return out
-  end
-  local function moved(s, d, h)
-    local out = {}
-    for i = 1, #s do out[i] = s[i] + h*d[i] end
+    out[1], out[2] = s[2], (force(t) - o.c*s[2] - o.k*s[1] - o.cf*sum)/o.mass
     return out
   end
   local s, ys, vs, as, h = {}, {}, {}, {}, dt/finer
   for i = 1, #rates + 2 do s[i] = 0 end
   for row = 1, rows do
     local t = (row - 1)*dt
-    ys[row], vs[row], as[row] = s[1], s[2], slopes(force(t), s)[2]
-    for part = 0, finer - 1 do
-      local from, middle, to = force(t + part*h), force(t + (part + 0.5)*h), force(t + (part + 1)*h)
-      local d1 = slopes(from, s)
-      local d2 = slopes(middle, moved(s, d1, h/2))
-      local d3 = slopes(middle, moved(s, d2, h/2))
-      local d4 = slopes(to, moved(s, d3, h))
-      for i = 1, #s do s[i] = s[i] + h/6*(d1[i] + 2*d2[i] + 2*d3[i] + d4[i]) end
-    end
+    ys[row], vs[row], as[row] = s[1], s[2], slopes(t, s)[2]
+    for part = 0, finer - 1 do s = spec.runge_kutta(slopes, t + part*h, s, h) end
   end
   return ys, vs, as
 end
