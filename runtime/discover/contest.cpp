@@ -62,12 +62,19 @@ class Contest {
     return out;
   }
 
-  /// The best of each number of effects from two on, where it leaves more than the noise.
+  /// The best of each number of effects from two on, and of those that were known before, where it leaves more than
+  /// the noise: a common entry may stand for its general form, which is not among the common ones, and what many
+  /// parameters follow leave less than both.
   std::vector<const Candidate*> open_of_several() const {
     std::vector<const Candidate*> out;
+    const auto size_of = [](const Candidate& c) { return c.choices.size(); };
     for (std::size_t size = 2; size <= static_cast<std::size_t>(study_.most_effects); ++size) {
-      const auto best = std::ranges::find(out_.sets, size, [](const Candidate& c) { return c.choices.size(); });
-      if (best != out_.sets.end() && is_above_noise(study_, *best)) out.push_back(&*best);
+      const auto best = std::ranges::find(out_.sets, size, size_of);
+      if (best == out_.sets.end() || !is_above_noise(study_, *best)) continue;
+      out.push_back(&*best);
+      const auto known = std::ranges::find(known_.sets, size, size_of);
+      if (known == known_.sets.end() || known->choices == best->choices) continue;
+      if (const Candidate* fitted = find_in(out_.sets, known->choices)) out.push_back(fitted);
     }
     return out;
   }
@@ -137,13 +144,21 @@ class Contest {
   }
 
   /// Beside the other effects as they are in the whole set; no more than `most`, those that explain most of the force.
+  /// `alone`: and as they were fitted without it, where they were: in the whole set they may stand for a part of what
+  /// the wanted one does.
   void fit_in_its_place(const Candidate& whole, const Choice& old, double badly, const Wanted& wanted,
-                        std::vector<Candidate>& more, std::size_t most = SIZE_MAX) {
+                        std::vector<Candidate>& more, std::size_t most = SIZE_MAX, bool alone = false) {
     if (std::ranges::none_of(offers_.shapes(), wanted)) return;
-    Candidate rest = without(whole, old);
-    rest.fit.theta = values_of(rest, {&whole});
-    rest.fit.cost = INFINITY;  // of no run
-    const std::vector<Offer> offers = offers_beside(rest, offers_.space_of(rest, rest.fit.theta), more, badly, wanted);
+    const Candidate own = without(whole, old);
+    std::vector<Candidate> rests{own};
+    rests.front().fit.theta = values_of(own, {&whole});
+    rests.front().fit.cost = INFINITY;  // of no run
+    if (alone && own.fit.theta.size() > 0 && own.ran()) rests.push_back(own);
+    std::vector<Proposer::Parent> spaces;
+    for (const Candidate& rest : rests) spaces.push_back(offers_.space_of(rest, rest.fit.theta));
+    std::vector<Offer> offers;
+    for (std::size_t k = 0; k < rests.size(); ++k)
+      std::ranges::move(offers_beside(rests[k], spaces[k], more, badly, wanted), std::back_inserter(offers));
     std::vector<std::size_t> list(offers.size());
     std::iota(list.begin(), list.end(), std::size_t{0});
     if (list.size() > most) {
@@ -155,7 +170,7 @@ class Contest {
 
   void fit_general_forms(const Candidate& whole, const Choice& old, std::vector<Candidate>& more) {
     const auto is_general = [&](const Shape& shape) { return old.is_special_case(shape.choice); };
-    fit_in_its_place(whole, old, whole.fit.cost, is_general, more);
+    fit_in_its_place(whole, old, whole.fit.cost, is_general, more, SIZE_MAX, true);
   }
 
   /// Those of no more parameters that explain most of the force in its place: what came first beside a parent that

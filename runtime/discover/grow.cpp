@@ -138,11 +138,26 @@ class Grower {
     std::vector<Candidate> level = fits_.fit(round.all, round.worth_runs, size, best, fewest_);
     if (is_read_otherwise(level)) return level;
     if (is_open(level)) size == 1 ? fits_.leave_minima(level) : fits_.begin_in_short_runs(level);
-    const bool open = is_open(level);
-    if (size == 1 || open)
-      fit_too(round.all, offers_.best_on_motion(round.all, round.worth_runs, parents.front(), open), size, level);
+    fit_too(round.all, best_on_motion(round, parents, size, is_open(level)), size, level);
     fit_too(round.all, is_open(level) ? round.slow : rivals_in_memory(round, level), size, level);
     return level;
+  }
+
+  /// Of pairs beside each parent, not the best alone: where two effects are missing, each of them may run worse than an
+  /// effect that stands for both.
+  std::vector<std::size_t> best_on_motion(const Offers::Round& round, const std::vector<Candidate>& parents, int size,
+                                          bool open) const {
+    if (size > 2 && !open) return {};
+    std::vector<std::size_t> out;
+    std::vector<Choices> seen;
+    for (std::size_t k = 0; k < (size == 2 ? parents.size() : 1); ++k)
+      for (const std::size_t i : offers_.best_on_motion(round.all, round.worth_runs, parents[k], open)) {
+        Choices set = round.all[i].set();
+        if (is_among(seen, set)) continue;
+        seen.push_back(std::move(set));
+        out.push_back(i);
+      }
+    return out;
   }
 
   /// Where a single effect with memory is down to the noise, those of many states that need no more parameters: a Prony

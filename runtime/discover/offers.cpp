@@ -343,10 +343,18 @@ std::vector<std::size_t> Offers::best_on_motion(const std::vector<Offer>& offers
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return gains[a].gain > gains[b].gain; });
-  // A small gain is no reason against: beside a poor model the noise has the colour of what is missing, which hides it.
+  // Of an entry its best form. A small gain is no reason against: beside a poor model the noise has the colour of what
+  // is missing, which hides it.
   std::vector<std::size_t> out;
-  for (const std::size_t k : order)
-    if (gains[k].p_value < study_.options->alpha && out.size() < runs_by_motion) out.push_back(others[k]);
+  const auto is_taken = [&](const Effect* effect) {
+    return std::ranges::any_of(out, [&](std::size_t i) { return offers[i].standing.shape->choice.effect == effect; });
+  };
+  for (const std::size_t k : order) {
+    if (!(gains[k].p_value < study_.options->alpha) || is_taken(offers[others[k]].standing.shape->choice.effect))
+      continue;
+    out.push_back(others[k]);
+    if (out.size() == runs_by_motion) break;
+  }
   return out;
 }
 

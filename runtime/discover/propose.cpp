@@ -194,6 +194,7 @@ Eigen::VectorXd Proposer::weighted(const Eigen::VectorXd& force) const {
 namespace {
 
 constexpr int most_substeps = 8;
+constexpr int most_substeps_of_a_parent = 64;  // fitted on the trajectory, its memory may be stiff along the motion
 
 bool are_alike(const Eigen::VectorXd& coarse, const Eigen::VectorXd& fine) {
   constexpr double share = 0.02;
@@ -330,7 +331,11 @@ Proposer::Parent Proposer::parent(const Candidate& candidate, const Eigen::Vecto
   out.theta = out.start = theta;
   Eigen::VectorXd force;
   Eigen::MatrixXd slopes;
-  evaluate(*candidate.force_system, theta, force, &slopes, start_substeps);
+  const double runaway = measured_.isZero(0) ? INFINITY : 100 * measured_.norm();
+  for (int substeps = start_substeps; substeps <= most_substeps_of_a_parent; substeps *= 2) {
+    evaluate(*candidate.force_system, theta, force, &slopes, substeps);
+    if (force.norm() < runaway) break;
+  }
   const auto& table = candidate.system->model().parameters;
   out.jacobian.resize(rows_, theta.size());
   for (Eigen::Index j = 0; j < theta.size(); ++j) {

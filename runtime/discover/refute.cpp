@@ -14,10 +14,6 @@
 
 namespace lunid {
 
-namespace {
-
-/// Forces that follow the training motion need not hold beyond it: whether the test records show some of their own
-/// beside the same model, fitted to them.
 bool test_shows_structure(const Study& study, const Candidate& model, const Whitening& whitening) {
   Study own = study;
   own.full = study.test;
@@ -30,8 +26,6 @@ bool test_shows_structure(const Study& study, const Candidate& model, const Whit
   run_left_out(own, c);
   return look_for_structure(own, c, runs(own, c, own.full), whitening).material;
 }
-
-}  // namespace
 
 bool gone_on_test(const Study& study, const Round& round, const std::vector<FreeRun>& before) {
   const Closure& closure = round.left.closure;

@@ -16,6 +16,10 @@ inline constexpr auto not_confirmed = "not confirmed by the test record";
 /// `before`: the model's runs over the test records.
 bool gone_on_test(const Study& study, const Round& round, const std::vector<FreeRun>& before);
 
+/// Forces that follow the training motion need not hold beyond it: whether the test records show some of their own
+/// beside the same model, fitted to them.
+bool test_shows_structure(const Study& study, const Candidate& model, const Whitening& whitening);
+
 /// A model that follows the training records leaves no more open on the test than three deviations of its parameters
 /// make of it there: a sweep through a jump hangs on a damping that the training records show to a percent.
 bool hangs_on_parameters(const Study& study, const Candidate& model, const Gap& train, const Gap& test);

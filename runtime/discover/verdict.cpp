@@ -123,6 +123,16 @@ Left look_for_structure(const Study& study, const Candidate& c, const std::vecto
   return left;
 }
 
+bool may_have_colour(const Study& study, const Round& round) {
+  constexpr double above = 1.3;  // times the floor
+  return !study.imposed && !round.left.seen && round.left.gap.value > above * round.left.gap.floor;
+}
+
+void take_undriven_for_noise(const Study& study, const std::vector<Record>& records, std::vector<FreeRun>& runs) {
+  const double undriven = 1 - std::clamp(driven_part(study, runs, records), 0.0, 1.0);
+  for (FreeRun& run : runs) run.floor_squares = std::max(run.floor_squares, undriven * run.squares);
+}
+
 double most_closed(const Choices& names) {
   if (springs_among(names) > 1) return 0.998;
   return 1 - 0.05 / static_cast<double>(std::max<std::size_t>(1, names.size()));
@@ -174,8 +184,14 @@ namespace {
 /// another force, followed. `before`: the baseline's gap over the training records.
 bool is_patchwork(const Study& study, const Round& round, double before) {
   const SearchResult& found = round.found;
-  const Gap after = round.gap(round.train);
+  Gap after = round.gap(round.train);
   if (found.steps.size() < 2 || !far_from_the_floor(after, little_open)) return false;
+  if (may_have_colour(study, round)) {
+    std::vector<FreeRun> heard = round.train;
+    take_undriven_for_noise(study, study.full, heard);
+    after = round.gap(heard);
+    if (!far_from_the_floor(after, little_open)) return false;
+  }
   const auto closes = [&](double gap) { return closed_share(before, gap, after.floor); };
   const double first = pool_gap(runs(study, found.steps.front().model, study.full, false), 0).value;
   return closes(first) < 0.8 * closes(after.value);

@@ -60,6 +60,11 @@ bool leaves_motion_open(const Study& study, const Gap& gap, double part = 1);
 /// and no force of its motion stands for. 0 elsewhere.
 double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, const std::vector<FreeRun>& train_runs,
                       const std::vector<FreeRun>& test_runs, double least);
+/// The quietest part of a spectrum says too little of noise that a filter has shaped, or that drifts: where generic
+/// forces see nothing in what the chosen model leaves above it, that may be noise.
+bool may_have_colour(const Study& study, const Round& round);
+/// The floor of runs over these records: all that they leave but what follows the forces linearly.
+void take_undriven_for_noise(const Study& study, const std::vector<Record>& records, std::vector<FreeRun>& runs);
 /// Of the squared excess, by names that stand beside a small repeatable force: each has to leave less where they are
 /// several, and two springs nothing to speak of, which follow a curve of another kind as a series does.
 double most_closed(const Choices& names);

@@ -182,6 +182,26 @@ TEST(Proposer, HearsAModulatedStiffnessInNoise) {
   EXPECT_TRUE(modulation_lines(steady.study, steady.known).empty());
 }
 
+/// What was fitted on the trajectory has memory that follows at once along a given motion: its run there is made in as
+/// many steps as that takes, or nothing could be proposed beside it.
+TEST(Proposer, RunsAFittedMemoryThatIsStiffAlongTheMotion) {
+  const Case slips(truth::laws::dahl(1, 0.3));
+  const Effect effect = dahl(*slips.model.pool, "N/m", "N");
+  const Candidate set = compile(slips.study, slips.model, {{&effect, 0}});
+  Eigen::VectorXd theta = Eigen::VectorXd::Zero(set.parameters());
+  const auto& table = set.system->model().parameters;
+  for (Eigen::Index j = 0; j < theta.size(); ++j) {
+    const std::string& name = table[static_cast<std::size_t>(j)].name;
+    if (name == "s") theta[j] = 10;
+    if (name == "Fc") theta[j] = 0.3;
+    if (name == "k") theta[j] = 1;
+    if (name == "c") theta[j] = 0.06;
+  }
+  const Proposer::Parent space = Proposer(slips.study, slips.known).parent(set, theta);
+  EXPECT_LT(space.open.norm(),
+            10 * Proposer(slips.study, slips.known).parent(slips.known, slips.known.fit.theta).open.norm());
+}
+
 /// A spring that softens and then hardens: each of its two powers takes back most of what the other does.
 TEST(Proposer, SeesWhatTwoEffectsLeaveTogether) {
   const auto softens = [](double x, double) { return -0.35 * x * x * x + 0.05 * std::pow(x, 5); };
