@@ -133,16 +133,16 @@ class OnTest {
   }
 
   /// What the names leave open is noise by all that can be told: generic forces see nothing in it, on the training nor
-  /// on the test records, it is no larger a part of the motion on these, and held against what of it does not follow
-  /// the forces these refute nothing.
+  /// on the test records, it follows no force, is no larger a part of the motion on the test, and taken for noise
+  /// leaves nothing that refutes these.
   bool leaves_noise_of_a_colour(const Round& round) const {
     constexpr double larger = 1.3;
-    if (!may_have_colour(study_, round)) return false;
+    if (!may_leave_noise(study_, round) || follows_the_forces(study_, runs_.after_test, study_.test)) return false;
     Round heard = round;
-    take_undriven_for_noise(study_, study_.full, heard.train);
-    heard.left.gap = heard.gap(heard.train);
     std::vector<FreeRun> after = runs_.after_test;
-    take_undriven_for_noise(study_, study_.test, after);
+    for (std::vector<FreeRun>* all : {&heard.train, &after})
+      for (FreeRun& run : *all) run.floor_squares = std::max(run.floor_squares, run.squares);
+    heard.left.gap = heard.gap(heard.train);
     return heard.gap(after).value < larger * heard.left.gap.value &&
            refuted(study_, heard, out_.test_p_value, runs_.before_test, after).empty() &&
            !test_shows_structure(study_, round.found.chosen, round.found.whitening);
@@ -323,8 +323,10 @@ class OnTest {
     const auto& [study, before, after] = judged;
     const double p_value = test_p_value(study, before, after);
     const bool follows = other.gap(other.train).value < 3 * followed;
-    if (!other.names() || !follows || !refuted(study, other, p_value, before, after).empty() ||
-        steps_that_help(study, other, after) < other.found.steps.size() || !(other.gap(after).value < open)) {
+    const Gap left_there = other.gap(after);
+    const bool whole = !(other.left.material && left_there.value > 3 * left_there.floor);
+    if (!other.names() || !follows || !whole || !refuted(study, other, p_value, before, after).empty() ||
+        steps_that_help(study, other, after) < other.found.steps.size() || !(left_there.value < open)) {
       ground_ = std::move(as_found);
       return false;
     }

@@ -128,9 +128,15 @@ bool may_have_colour(const Study& study, const Round& round) {
   return !study.imposed && !round.left.seen && round.left.gap.value > above * round.left.gap.floor;
 }
 
-void take_undriven_for_noise(const Study& study, const std::vector<Record>& records, std::vector<FreeRun>& runs) {
-  const double undriven = 1 - std::clamp(driven_part(study, runs, records), 0.0, 1.0);
-  for (FreeRun& run : runs) run.floor_squares = std::max(run.floor_squares, undriven * run.squares);
+bool may_leave_noise(const Study& study, const Round& round) {
+  constexpr double most = 5;  // times the floor: noise that stronger filters have shaped hides a force too
+  return may_have_colour(study, round) && round.left.gap.value < most * round.left.gap.floor &&
+         !follows_the_forces(study, round.train, study.full);
+}
+
+bool follows_the_forces(const Study& study, const std::vector<FreeRun>& runs, const std::vector<Record>& records) {
+  constexpr double by_chance = 0.1;
+  return driven_part(study, runs, records) > by_chance;
 }
 
 double most_closed(const Choices& names) {
@@ -184,14 +190,8 @@ namespace {
 /// another force, followed. `before`: the baseline's gap over the training records.
 bool is_patchwork(const Study& study, const Round& round, double before) {
   const SearchResult& found = round.found;
-  Gap after = round.gap(round.train);
-  if (found.steps.size() < 2 || !far_from_the_floor(after, little_open)) return false;
-  if (may_have_colour(study, round)) {
-    std::vector<FreeRun> heard = round.train;
-    take_undriven_for_noise(study, study.full, heard);
-    after = round.gap(heard);
-    if (!far_from_the_floor(after, little_open)) return false;
-  }
+  const Gap after = round.gap(round.train);
+  if (found.steps.size() < 2 || !far_from_the_floor(after, little_open) || may_leave_noise(study, round)) return false;
   const auto closes = [&](double gap) { return closed_share(before, gap, after.floor); };
   const double first = pool_gap(runs(study, found.steps.front().model, study.full, false), 0).value;
   return closes(first) < 0.8 * closes(after.value);

@@ -63,8 +63,10 @@ double lacks_dynamics(const Study& study, const Gap& train, const Gap& test, con
 /// The quietest part of a spectrum says too little of noise that a filter has shaped, or that drifts: where generic
 /// forces see nothing in what the chosen model leaves above it, that may be noise.
 bool may_have_colour(const Study& study, const Round& round);
-/// The floor of runs over these records: all that they leave but what follows the forces linearly.
-void take_undriven_for_noise(const Study& study, const std::vector<Record>& records, std::vector<FreeRun>& runs);
+/// The same of what names leave, where it is no more than such a colour explains and does not follow the forces.
+bool may_leave_noise(const Study& study, const Round& round);
+/// Of what runs over these records leave, more follows the forces linearly than chance makes of noise.
+bool follows_the_forces(const Study& study, const std::vector<FreeRun>& runs, const std::vector<Record>& records);
 /// Of the squared excess, by names that stand beside a small repeatable force: each has to leave less where they are
 /// several, and two springs nothing to speak of, which follow a curve of another kind as a series does.
 double most_closed(const Choices& names);
