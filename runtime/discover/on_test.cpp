@@ -33,6 +33,15 @@ std::string left_open_by_training(const Candidate& named, const std::string& fau
          number(of_all.floor, 2) + " from noise alone). Train on both";
 }
 
+std::string taken_for_noise(const Round& round) {
+  return "what " + round.found.chosen.name() + " leaves of the training records is " +
+         number(round.left.gap.value / round.left.gap.floor, 2) +
+         " times the noise that the band beside their motion shows. It is taken for noise of a colour which that "
+         "band " +
+         "does not show: generic forces of the motion see nothing in it, it follows no force, and it is no larger a " +
+         "part of the motion on the test records";
+}
+
 double error_on_test(const Study& study, const Candidate& model) {
   double squares = 0;
   for (const FreeRun& run : runs(study, model, study.test, false)) squares += run.squares;
@@ -164,7 +173,10 @@ class OnTest {
       shorter = short_test_runs(round);
       std::tie(fault, of_all) = held_against_test(round, shorter);
     }
-    if (!fault.empty() && !of_all && !shorter && leaves_noise_of_a_colour(round)) fault.clear();
+    if (!fault.empty() && !of_all && !shorter && leaves_noise_of_a_colour(round)) {
+      out_.warnings.push_back(taken_for_noise(round));
+      fault.clear();
+    }
     const Study& study = shorter ? shorter->study : study_;
     const std::vector<FreeRun>&before = shorter ? shorter->before : runs_.before_test,
           &after = shorter ? shorter->after : runs_.after_test;

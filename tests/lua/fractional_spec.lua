@@ -35,15 +35,6 @@ local function respond(o, rows, dt, finer, force)
   return ys, vs, as
 end
 
---- Tones spread evenly from 0.3 to 2.2 times this frequency, of phases that jump about.
-local function tones(omega, size, seed)
-  return function(t)
-    local sum = 0
-    for i = 1, 25 do sum = sum + math.cos((0.3 + 0.079*(i - 1))*omega*t + seed*i*i) end
-    return size*sum
-  end
-end
-
 --- Straight between the rows.
 local function straight(force, dt)
   return function(t)
@@ -77,7 +68,7 @@ spec.case("beside noise: one relaxation that follows as well is no more than a r
   local omega = math.sqrt(o.k/o.mass)
   local dt = 2*math.pi/omega/16
   local function record(seed)
-    local force = tones(omega, 4e-3, seed)
+    local force = spec.tones(omega, 4e-3, seed)
     local ys, vs = respond(o, 1300, dt, 6, force)
     return lunid.record({ channels = { { "y", ys, unit = "m" }, { "v", vs, unit = "m/s" },
       { "F", values(force, 1300, dt), unit = "N" } }, dt = dt })
@@ -94,7 +85,7 @@ spec.case("a force that is straight between its samples: the exponent is not tha
   local omega = math.sqrt(o.k/o.mass)
   local dt = 2*math.pi/omega/50
   local function record(seed)
-    local force = straight(tones(omega, 0.05, seed), dt)
+    local force = straight(spec.tones(omega, 0.05, seed), dt)
     local _, _, as = respond(o, 2500, dt, 2, force)
     return lunid.record({ channels = { { "a", as, unit = "m/s^2" }, { "F", values(force, 2500, dt), unit = "N" } }, dt = dt })
       :with_noise { a = lunid.noise.gaussian { relative = 1e-3 }, seed = math.floor(100*seed) }

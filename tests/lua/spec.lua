@@ -120,6 +120,15 @@ function spec.runge_kutta(slopes, t, state, h)
   return out
 end
 
+--- A force of time: tones spread evenly from 0.3 to 2.2 times this frequency, of phases that jump about.
+function spec.tones(omega, size, seed)
+  return function(t)
+    local sum = 0
+    for i = 1, 25 do sum = sum + math.cos((0.3 + 0.079*(i - 1))*omega*t + seed*i*i) end
+    return size*sum
+  end
+end
+
 function spec.clean() os.execute(("rm -rf '%s'"):format(spec.folder)) end
 
 return spec
