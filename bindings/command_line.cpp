@@ -49,7 +49,10 @@ Check expects_whole(const std::string& range, long long most) {
 void add_shared(CLI::App* app, Values& values, bool with_out = true) {
   if (with_out)
     app->add_option("--out", values.out, "directory for all that the run makes (lunid-out)")
-        ->check(Check([](const std::string& text) { return text.empty() ? "expected a directory, got ''" : ""; }));
+        ->check(Check([](const std::string& text) -> std::string {
+          if (!text.empty() && !text.starts_with("--")) return "";
+          return "expected a directory, got '" + text + "'" + (text.empty() ? "" : ": --out has no value");
+        }));
   app->add_option("--seed", values.seed, "seed of everything random (1)")
       ->check(expects_whole(">= 0", std::numeric_limits<long long>::max()));
   app->add_option("--threads", values.threads, "threads; 0 is all cores (0)")

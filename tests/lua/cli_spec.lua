@@ -333,6 +333,7 @@ spec.case("wrong options: what was expected, what came", function()
     ["run s.lua --seed 1.5"] = "lunid: --seed: expected a whole number >= 0, got '1.5'\nlunid: see `lunid run --help`\n",
     ["repl --threads 9999"] = "lunid: --threads: expected a whole number from 0 to 4096, got '9999'\nlunid: see `lunid repl --help`\n",
     ["run s.lua --out ''"] = "lunid: --out: expected a directory, got ''\nlunid: see `lunid run --help`\n",
+    ["run s.lua --out --check"] = "lunid: --out: expected a directory, got '--check': --out has no value\nlunid: see `lunid run --help`\n",
     ["discover --mas 3"] = "lunid: discover has no option '--mas', did you mean '--mass'?\nlunid: see `lunid discover --help`\n",
     ["run s.lua --zzz=3"] = "lunid: run has no option '--zzz'\nlunid: see `lunid run --help`\n",
     ["check s.lua more"] = "lunid: check: one word too many: 'more'\nlunid: see `lunid check --help`\n",
