@@ -161,16 +161,17 @@ void settle(FirstState& state, double power, FitSegment& segment) {
 void settle_first_states(const System& system, const VectorXd& theta, const std::vector<FitData>& data,
                          const FitOptions& options, std::vector<FitSegment>& segments) {
   Problem problem(system, data, options, options.substeps);
+  const VectorXd all = problem.layout().expanded(theta);
   std::vector<double> powers;  // of each record, which may be cut into very many segments
   for (const FitData& d : data) powers.push_back(power_of(system, d.record, options));
   for (FitSegment& segment : segments) {
     const auto r = static_cast<std::size_t>(segment.record);
-    FirstState state(problem, theta, measured_motion(system, data[r].record), {});
+    FirstState state(problem, all, measured_motion(system, data[r].record), {});
     FitSegment settled = segment;
     settle(state, powers[r], settled);
     const auto cost = [&](const FitSegment& s) {
       problem.prepare({s});
-      return problem.evaluate(theta, {s}, false).cost;
+      return problem.evaluate(all, {s}, false).cost;
     };
     if (cost(settled) < cost(segment)) segment = std::move(settled);
   }
