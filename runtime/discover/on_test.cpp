@@ -36,9 +36,8 @@ std::string left_open_by_training(const Candidate& named, const std::string& fau
 std::string taken_for_noise(const Round& round) {
   return "what " + round.found.chosen.name() + " leaves of the training records is " +
          number(round.left.gap.value / round.left.gap.floor, 2) +
-         " times the noise that the band beside their motion shows. It is taken for noise of a colour which that "
-         "band " +
-         "does not show: generic forces of the motion see nothing in it, it follows no force, and it is no larger a " +
+         " times the noise that the band beside their motion shows. It is taken for noise of a colour that this band "
+         "does not show: generic forces of the motion see nothing in it, it follows no force, and it is no larger a "
          "part of the motion on the test records";
 }
 
@@ -173,8 +172,10 @@ class OnTest {
       shorter = short_test_runs(round);
       std::tie(fault, of_all) = held_against_test(round, shorter);
     }
+    const Choices judged = found.chosen.choices;
+    std::string noise;
     if (!fault.empty() && !of_all && !shorter && leaves_noise_of_a_colour(round)) {
-      out_.warnings.push_back(taken_for_noise(round));
+      noise = taken_for_noise(round);
       fault.clear();
     }
     const Study& study = shorter ? shorter->study : study_;
@@ -195,6 +196,7 @@ class OnTest {
     } else if (const std::size_t stand = steps_that_help(study, round, after); stand < found.steps.size()) {
       take_back(study, round, "did no better on the test record than " + found.steps[stand - 1].model.name(), stand);
     }
+    if (!noise.empty() && found.chosen.choices == judged) out_.warnings.push_back(noise);
     return shorter;
   }
 
